@@ -3290,6 +3290,26 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_re
     }
     return status;
 }
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
+{
+    const gluon_6l3_real number = angle * 0.15915494309189535;
+    gluon_6l3_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        gluon_6l3_real x = angle - 6.283185307179586 * (gluon_6l3_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const gluon_6l3_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
+}
+
 /* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
  * each choice. *undecided is set where nothing decides a joint. */
@@ -3591,28 +3611,13 @@ static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon
     return status;
 }
 
-/* The pose with a unit quaternion; positions beyond any reach are refused, so that no square of them overflows. */
-static gluon_6l3_status gluon_6l3_read_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
-{
-    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
-    if (status == GLUON_6L3_OK) {
-        status = gluon_6l3_check_finite(x, 7, GLUON_6L3_OK);
-    }
-    for (int i = 0; (i < 3) && (status == GLUON_6L3_OK); ++i) {
-        if (!(fabs(x[i]) < 2189129.807023787)) {
-            status = GLUON_6L3_OUT_OF_RANGE;
-        }
-    }
-    return status;
-}
-
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose, const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6], gluon_6l3_real joints[6])
 {
     gluon_6l3_real x[7];
     gluon_6l3_real found[1][6];
     bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_read_pose(pose, x);
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
     if (status == GLUON_6L3_OK) {
         if (gluon_6l3_branches(x, near, wanted, found, &undecided) == 1) {
             status = gluon_6l3_turn_near(about, found[0]);
@@ -3636,7 +3641,7 @@ int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6
     gluon_6l3_real x[7];
     int count = 0;
     bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_read_pose(pose, x);
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
     if (status == GLUON_6L3_OK) {
         const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided);
         for (int k = 0; k < all; ++k) {
@@ -3673,12 +3678,10 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const glu
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real near[6] = { 0.0 };
-        near[0] = cos(guess[0]);
-        near[1] = sin(guess[0]);
-        near[2] = cos(guess[4]);
-        near[3] = sin(guess[4]);
-        near[4] = cos(guess[2]);
-        near[5] = sin(guess[2]);
+        near[0] = gluon_6l3_sine(guess[0] + 1.5707963267948966);
+        near[1] = gluon_6l3_sine(guess[0]);
+        near[3] = gluon_6l3_sine(guess[4]);
+        near[5] = gluon_6l3_sine(guess[2]);
         status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
     }
     return status;

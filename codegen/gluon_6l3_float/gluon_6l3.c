@@ -3288,6 +3288,44 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_re
     }
     return status;
 }
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
+static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
+{
+    const gluon_6l3_real x = fabsf(c);
+    const gluon_6l3_real y = fabsf(s);
+    const bool steep = y > x;
+    const gluon_6l3_real ratio = steep ? (x / y) : (y / x);
+    const gluon_6l3_real square = ratio * ratio;
+    gluon_6l3_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
+}
+
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
+{
+    const gluon_6l3_real number = angle * 0.15915494f;
+    gluon_6l3_real sine = 0.0f;
+    if (fabsf(number) < 10000.0f) {
+        gluon_6l3_real x = angle - 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        if (x > 1.5707964f) {
+            x = 3.1415927f - x;
+        } else if (x < -1.5707964f) {
+            x = -3.1415927f - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const gluon_6l3_real square = x * x;
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f + square * -0.00018363616f)));
+    }
+    return sine;
+}
+
 /* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
  * each choice. *undecided is set where nothing decides a joint. */
@@ -3339,7 +3377,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                     const gluon_6l3_real t39 = t37 + t38;
                     const gluon_6l3_real t40 = t39 * t35;
                     const gluon_6l3_real t41 = -t40;
-                    const gluon_6l3_real t42 = atan2f(t36, t41);
+                    const gluon_6l3_real t42 = gluon_6l3_angle(t36, t41);
                     /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
                     const gluon_6l3_real t43 = t8 + t8;
                     const gluon_6l3_real t44 = t43 * t36;
@@ -3359,7 +3397,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                 const gluon_6l3_real t58 = 0.5f * t57;
                                 const gluon_6l3_real t59 = sqrtf(t58);
                                 const gluon_6l3_real t60 = sign1 * t59;
-                                const gluon_6l3_real t61 = atan2f(t60, t47);
+                                const gluon_6l3_real t61 = gluon_6l3_angle(t60, t47);
                                 /* q6 turns the normal of q2, q3, q4 to where it must be */
                                 const gluon_6l3_real t62 = x[5] * x[5];
                                 const gluon_6l3_real t63 = x[6] * x[6];
@@ -3390,7 +3428,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                 const gluon_6l3_real t88 = sqrtf(t87);
                                 if (t88 > 1.5258789e-05f) {
                                     const gluon_6l3_real t90 = -t85;
-                                    const gluon_6l3_real t91 = atan2f(t90, t74);
+                                    const gluon_6l3_real t91 = gluon_6l3_angle(t90, t74);
                                     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
                                     const gluon_6l3_real t92 = 1.0f / t88;
                                     const gluon_6l3_real t93 = t85 * t92;
@@ -3464,7 +3502,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                                 const gluon_6l3_real t161 = sign2 * t160;
                                                 const gluon_6l3_real t162 = 1.6435293e-05f * t145;
                                                 const gluon_6l3_real t163 = 3.2870586e-05f * t161;
-                                                const gluon_6l3_real t164 = atan2f(t163, t162);
+                                                const gluon_6l3_real t164 = gluon_6l3_angle(t163, t162);
                                                 /* q2 turns a point of the axis of q4 to where it must be */
                                                 const gluon_6l3_real t165 = -0.0057332874f * t161;
                                                 const gluon_6l3_real t166 = t165 * t121;
@@ -3483,7 +3521,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                                 const gluon_6l3_real t179 = t178 * 3.4383436e-06f;
                                                 if (t179 > 1.5258789e-05f) {
                                                     const gluon_6l3_real t181 = -t175;
-                                                    const gluon_6l3_real t182 = atan2f(t181, t171);
+                                                    const gluon_6l3_real t182 = gluon_6l3_angle(t181, t171);
                                                     /* q4 turns a direction of the tool to where it must be */
                                                     const gluon_6l3_real t183 = 1.0f / t178;
                                                     const gluon_6l3_real t184 = t171 * t183;
@@ -3525,7 +3563,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                                     const gluon_6l3_real t220 = t215 + t219;
                                                     const gluon_6l3_real t221 = sqrtf(t220);
                                                     if (t221 > 1.5258789e-05f) {
-                                                        const gluon_6l3_real t223 = atan2f(t218, t214);
+                                                        const gluon_6l3_real t223 = gluon_6l3_angle(t218, t214);
                                                         found[count][0] = t42;
                                                         found[count][1] = t182;
                                                         found[count][2] = t164;
@@ -3589,28 +3627,13 @@ static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon
     return status;
 }
 
-/* The pose with a unit quaternion; positions beyond any reach are refused, so that no square of them overflows. */
-static gluon_6l3_status gluon_6l3_read_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
-{
-    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
-    if (status == GLUON_6L3_OK) {
-        status = gluon_6l3_check_finite(x, 7, GLUON_6L3_OK);
-    }
-    for (int i = 0; (i < 3) && (status == GLUON_6L3_OK); ++i) {
-        if (!(fabsf(x[i]) < 2.1891298e+06f)) {
-            status = GLUON_6L3_OUT_OF_RANGE;
-        }
-    }
-    return status;
-}
-
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose, const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6], gluon_6l3_real joints[6])
 {
     gluon_6l3_real x[7];
     gluon_6l3_real found[1][6];
     bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_read_pose(pose, x);
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
     if (status == GLUON_6L3_OK) {
         if (gluon_6l3_branches(x, near, wanted, found, &undecided) == 1) {
             status = gluon_6l3_turn_near(about, found[0]);
@@ -3634,7 +3657,7 @@ int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6
     gluon_6l3_real x[7];
     int count = 0;
     bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_read_pose(pose, x);
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
     if (status == GLUON_6L3_OK) {
         const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided);
         for (int k = 0; k < all; ++k) {
@@ -3671,12 +3694,10 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const glu
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real near[6] = { 0.0f };
-        near[0] = cosf(guess[0]);
-        near[1] = sinf(guess[0]);
-        near[2] = cosf(guess[4]);
-        near[3] = sinf(guess[4]);
-        near[4] = cosf(guess[2]);
-        near[5] = sinf(guess[2]);
+        near[0] = gluon_6l3_sine(guess[0] + 1.5707964f);
+        near[1] = gluon_6l3_sine(guess[0]);
+        near[3] = gluon_6l3_sine(guess[4]);
+        near[5] = gluon_6l3_sine(guess[2]);
         status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
     }
     return status;

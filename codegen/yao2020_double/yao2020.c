@@ -2584,6 +2584,26 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
     }
     return status;
 }
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static yao2020_real yao2020_sine(yao2020_real angle)
+{
+    const yao2020_real number = angle * 0.15915494309189535;
+    yao2020_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const yao2020_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
+}
+
 /* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
  * each choice. *undecided is set where nothing decides a joint. */
@@ -2822,28 +2842,13 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
     return status;
 }
 
-/* The pose with a unit quaternion; positions beyond any reach are refused, so that no square of them overflows. */
-static yao2020_status yao2020_read_pose(const yao2020_pose *pose, yao2020_real x[7])
-{
-    yao2020_status status = yao2020_normalise_pose(pose, x);
-    if (status == YAO2020_OK) {
-        status = yao2020_check_finite(x, 7, YAO2020_OK);
-    }
-    for (int i = 0; (i < 3) && (status == YAO2020_OK); ++i) {
-        if (!(fabs(x[i]) < 2220090.088262186)) {
-            status = YAO2020_OUT_OF_RANGE;
-        }
-    }
-    return status;
-}
-
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6], unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
 {
     yao2020_real x[7];
     yao2020_real found[1][6];
     bool undecided = false;
-    yao2020_status status = yao2020_read_pose(pose, x);
+    yao2020_status status = yao2020_normalise_pose(pose, x);
     if (status == YAO2020_OK) {
         if (yao2020_branches(x, near, wanted, found, &undecided) == 1) {
             status = yao2020_turn_near(about, found[0]);
@@ -2867,7 +2872,7 @@ int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
     yao2020_real x[7];
     int count = 0;
     bool undecided = false;
-    yao2020_status status = yao2020_read_pose(pose, x);
+    yao2020_status status = yao2020_normalise_pose(pose, x);
     if (status == YAO2020_OK) {
         const int all = yao2020_branches(x, near, 63U, joints, &undecided);
         for (int k = 0; k < all; ++k) {
@@ -2904,12 +2909,9 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_r
     yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
     if (status == YAO2020_OK) {
         yao2020_real near[6] = { 0.0 };
-        near[0] = cos(guess[3]);
-        near[1] = sin(guess[3]);
-        near[2] = cos(guess[4]);
-        near[3] = sin(guess[4]);
-        near[4] = cos(guess[1]);
-        near[5] = sin(guess[1]);
+        near[0] = yao2020_sine(guess[3] + 1.5707963267948966);
+        near[2] = yao2020_sine(guess[4] + 1.5707963267948966);
+        near[4] = yao2020_sine(guess[1] + 1.5707963267948966);
         status = yao2020_one_branch(pose, near, 0U, guess, joints);
     }
     return status;

@@ -2582,6 +2582,44 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
     }
     return status;
 }
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
+static yao2020_real yao2020_angle(yao2020_real s, yao2020_real c)
+{
+    const yao2020_real x = fabsf(c);
+    const yao2020_real y = fabsf(s);
+    const bool steep = y > x;
+    const yao2020_real ratio = steep ? (x / y) : (y / x);
+    const yao2020_real square = ratio * ratio;
+    yao2020_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
+}
+
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static yao2020_real yao2020_sine(yao2020_real angle)
+{
+    const yao2020_real number = angle * 0.15915494f;
+    yao2020_real sine = 0.0f;
+    if (fabsf(number) < 10000.0f) {
+        yao2020_real x = angle - 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        if (x > 1.5707964f) {
+            x = 3.1415927f - x;
+        } else if (x < -1.5707964f) {
+            x = -3.1415927f - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const yao2020_real square = x * x;
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f + square * -0.00018363616f)));
+    }
+    return sine;
+}
+
 /* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
  * each choice. *undecided is set where nothing decides a joint. */
@@ -2629,7 +2667,7 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                 const yao2020_real t35 = 0.0033333334f * t34;
                 const yao2020_real t36 = 0.0033333334f * t18;
                 const yao2020_real t37 = -t35;
-                const yao2020_real t38 = atan2f(t36, t37);
+                const yao2020_real t38 = yao2020_angle(t36, t37);
                 /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
                 const yao2020_real t39 = -300.0f - t34;
                 const yao2020_real t40 = t39 - (-385.0f);
@@ -2671,7 +2709,7 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                 const yao2020_real t76 = sign1 * t75;
                                 const yao2020_real t77 = t40 * t76;
                                 const yao2020_real t78 = t77 * t70;
-                                const yao2020_real t79 = atan2f(t71, t78);
+                                const yao2020_real t79 = yao2020_angle(t71, t78);
                                 /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be */
                                 const yao2020_real t80 = t0 - t1;
                                 const yao2020_real t81 = t80 + t80;
@@ -2712,7 +2750,7 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             const yao2020_real t115 = sqrtf(t114);
                                             const yao2020_real t116 = sign2 * t115;
                                             const yao2020_real t117 = -t103;
-                                            const yao2020_real t118 = atan2f(t117, t116);
+                                            const yao2020_real t118 = yao2020_angle(t117, t116);
                                             /* theta1 turns the axis of theta3 to where it must be */
                                             const yao2020_real t119 = t47 * t97;
                                             const yao2020_real t120 = t84 * t99;
@@ -2731,7 +2769,7 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             const yao2020_real t133 = t125 + t132;
                                             const yao2020_real t134 = sqrtf(t133);
                                             if (t134 > 1.5258789e-05f) {
-                                                const yao2020_real t136 = atan2f(t131, t124);
+                                                const yao2020_real t136 = yao2020_angle(t131, t124);
                                                 /* theta3 turns a direction of the tool to where it must be */
                                                 const yao2020_real t137 = 1.0f / t134;
                                                 const yao2020_real t138 = t124 * t137;
@@ -2759,7 +2797,7 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                                 const yao2020_real t160 = t149 + t159;
                                                 const yao2020_real t161 = sqrtf(t160);
                                                 if (t161 > 1.5258789e-05f) {
-                                                    const yao2020_real t163 = atan2f(t158, t148);
+                                                    const yao2020_real t163 = yao2020_angle(t158, t148);
                                                     found[count][0] = t136;
                                                     found[count][1] = t118;
                                                     found[count][2] = t163;
@@ -2820,28 +2858,13 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
     return status;
 }
 
-/* The pose with a unit quaternion; positions beyond any reach are refused, so that no square of them overflows. */
-static yao2020_status yao2020_read_pose(const yao2020_pose *pose, yao2020_real x[7])
-{
-    yao2020_status status = yao2020_normalise_pose(pose, x);
-    if (status == YAO2020_OK) {
-        status = yao2020_check_finite(x, 7, YAO2020_OK);
-    }
-    for (int i = 0; (i < 3) && (status == YAO2020_OK); ++i) {
-        if (!(fabsf(x[i]) < 2.22009e+06f)) {
-            status = YAO2020_OUT_OF_RANGE;
-        }
-    }
-    return status;
-}
-
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6], unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
 {
     yao2020_real x[7];
     yao2020_real found[1][6];
     bool undecided = false;
-    yao2020_status status = yao2020_read_pose(pose, x);
+    yao2020_status status = yao2020_normalise_pose(pose, x);
     if (status == YAO2020_OK) {
         if (yao2020_branches(x, near, wanted, found, &undecided) == 1) {
             status = yao2020_turn_near(about, found[0]);
@@ -2865,7 +2888,7 @@ int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
     yao2020_real x[7];
     int count = 0;
     bool undecided = false;
-    yao2020_status status = yao2020_read_pose(pose, x);
+    yao2020_status status = yao2020_normalise_pose(pose, x);
     if (status == YAO2020_OK) {
         const int all = yao2020_branches(x, near, 63U, joints, &undecided);
         for (int k = 0; k < all; ++k) {
@@ -2902,12 +2925,9 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_r
     yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
     if (status == YAO2020_OK) {
         yao2020_real near[6] = { 0.0f };
-        near[0] = cosf(guess[3]);
-        near[1] = sinf(guess[3]);
-        near[2] = cosf(guess[4]);
-        near[3] = sinf(guess[4]);
-        near[4] = cosf(guess[1]);
-        near[5] = sinf(guess[1]);
+        near[0] = yao2020_sine(guess[3] + 1.5707964f);
+        near[2] = yao2020_sine(guess[4] + 1.5707964f);
+        near[4] = yao2020_sine(guess[1] + 1.5707964f);
         status = yao2020_one_branch(pose, near, 0U, guess, joints);
     }
     return status;

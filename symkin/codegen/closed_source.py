@@ -26,8 +26,13 @@ _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
-_REACH = 4e3
-"""Positions beyond so many lengths of the arm are out of reach: slides without limits go to a thousand sizes."""
+_SINE = (0.9999966155528762, -0.16664828239792243, 0.008306323850167805, -0.00018363616794956467)
+"""sin(x) / x in x^2 up to a quarter turn, error of the sine 6e-7: least squares reweighted to the least largest error."""
+_ARCTANGENT = (
+    0.9999993443489075, -0.33329859375953674, 0.19946563243865967, -0.13908618688583374,
+    0.09642169624567032, -0.05591192841529846, 0.02186267077922821, -0.004054484888911247,
+)  # fmt: skip
+"""atan(x) / x in x^2 up to x = 1, error of the angle 3.7e-8, made in the same way."""
 _MOST_TURNS = 1e4
 """Whole turns beyond which an angle is not moved: a float of them tells no angle."""
 
@@ -132,7 +137,10 @@ class ClosedCode:
         self._raw("++count;")
         for closing in reversed(opened):
             self._raw(closing)
-        return _indented("\n".join(emitter.lines).split("\n"))
+        text = "\n".join(emitter.lines)
+        if self.real.name == "float":
+            text = text.replace("atan2f(", f"{self.values['p']}_angle(")
+        return _indented(text.split("\n"))
 
     def _open_conditions(self, strength: str, discriminant: int, opened: list[str]) -> None:
         """What must hold before a step's solutions are formed, and what is said where it does not: nothing decides the joint, two
@@ -168,13 +176,14 @@ class ClosedCode:
             (joint,) = step.joints
             screw = self.plan.arm.screws[joint]
             value = f"guess[{joint}]" + (f" - {self.real.literal(screw.zero)}" if screw.zero else "")
-            first, second = (self.real.call("cos"), self.real.call("sin"))
-            if screw.slides:
-                lines += [f"near[{2 * number}] = {value};", f"near[{2 * number + 1}] = {self.real.literal(0.0)};"]
-            else:
-                lines += [f"near[{2 * number}] = {first}({value});", f"near[{2 * number + 1}] = {second}({value});"]
+            p, quarter = self.values["p"], self.real.literal(0.5 * np.pi)
+            cosine = value if screw.slides else f"{p}_sine({value} + {quarter})"
+            lines += [f"near[{2 * number}] = {cosine};"]
+            lines += [] if screw.slides else [f"near[{2 * number + 1}] = {p}_sine({value});"]
             number += 1
-        return lines
+        # what no statement reads is not computed
+        text = "\n".join(self.body)
+        return [line for line in lines if line.split(" = ")[0] in text]
 
     @property
     def _names(self) -> dict[str, object]:
@@ -192,21 +201,26 @@ class ClosedCode:
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
             "middles": ", ".join(literal(m) for m in middles), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
             "half": literal(0.5), "minus_half": literal(-0.5), "many": literal(_MOST_TURNS),
-            "reach": literal(_REACH * self._farthest),
+            "half_turn": literal(np.pi), "quarter": literal(0.5 * np.pi),
+            "sine": self._polynomial(_SINE), "arctangent": self._polynomial(_ARCTANGENT),
             "named": indent(named, 2),
         }  # fmt: skip
 
-    @property
-    def _farthest(self) -> float:
-        """A length of the arm's order: its size, or how far from the base's origin its parts are at the reference."""
-        points = [screw.point for screw in self.plan.arm.screws] + [tuple(np.asarray(self.plan.arm.tool.position))]
-        return max(self.plan.arm.size, *(float(np.linalg.norm(point)) for point in points))
+    def _polynomial(self, coefficients: tuple[float, ...]) -> str:
+        """C text of a polynomial in `square`, by Horner's rule."""
+        *rest, last = (self.real.literal(c) for c in coefficients)
+        text = last
+        for c in reversed(rest):
+            text = f"{c} + square * {text if text == last else f'({text})'}"
+        return text
 
     @property
     def text(self) -> str:
         """All functions of the closed form."""
         first = f"{self.values['p']}_turn_near(" if self.newton is None else f"{self.values['p']}_settle(x, "
-        return fill("closed.c", self._names | {"finish": self._finish, "settle": first})
+        sine = fill("closed_trigonometry.c", self._names) if any("_sine(" in line for line in self._near_lines) else ""
+        angle = fill("closed_angle.c", self._names) if any("_angle(" in line for line in self.body) else ""
+        return angle + sine + fill("closed.c", self._names | {"finish": self._finish, "settle": first})
 
     @property
     def _finish(self) -> str:

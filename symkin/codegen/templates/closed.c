@@ -31,28 +31,13 @@ static @{p}_status @{p}_turn_near(const @{real} about[@{nn}], @{real} joints[@{n
 }
 
 @{finish}
-/* The pose with a unit quaternion; positions beyond any reach are refused, so that no square of them overflows. */
-static @{p}_status @{p}_read_pose(const @{p}_pose *pose, @{real} x[7])
-{
-    @{p}_status status = @{p}_normalise_pose(pose, x);
-    if (status == @{P}_OK) {
-        status = @{p}_check_finite(x, 7, @{P}_OK);
-    }
-    for (int i = 0; (i < 3) && (status == @{P}_OK); ++i) {
-        if (!(@{fabs}(x[i]) < @{reach})) {
-            status = @{P}_OUT_OF_RANGE;
-        }
-    }
-    return status;
-}
-
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static @{p}_status @{p}_one_branch(const @{p}_pose *pose, const @{real} near[@{nears}], unsigned int wanted, const @{real} about[@{nn}], @{real} joints[@{nn}])
 {
     @{real} x[7];
     @{real} found[1][@{nn}];
     bool undecided = false;
-    @{p}_status status = @{p}_read_pose(pose, x);
+    @{p}_status status = @{p}_normalise_pose(pose, x);
     if (status == @{P}_OK) {
         if (@{p}_branches(x, near, wanted, found, &undecided) == 1) {
             status = @{settle}about, found[0]);
@@ -76,7 +61,7 @@ int @{p}_inverse_all(const @{p}_pose *pose, @{real} joints[@{branches}][@{nn}])
     @{real} x[7];
     int count = 0;
     bool undecided = false;
-    @{p}_status status = @{p}_read_pose(pose, x);
+    @{p}_status status = @{p}_normalise_pose(pose, x);
     if (status == @{P}_OK) {
         const int all = @{p}_branches(x, near, @{both}, joints, &undecided);
         for (int k = 0; k < all; ++k) {
