@@ -66,7 +66,7 @@ class Case:
 
 def all_cases(seed: int) -> list[Case]:
     from dietmaier1998 import LEGS, platform
-    from helpers.samples import delta, five_bar, three_rps, three_rrr
+    from helpers.samples import delta, five_bar, pieper, three_rps, three_rrr
 
     rng = np.random.default_rng(seed)
     dietmaier, planar, spatial = platform(), three_rrr("planar"), replace(delta(), motion="spatial")
@@ -92,6 +92,7 @@ def all_cases(seed: int) -> list[Case]:
         about_reference("3-TRT+SPS, links", symkin.load("zhao2000_links"), 32, shipped=True),
         of_joints("yao2020", symkin.load("yao2020"), 8, shipped=True),
         of_joints("gluon_6l3", symkin.load("gluon_6l3"), 8, shipped=True),
+        of_joints("spherical wrist", pieper(), 8),
         of_joints("general 6R", general_6r(rng), 16),
     ]
 

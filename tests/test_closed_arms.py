@@ -159,3 +159,29 @@ def test_a_short_arm_has_no_mode_at_a_pose_beside_its_own() -> None:
     assert len(symkin.modes(arm, pose=pose)) >= 1
     q = pose.quaternion + np.array([0.0, 0.05, -0.03, 0.02])
     assert not len(symkin.modes(arm, pose=symkin.Pose(pose.position, q / np.linalg.norm(q)), method=None))
+
+
+@pytest.mark.parametrize("name", ["wrist_parallel_two_three", "stanford", "scara"])
+def test_solve_by_the_closed_form_takes_the_nearest_branch(name: str) -> None:
+    """From beside an arm's joints the closed form leads back to them, whole turns included, in one step, where Newton's method does."""
+    arm, rng = ALL[name], np.random.default_rng(6)
+    for _ in range(5):
+        values = np.array(random_values(arm, rng))
+        angular = np.array([c.is_angular for c in arm.actuated])
+        start = values + 1e-3 * rng.uniform(-1, 1, len(values))
+        found = symkin.solve(arm, pose=pose_of(arm, values), start=start.tolist(), solver="closed")
+        newton = symkin.solve(arm, pose=pose_of(arm, values), start=start.tolist())
+        assert (found.iterations, found.method) == (1, "closed")
+        assert turned(list(found.solution.actuated_values), list(newton.solution.actuated_values), arm) < ON_LINE
+        assert turned(list(found.solution.actuated_values), values, arm) < ON_LINE
+        assert angular.any()
+
+
+def test_solve_by_a_closed_form_that_is_not_there() -> None:
+    """No formulas: a sentence; out of reach: no solution."""
+    platform = symkin.load("zhang2009")
+    with pytest.raises(InputError, match="has no closed form"):
+        symkin.solve(platform, joints=platform.example.joints, solver="closed")
+    arm = symkin.load("gluon_6l3")
+    far = symkin.solve(arm, pose=[1e4, 0, 0, 1, 0, 0, 0], solver="closed", check=False)
+    assert (far.solution, far.status) == (None, "infeasible")

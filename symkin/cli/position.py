@@ -37,6 +37,7 @@ class Method(StrEnum):
 class SolverName(StrEnum):
     newton = "newton"
     ipopt = "ipopt"
+    closed = "closed"
 
 
 @reads_robots

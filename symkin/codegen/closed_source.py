@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closed.evaluation import Decision, Evaluation
+from symkin.closed.geometry import across
 from symkin.closed.plan import Plan
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.closure.snapping import snapped_expression
@@ -86,11 +87,13 @@ class ClosedCode:
         return found, at
 
     def _gap(self, at: Evaluation) -> ca.SX:
-        """Square of how far the joints' tool pose is from the given one: origin, and two axes times the size."""
+        """Square of how far the joints' tool pose is from the given one: origin, and two directions times the size, one of which is
+        an axis, since fewer joints turn it."""
         chain: Word = tuple(Factor(i) for i in range(len(self.plan.arm)))
         total = ca.SX(0)
         x, y, z = (float(v) for v in np.asarray(self.plan.arm.tool.position))
-        for operand in (Operand((x, y, z), True), Operand((1.0, 0.0, 0.0), False), Operand((0.0, 1.0, 0.0), False)):
+        axis = next((s.axis for s in reversed(self.plan.arm.screws) if not s.slides), (0.0, 0.0, 1.0))
+        for operand in (Operand((x, y, z), True), Operand(axis, False), Operand(across(axis)[0], False)):
             gap = at.value(operand.carried(chain)) - at.value(operand.carried((Factor(TOOL),)))
             total += (1.0 if operand.is_point else self.plan.arm.size**2) * ca.dot(gap, gap)
         return total

@@ -13,6 +13,7 @@ from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.closed import ClosedForm
 from symkin.position.given import Given, Joints, given_from
 from symkin.position.given_by_name import Values, named_given, plain_case
 from symkin.position.least_squares import LeastSquares
@@ -33,11 +34,12 @@ from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
 from symkin.spatial.pose import Pose
 
-Solver = Newton | LeastSquares
+Solver = Newton | LeastSquares | ClosedForm
 SOLVERS: dict[str, Solver] = {
     "newton": Newton(),
     "fast_newton": Newton(method="fast_newton"),
     "ipopt": LeastSquares(),
+    "closed": ClosedForm(),
 }
 RESTARTS = 20
 
@@ -57,7 +59,8 @@ def solve(
     Values are in the mechanism's units: actuated joints in file order or by name; a pose is x, y, z, qw, qx, qy, qz. `start` is a
     pose for the direct problem and all actuated joints for the inverse one; default: the example's, else the
     reference. A start where the closure's Jacobian loses rank is moved, and `notes` says where to. `solver` is "newton",
-    "fast_newton" (CasADi's rootfinders), "ipopt" (least squares with joint limits as bounds), or a value of
+    "fast_newton" (CasADi's rootfinders), "ipopt" (least squares with joint limits as bounds), "closed" (the
+    formulas of an arm that has some, at each choice the solution nearest to the start), or a value of
     `symkin.position.newton.Newton` or `symkin.position.least_squares.LeastSquares`. The answer is checked on all rows.
 
     `given` maps names of coordinates to values: joints, passive ones too, and x, y, z, azimuth, tilt and torsion of the platform, or

@@ -19,6 +19,7 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.closed import ClosedForm
 from symkin.position.determination import determination, is_least, misfit_note, refuse_contradictions
 from symkin.position.given import Given
 from symkin.position.given_by_name import given_by_name
@@ -54,7 +55,9 @@ class _Attempt:
     steps: int
 
 
-def solve_by_name(mechanism: Mechanism, given: Given, start: Start, solver: Newton | LeastSquares | None) -> SolveResult:
+def solve_by_name(
+    mechanism: Mechanism, given: Given, start: Start, solver: Newton | LeastSquares | ClosedForm | None
+) -> SolveResult:
     """The configuration near a start that has the given values; `solver` in place of Levenberg-Marquardt."""
     clock = time.perf_counter()
     begin = _start_by_name(mechanism, given, start)
@@ -154,7 +157,7 @@ def _values_in(problem: Problem, other: Problem, values: np.ndarray) -> np.ndarr
 # --- iterations ----------------------------------------------------------------------------------------------------
 
 
-def _iterated(problem: Problem, given: Given, z: np.ndarray, solver: Newton | LeastSquares | None) -> _Attempt:
+def _iterated(problem: Problem, given: Given, z: np.ndarray, solver: Newton | LeastSquares | ClosedForm | None) -> _Attempt:
     system = problem.system
     if system.width == 0:
         return _Attempt(z, z, system.residual(z, given.values), 0)
