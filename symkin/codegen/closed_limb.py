@@ -30,10 +30,12 @@ def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, 
     assert block.formulas is not None  # noqa: S101 - the caller has looked
     joints, rates = _Formulas(made, block, block.formulas).joints_and_rates
     count = len(actuated_places(block)) * int(block.sides.shape[1])
-    return fill("closed_limb.c", {
+    values = {
         **common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count, "joints_lines": indent(joints),
         "rates_lines": indent(rates),
-    })  # fmt: skip
+    }  # fmt: skip
+    # a limb without actuated joints has no rates
+    return fill("closed_limb.c", values) + (fill("closed_limb_rates.c", values) if count else "")
 
 
 def actuated_places(block: LimbBlock) -> list[int]:

@@ -264,6 +264,8 @@ class LimbPlatformSource:
         """Statements that copy the rates of a limb in closed form."""
         columns, k = COLUMNS[self.made.mechanism.motion], f"{self.name}_{block.name}"
         actuated = [there for array, there, _ in self._places(block) if array == "q"]
+        if not actuated:
+            return []
         copies = [
             f"    jacobian[{6 * there + column}] = of_limb[{i * len(columns) + j}];"
             for i, there in enumerate(actuated)
