@@ -2,12 +2,14 @@
 
     python benchmarks/large_robot.py [--limbs 6] [--open 0.2]
 
-`--open` tells joints from other zeros, up to that many radians away, at which the loops are open (MJCF, URDF). Seconds of the processor in this process (imports done), and of the clock for whole commands.
+`--open` tells joints from other zeros, up to that many radians away, at which the loops are open (MJCF, URDF). Seconds of the processor
+in this process (imports done); of whole commands those of the processor, by which they are judged, and of the clock.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
@@ -33,12 +35,15 @@ def timed(work: Callable[[], object]) -> tuple[float, float]:
     return time.process_time() - processor, time.perf_counter() - clock
 
 
-def commands(path: Path) -> dict[str, float]:
+def commands(path: Path) -> dict[str, tuple[float, float]]:
+    """Seconds of the processor and of the clock of each command, as a process of its own."""
     found = {}
     for verb in ("close", "show"):
-        begin = time.perf_counter()
+        clock, before = time.perf_counter(), os.times()
         subprocess.run([sys.executable, "-m", "symkin", verb, str(path)], check=True, stdout=subprocess.DEVNULL)
-        found[verb] = time.perf_counter() - begin
+        after = os.times()
+        processor = after.children_user + after.children_system - before.children_user - before.children_system
+        found[verb] = processor, time.perf_counter() - clock
     return found
 
 
@@ -50,9 +55,7 @@ def main() -> int:
     machine = opened(humanoid(options.limbs), options.open)
     slowest = 0.0
     print(f"{len(machine.parts)} joints, {len(machine.pins)} loops, mobility {machine.mobility}")
-    print(
-        f"{'format':8s} {'read':>7s} {'closed':>8s} {'loaded':>8s} {'shown':>8s}   s of the processor;   commands, s of the clock"
-    )
+    print(f"{'format':8s} {'read':>7s} {'closed':>8s} {'loaded':>8s} {'shown':>8s}   s of the processor; commands (of the clock)")
     with tempfile.TemporaryDirectory() as folder:
         for suffix in ("xml", "urdf", "sdf"):
             path = write(machine, suffix, Path(folder))
@@ -68,9 +71,12 @@ def main() -> int:
             assert found.mobility == machine.mobility
             assert symkin.mobility(symkin.load(path)).mobility == machine.mobility
             whole = commands(path)
-            slowest = max(slowest, *whole.values())
+            slowest = max(slowest, *(processor for processor, _ in whole.values()))
             times = " ".join(f"{seconds:8.2f}" for seconds in steps)
-            print(f"{suffix:7s}{times}   " + ", ".join(f"{verb} {seconds:.2f}" for verb, seconds in whole.items()), flush=True)
+            print(
+                f"{suffix:7s}{times}   " + ", ".join(f"{verb} {cpu:.2f} ({clock:.2f})" for verb, (cpu, clock) in whole.items()),
+                flush=True,
+            )
     print(f"slowest command: {slowest:.2f} s (allowed: {ALLOWED_S:g})")
     return 0 if slowest <= ALLOWED_S else 1
 

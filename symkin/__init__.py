@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
-    from symkin.formats.convert import convert
     from symkin.position.close import close
     from symkin.position.close_result import ClosedConfiguration
+    from symkin.position.convert import convert
     from symkin.position.least_squares import LeastSquares as LeastSquares
     from symkin.position.mobility import mobility
     from symkin.position.mobility_result import Mobility
@@ -128,7 +128,7 @@ _LATER = {
     "Track": "symkin.following.track_result",
     "calibrate": "symkin.calibration.calibrate",
     "close": "symkin.position.close",
-    "convert": "symkin.formats.convert",
+    "convert": "symkin.position.convert",
     "jacobian": "symkin.velocity.jacobian",
     "mobility": "symkin.position.mobility",
     "mode_graph": "symkin.following.mode_graph",

@@ -125,6 +125,31 @@ def test_the_picture_of_the_closed_configuration(tmp_path: Path, capsys: pytest.
     assert "has no picture format" in err
 
 
+def test_a_robot_of_welds_alone_moves_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A free body that a weld joins to the world: it is closed, and no mechanism."""
+    path = tmp_path / "welded.xml"
+    path.write_text(
+        file_text(body("beam", "0 1 0", "<freejoint/>"), '<equality><weld body1="beam"/></equality>'), encoding="utf-8"
+    )
+    found = symkin.close(path)
+    assert found.closed
+    assert found.reference is None
+    assert (found.rank, found.mobility) == (6, 0)
+    for command in ("show", "modes", "solve"):
+        status, _, err = run(capsys, command, str(path))
+        assert status == 2
+        assert "no joint moves" in err
+
+
+def test_balls_alone_leave_no_joint_to_be_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "ball.xml"
+    path.write_text(file_text(body("beam", "0 1 0", joint("ball", 'type="ball"'))), encoding="utf-8")
+    status, _, err = run(capsys, "modes", str(path))
+    assert status == 2
+    assert "3 freedoms" in err
+    assert "no joint is left to be given" in err
+
+
 def test_what_is_written_reads_back(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The mechanism file has the closed configuration as its reference: it is closed, with the same joint values and mobility."""
     path, output = open_four_bar(tmp_path, 0.6), tmp_path / "closed.toml"

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import symkin
@@ -93,14 +94,14 @@ def test_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
 
 
 def test_what_no_format_holds(tmp_path: Path) -> None:
-    """A reference that is open, a weld that joins two links alone, a link with the name of the base of MJCF."""
+    """Loops that nothing closes, a weld that joins two links alone, a link with the name of the base of MJCF."""
     joint = symkin.LinkJoint(symkin.Joint("q", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "arm"])
     other = symkin.LinkJoint(symkin.Joint("p", "R", [9, 0, 0], [0, 0, 1]), ["base", "lever"])
-    rod = symkin.LinkRod("rod", ["arm", "lever"], [1, 0, 0], [9, 1, 0], length=9.0)
+    rod = symkin.LinkRod("rod", ["arm", "lever"], [1, 0, 0], [9, 1, 0], length=12.0)
     weld = symkin.LinkJoint(symkin.Joint("w", "weld", [1, 0, 0]), ["arm", "world"])
     turned = symkin.LinkJoint(symkin.Joint("r", "R", [1, 0, 0], [0, 1, 0]), ["arm", "world"])
     for parts, sentence in [
-        ({"link_joints": [joint, other], "link_rods": [rod]}, "are open at the reference"),
+        ({"link_joints": [joint, other], "link_rods": [rod]}, "no closed configuration was found, .* leaves 1"),
         ({"link_joints": [joint, weld]}, "the weld 'w' alone joins the links 'arm' and 'world'"),
         ({"link_joints": [joint, turned]}, "a link is named 'world'"),
     ]:
@@ -118,6 +119,9 @@ def test_what_no_format_holds(tmp_path: Path) -> None:
         ("ankle = U", "ankle = C", "make no C"),
         ("ankle = U", "ankle = H x", "holds no finite number"),
         ("actuated: ", "actuated: nobody, ", "names the joint 'nobody'"),
+        ("platform: foot | ", "platform: foot | x | ", "is no LINK | X | Y"),
+        ("platform: foot | ", "platform: shank | ", "platform.link = 'shank' is unknown"),
+        ("points: toe | foot | ", "points: toe | ", "is no NAME | LINK | X"),
         ("upper_rod = rod: upper_rod.from, upper_rod.to", "upper_rod = rod: upper_rod.from", "make no rod"),
     ],
 )
@@ -157,3 +161,32 @@ def test_motors_are_those_of_the_mechanism(name: str, suffix: str, tmp_path: Pat
     first = next((e.joint.name for e in idle.link_joints if e.joint.type == "R"), None)
     if first is not None:
         assert [c.name for c in symkin.load(path, symkin.ReadOptions(actuated=[first])).actuated] == [first]
+
+
+@pytest.mark.parametrize("suffix", [".toml", *FORMATS])
+def test_an_open_reference_is_closed(suffix: str, tmp_path: Path) -> None:
+    """A rod of 9 mm whose ends are 8.06 mm apart at the reference: in the file it has its length, and the joints the values of `close`."""
+    joint = symkin.LinkJoint(symkin.Joint("q", "R", [0, 0, 0], [0, 0, 1], actuated=True), ["base", "arm"])
+    other = symkin.LinkJoint(symkin.Joint("p", "R", [9, 0, 0], [0, 0, 1], zero=0.3), ["base", "lever"])
+    rod = symkin.LinkRod("rod", ["arm", "lever"], [1, 0, 0], [9, 1, 0], length=9.0)
+    mechanism = symkin.Mechanism("open", link_joints=[joint, other], link_rods=[rod])
+    metres = 1.0 if suffix == ".toml" else 1e-3
+    written = symkin.load(symkin.convert(mechanism, tmp_path / f"m{suffix}"))
+    assert written.link_rods[0].reference_length == pytest.approx(9.0 * metres, rel=1e-12)
+    assert np.linalg.norm(written.link_rods[0].start) == pytest.approx(metres, rel=1e-12)
+    found = symkin.close(mechanism)
+    assert found.reference is not None
+    for entry in written.link_joints:
+        assert entry.joint.zero == pytest.approx(found.joints[entry.joint.name], abs=1e-12)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_the_tool_stands_where_it_stood(suffix: str, tmp_path: Path) -> None:
+    """The platform frame comes back: the pose of an arm for the same joint values, in metres."""
+    mechanism = symkin.load("gluon_6l3")
+    written = symkin.load(symkin.convert(mechanism, tmp_path / f"arm{suffix}"))
+    values = [10.0, -20.0, 30.0, 40.0, -50.0, 60.0]
+    before = symkin.solve(mechanism, joints=values).solution
+    after = symkin.solve(written, joints=[math.radians(v) for v in values]).solution
+    np.testing.assert_allclose(after.position, 1e-3 * np.asarray(before.position), atol=1e-10)
+    assert min(np.abs(after.quaternion - sign * np.asarray(before.quaternion)).max() for sign in (1, -1)) <= 1e-10

@@ -53,6 +53,13 @@ def test_pinocchio_moves_as_symkin(name: str, tmp_path: Path) -> None:
     PinocchioAccount(mechanism, symkin.convert(mechanism, tmp_path / "written.urdf")).check()
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_pinocchio_moves_as_random_graphs(seed: int, tmp_path: Path) -> None:
+    pytest.importorskip("pinocchio")
+    mechanism = random_graph(seed, lines_only=True)
+    PinocchioAccount(mechanism, symkin.convert(mechanism, tmp_path / "written.urdf")).check()
+
+
 @pytest.mark.parametrize("name", COUPLED)
 def test_joints_that_follow_two_others(name: str, tmp_path: Path) -> None:
     with pytest.raises(symkin.MechanismError, match=r"is no line of one other joint, .*MJCF \(\.xml\) holds it"):

@@ -225,6 +225,17 @@ def test_every_way_of_writing_a_loop_in_urdf_is_the_same_machine(name: str, form
         np.testing.assert_allclose(pose, poses[part], atol=POSE)
 
 
+@pytest.mark.parametrize("name", [name for name in MACHINES if name not in LARGE])
+@pytest.mark.parametrize("form", [0, 1])
+def test_joints_of_a_graph_are_told_from_either_link(name: str, form: int, read_one: Any) -> None:
+    """MuJoCo's poses for the same values, whichever link the file calls a joint's parent."""
+    one = read_one(name, "sdf", form)
+    (solution,) = solved(one, 1, seed=2)
+    poses = one.mujoco.poses(one.mujoco.place(values_of(one, solution)))
+    for part, pose in part_poses(one, solution).items():
+        np.testing.assert_allclose(pose, poses[part], atol=POSE)
+
+
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_names_motors_ranges_and_couplings_are_those_of_the_machine(suffix: str, read_one: Any) -> None:
     for name in ("four_bar", "gripper", "parallel_ankle"):

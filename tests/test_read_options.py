@@ -244,3 +244,14 @@ def test_files_in_xacro_are_read_by_many_threads_at_once(tmp_path: Path) -> None
 
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(reach, range(1, 25))) == [float(k) for k in range(1, 25)]
+
+
+def test_nothing_is_printed_beside_the_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """xacro's warnings, as of a property told anew, stay away from the terminal."""
+    pytest.importorskip("xacro")
+    told = "<xacro:property name='pi' value='3'/><xacro:property name='said' value=\"${xacro.message('hello')}\"/><xacro:property name='half' value='2'/>"
+    read_urdf(
+        in_file(tmp_path, MACROS.replace('<link name="ground"/>', f'{told}<link name="ground"/>')),
+        ReadOptions(arguments={"name": "rod"}),
+    )
+    assert capsys.readouterr() == ("", "")

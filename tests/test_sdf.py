@@ -385,3 +385,20 @@ def test_show_and_close_give_one_account_of_a_singular_file_that_closes_to_its_d
         (note,) = (note for note in account["notes"] if "singular" in note)
         assert "digits of the file" in note
         assert {" 12", " 8"} <= {word.rstrip(",;") and " " + word.rstrip(",;") for word in note.split()}
+
+
+def test_a_coupling_names_the_axis_of_a_universal_joint_that_is_told_from_the_other_link(tmp_path: Path) -> None:
+    """The file's joint turns the root against the link about x and then y: seen from the root, the first turn is that about y, backward.
+    What follows axis2 follows this one."""
+    inside = """<link name='a'/><link name='b'/><link name='c'/>
+    <joint name='u' type='universal'><parent>b</parent><child>a</child><pose relative_to='__model__'/><axis><xyz>1 0 0</xyz></axis>
+    <axis2><xyz>0 1 0</xyz></axis2></joint>
+    <joint name='j' type='revolute'><parent>a</parent><child>c</child><axis><xyz>0 0 1</xyz><mimic joint='u' axis='axis2'>
+    <multiplier>2</multiplier></mimic></axis></joint>"""
+    robot = read(tmp_path, inside, "1.11")
+    (coupling,) = robot.couplings
+    assert (coupling.joint, coupling.terms) == ("j", (("u.1", 2.0),))
+    turned = poses_at(robot, {"u": (0.3, 0.7), "j": 0.6})
+    # a in b: about x by 0.7, then about y by 0.3
+    np.testing.assert_allclose(turned["b"].rotation, (_turn(0.7, 0, 0) @ _turn(0, 0.3, 0)).T, atol=1e-15)
+    assert any(".1 turns about axis2 and .2 about axis: u" in note for note in robot.notes)

@@ -77,5 +77,5 @@ def _content(mech: str, found: ClosedConfiguration, output: Path) -> str:
 
         return with_keyframe(Path(mech), found.joints, found.link_poses)
     if found.reference is None:
-        raise InputError(f"-o: {mech} has no joint that moves, or is a mechanism file with an open reference; give a .json")
+        raise InputError(f"output {str(output)!r}: {mech} has no joint that moves; give a .json")
     return found.reference.to_toml()

@@ -22,7 +22,7 @@ def convert(
     ] = "loop",
 ) -> None:
     """Write a mechanism in another format: `symkin convert ankle -o ankle.xml`. Its kinematics are the same; masses are plain."""
-    from symkin.formats.convert import convert as convert_one
+    from symkin.position.convert import convert as convert_one
 
     written = convert_one(mech, output, read, loops=loops)  # type: ignore[arg-type]
     print(f"written: {written}")

@@ -10,8 +10,8 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
-from symkin.formats.parts import whole_again
 from symkin.formats.robot import Closure, Robot
+from symkin.formats.whole_joints import whole_again
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import Joint
 from symkin.model.mechanism import Mechanism
@@ -62,7 +62,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
         source=robot.source,
         link_meshes=list(_link_meshes(robot, closed)),
     )
-    return whole_again(found, robot.parts)
+    return whole_again(found, robot.parts.moved(closed.displacements))
 
 
 def _link_meshes(robot: Robot, closed: Closed) -> Iterator[LinkMesh]:

@@ -51,11 +51,17 @@ def as_graph(mechanism: Mechanism) -> Mechanism:
     )
 
 
-def _chain(limb: Limb) -> Iterator[LinkJoint]:
-    """The joints of a limb, each between two of its links; the rods at its end take the place of a last one."""
+def links_along(limb: Limb) -> list[str]:
+    """The links of a limb in order: its first, those between its joints, and behind the last joint its last or the one that carries
+    its rods."""
     first, last = limb.links
     inner = len(limb.joints) - (0 if limb.rods else 1)
-    links = [first, *(f"{limb.name}.{k}" for k in range(1, inner + 1)), *([] if limb.rods else [last])]
+    return [first, *(f"{limb.name}.{k}" for k in range(1, inner + 1)), *([] if limb.rods else [last])]
+
+
+def _chain(limb: Limb) -> Iterator[LinkJoint]:
+    """The joints of a limb, each between two of its links."""
+    links = links_along(limb)
     for k, joint in enumerate(limb.joints):
         yield LinkJoint(joint, (links[k], links[k + 1]))
 
@@ -63,7 +69,7 @@ def _chain(limb: Limb) -> Iterator[LinkJoint]:
 def _rods(mechanism: Mechanism, limb: Limb | RodLimb) -> Iterator[LinkRod]:
     """The rods at the end of a limb, between its last link and the platform."""
     pose = mechanism.reference_pose
-    start = limb.links[0] if isinstance(limb, RodLimb) else f"{limb.name}.{len(limb.joints)}"
+    start = limb.links[0] if isinstance(limb, RodLimb) else links_along(limb)[-1]
     for bar in limb.bars(pose):
         driven = bar.coordinate is not None
         yield LinkRod(

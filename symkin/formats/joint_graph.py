@@ -26,6 +26,8 @@ Direction = tuple[float, float, float]
 Z: Direction = (0.0, 0.0, 1.0)
 _COINCIDE = 1e-6
 """Metres and radians: frames that are this near are one to the digits that files hold."""
+_EXCHANGED = {"1": "2", "2": "1"}
+"""Coordinates of a universal joint told from its other link."""
 _SQUARE = 1e-6
 """Cosine of the angle between the axes of a universal joint that is taken for zero."""
 
@@ -165,6 +167,7 @@ class _Assembly:
                 *self.graph.notes,
                 *notes,
                 *dropped,
+                *self._exchanged(),
                 *self._lost_couplings(kept),
             ),
             source=self.graph.source,
@@ -176,6 +179,11 @@ class _Assembly:
                 if self.part_of[link] != link
             },
         )
+
+    def _exchanged(self) -> list[str]:
+        names = [self.joint_names[name] for name in self._backward]
+        told = f"told from the link that they carry, so that .1 turns about axis2 and .2 about axis: {first_of(names)}"
+        return [f"universal joints are {told}"] if names else []
 
     def _link_joint(self, carrier: str, link: str, joint: GraphJoint) -> LinkJoint:
         """The joint in the base frame, from the link nearer to the root; turned about where the file tells it from the other."""
@@ -237,7 +245,12 @@ class _Assembly:
         if name in self.joint_names:
             return self.joint_names[name]
         stem, dot, ending = name.rpartition(".")
-        return f"{self.joint_names[stem]}{dot}{ending}"
+        return f"{self.joint_names[stem]}{dot}{_EXCHANGED[ending] if stem in self._backward else ending}"
+
+    @property
+    def _backward(self) -> list[str]:
+        """Universal joints that the file tells from the link that they carry: their first axis is the second one there."""
+        return [joint.name for _, link, joint in self.carried if joint.type == "U" and joint.links[0] == link]
 
     def _is_kept(self, coupling: Coupling, kept: set[str]) -> bool:
         return all(name in kept or name.rpartition(".")[0] in kept for name in (coupling.joint, *coupling.names))

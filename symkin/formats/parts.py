@@ -11,13 +11,16 @@ Statements stand between semicolons; commas, colons and equals signs are no char
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from symkin.errors import MechanismError
-from symkin.model.graph import LinkJoint, LinkRod
+from symkin.model.graph import LinkPoint
 from symkin.model.joint import Joint
-from symkin.model.mechanism import Mechanism
+from symkin.model.mechanism import unit_quaternion
+from symkin.spatial.pose import Pose
 from symkin.text import shown
 
 KEY = "symkin"
@@ -25,7 +28,7 @@ KEY = "symkin"
 JOINTS_TAG = f"{KEY}:joints"
 NAMESPACE = f"urn:{KEY}"
 """Element and namespace of the text in XML that has none of its own."""
-_LISTS = ("actuated", "zeros", "reference", "welds", "order")
+_LISTS = ("actuated", "zeros", "reference", "welds", "order", "platform", "points")
 _KINDS = ("R", "P", "H", "C", "U", "S", "weld", "rod")
 
 
@@ -45,7 +48,8 @@ class Whole:
 class Parts:
     """What a file tells of joints beyond its format: those in parts; which joints are actuated (None: not told); values that are added
     to those of the file (`zeros`), or at which the file's loops are closed (`reference`); welds that are joints, not parts of a link
-    (`welds`); the order of joints and rods."""
+    (`welds`); the order of joints and rods; the link that carries the platform frame, with the frame's pose, and named points of links, in
+    the base frame at the file's configuration."""
 
     wholes: tuple[Whole, ...] = ()
     actuated: tuple[str, ...] | None = None
@@ -53,6 +57,8 @@ class Parts:
     reference: Mapping[str, float] = field(default_factory=dict)
     welds: tuple[str, ...] = ()
     order: tuple[str, ...] = ()
+    platform: tuple[str, Pose] | None = field(default=None, compare=False)
+    points: tuple[LinkPoint, ...] = ()
 
     def drives(self, joint: str, kind: str) -> bool:
         """Whether a joint of the file is actuated, or what it is a part of: of a rod the slide, of a screw the turn."""
@@ -69,6 +75,16 @@ class Parts:
     def in_file(self, zeros: Mapping[str, float], welds: tuple[str, ...]) -> Parts:
         """The same with what is added to the file's values, and welds by their names there."""
         return replace(self, zeros=zeros, welds=welds)
+
+    def moved(self, displacements: Mapping[str, Pose]) -> Parts:
+        """The same where links are displaced."""
+        points = [
+            replace(p, point=displacements[p.link].apply(np.array(p.point))) for p in self.points if p.link in displacements
+        ]
+        platform = self.platform
+        if platform is not None and platform[0] in displacements:
+            platform = (platform[0], displacements[platform[0]] @ platform[1])
+        return replace(self, points=tuple(points), platform=platform)
 
     def renamed(self, old: str, new: str) -> Parts:
         """The same where a part is called otherwise."""
@@ -93,6 +109,11 @@ def parts_text(parts: Parts) -> str:
         names: tuple[str, ...] = getattr(parts, key)
         if names:
             lines.append(f"{key}: {', '.join(names)}")
+    if parts.platform is not None:
+        link, pose = parts.platform
+        lines.append(f"platform: {_entry(link, *pose.position, *pose.quaternion)}")
+    if parts.points:
+        lines.append(f"points: {', '.join(_entry(p.name, p.link, *p.point) for p in parts.points)}")
     return "; ".join(lines)
 
 
@@ -120,7 +141,32 @@ def parts_from(text: str, where: str) -> Parts:
         _values(found.get("reference", ()), where),
         found.get("welds", ()),
         found.get("order", ()),
+        _platform(found.get("platform", ()), where),
+        tuple(_points(found.get("points", ()), where)),
     )
+
+
+def _entry(*values: object) -> str:
+    """Names and numbers with strokes between them."""
+    return " | ".join(value if isinstance(value, str) else repr(float(value) + 0.0) for value in values)  # type: ignore[arg-type]
+
+
+def _points(entries: Sequence[str], where: str) -> Iterator[LinkPoint]:
+    for entry in entries:
+        words = [word.strip() for word in entry.split("|")]
+        if len(words) != 5:
+            raise MechanismError(f"{where}: points: {shown(entry)} is no NAME | LINK | X | Y | Z")
+        yield LinkPoint(words[1], words[0], [_number(word, entry, where) for word in words[2:]])
+
+
+def _platform(entries: Sequence[str], where: str) -> tuple[str, Pose] | None:
+    if not entries:
+        return None
+    words = [word.strip() for word in entries[0].split("|")]
+    if len(entries) > 1 or len(words) != 8:
+        raise MechanismError(f"{where}: platform: {shown(', '.join(entries))} is no LINK | X | Y | Z | QW | QX | QY | QZ")
+    numbers = [_number(word, entries[0], where) for word in words[1:]]
+    return words[0], Pose(np.array(numbers[:3]), np.array(unit_quaternion(numbers[3:], f"{where}: platform")))
 
 
 def _values(entries: Sequence[str], where: str) -> dict[str, float]:
@@ -136,143 +182,6 @@ def _number(text: str, statement: str, where: str) -> float:
     if not math.isfinite(value):
         raise MechanismError(f"{where}: {shown(statement)} holds no finite number where one is needed")
     return value
-
-
-# --- whole again ---------------------------------------------------------------------------------------------------
-
-
-def whole_again(mechanism: Mechanism, parts: Parts) -> Mechanism:
-    """The mechanism with joints and rods in place of their parts. Raises MechanismError for parts that are not there, or not so."""
-    if parts == Parts():
-        return mechanism
-    made = _Made(mechanism, parts)
-    made.shift(parts.zeros)
-    for whole in parts.wholes:
-        made.join(whole)
-    return made.mechanism()
-
-
-class _Made:
-    """The joints and rods of a mechanism while parts are joined."""
-
-    def __init__(self, mechanism: Mechanism, parts: Parts) -> None:
-        self.given, self.parts = mechanism, parts
-        self.joints = {entry.joint.name: entry for entry in mechanism.link_joints}
-        self.rods = {rod.name: rod for rod in mechanism.link_rods}
-        self.couplings = {coupling.joint: coupling for coupling in mechanism.couplings}
-
-    def shift(self, zeros: Mapping[str, float]) -> None:
-        """Add to values what the file leaves out: y' = b + sum f x' becomes y = b + y0 + sum f (x - x0)."""
-        for name, value in zeros.items():
-            entry = self._known(name)
-            limits = None if entry.joint.limits is None else [end + value for end in entry.joint.limits]
-            self.joints[name] = replace(entry, joint=replace(entry.joint, zero=entry.joint.zero + value, limits=limits))
-        for name, coupling in self.couplings.items():
-            offset = coupling.offset + zeros.get(name, 0.0) - sum(f * zeros.get(other, 0.0) for other, f in coupling.terms)
-            if coupling.polynomial is None:
-                self.couplings[name] = replace(coupling, offset=offset)
-
-    def join(self, whole: Whole) -> None:
-        """Put a joint or a rod in the place of its parts."""
-        path, links = self._path(whole)
-        for name in whole.parts:
-            del self.joints[name]
-        moving = [joint for joint in path if joint.type != "weld"]
-        if len(moving) == 1 and moving[0].name != whole.name:
-            self._rename_coordinates(moving[0], whole.name)
-        if whole.name in self.joints or whole.name in self.rods:
-            raise self._error(f"two joints are named {whole.name!r}")
-        if whole.kind == "rod":
-            self.rods[whole.name] = self._rod_of(whole, moving, links)
-        else:
-            self.joints[whole.name] = LinkJoint(self._joint_of(whole, moving), links)
-
-    def _rename_coordinates(self, joint: Joint, name: str) -> None:
-        """In couplings, for a joint that is called otherwise."""
-        new = {c.name: name + c.name.removeprefix(joint.name) for c in joint.coordinates}
-        if not set(new) & {n for c in self.couplings.values() for n in (c.joint, *c.names)}:
-            return
-        found = {}
-        for c in self.couplings.values():
-            of = new.get(c.of, c.of) if isinstance(c.of, str) else tuple((new.get(n, n), f) for n, f in c.terms)
-            found[new.get(c.joint, c.joint)] = replace(c, joint=new.get(c.joint, c.joint), of=of)
-        self.couplings = found
-
-    def mechanism(self) -> Mechanism:
-        """All of it, in the order that is told."""
-        driven = self.parts.actuated
-        for name in driven or ():
-            if name not in self.rods:
-                self._known(name)
-        places = {name: k for k, name in enumerate(self.parts.order)}
-        joints = sorted(self.joints.values(), key=lambda entry: places.get(entry.joint.name, len(places)))
-        rods = sorted(self.rods.values(), key=lambda rod: places.get(rod.name, len(places)))
-        if driven is not None:
-            joints = [replace(entry, joint=replace(entry.joint, actuated=entry.joint.name in driven)) for entry in joints]
-        couplings = tuple(self.couplings.values())
-        try:
-            return replace(self.given, link_joints=joints, link_rods=rods, couplings=couplings)
-        except MechanismError as error:
-            raise self._error(str(error)) from None
-
-    def _known(self, name: str) -> LinkJoint:
-        if name not in self.joints:
-            raise self._error(f"the text {KEY!r} names the joint {shown(name)}, which the file has not")
-        return self.joints[name]
-
-    def _error(self, message: str) -> MechanismError:
-        return MechanismError(
-            f"{self.given.source or self.given.name}: {message}; remove the text, or what was changed beside it"
-        )
-
-    def _path(self, whole: Whole) -> tuple[list[Joint], tuple[str, str]]:
-        """The parts, each turned to lead from the first link to the second, and these links."""
-        entries = [self._known(name) for name in whole.parts]
-        first = entries[0].links[0]
-        if len(entries) > 1 and first in entries[1].links:
-            first = entries[0].links[1]
-        at, path = first, []
-        for entry in entries:
-            if at not in entry.links:
-                raise self._error(f"the parts of {whole.name!r} are no chain of joints")
-            forward = entry.links[0] == at
-            path.append(entry.joint if forward else turned(entry.joint))
-            at = entry.links[1] if forward else entry.links[0]
-        return path, (first, at)
-
-    def _joint_of(self, whole: Whole, moving: Sequence[Joint]) -> Joint:
-        first = moving[0] if moving else Joint(whole.name, "weld")
-        match whole.kind, "".join(joint.type for joint in moving):
-            case ("R" | "P" | "S", kind) if kind == whole.kind:
-                return replace(first, name=whole.name)
-            case "U", "RR":
-                return Joint(whole.name, "U", first.point, first.axis, moving[1].axis, actuated=first.actuated)
-            case "C", "RP":
-                return Joint(whole.name, "C", first.point, first.axis, actuated=first.actuated)
-            case "S", "RRR":
-                return Joint(whole.name, "S", first.point)
-            case "H", "RP" if whole.number:
-                self.couplings.pop(moving[1].name, None)
-                return replace(first, name=whole.name, type="H", pitch=whole.number)
-            case ("H", "H") | ("U", "U") | ("weld", ""):
-                return replace(first, name=whole.name)
-            case _:
-                raise self._unfit(whole)
-
-    def _rod_of(self, whole: Whole, moving: Sequence[Joint], links: tuple[str, str]) -> LinkRod:
-        """A rod between the centres of its first and last part; a prismatic joint between them drives it."""
-        types = [joint.type for joint in moving]
-        balls = len(types) > 1 and types[0] in ("S", "R") and types[-1] in ("S", "R")
-        drives = [joint for joint in moving if joint.type == "P"]
-        if not balls or len(drives) > 1 or set(types) > {"S", "R", "P"}:
-            raise self._unfit(whole)
-        start, end = moving[0].point, moving[-1].point
-        if not drives:
-            return LinkRod(whole.name, links, start, end, length=whole.number or None)
-        return LinkRod(whole.name, links, start, end, actuated=True, offset=whole.number, limits=drives[0].limits)
-
-    def _unfit(self, whole: Whole) -> MechanismError:
-        return self._error(f"the parts of {whole.name!r}, {', '.join(whole.parts)}, make no {whole.kind}")
 
 
 def turned(joint: Joint) -> Joint:

@@ -24,8 +24,9 @@ from symkin.model.mechanism import Mechanism
 Loops = Literal["loop", "yaml"]
 """How loops are written that a format has two forms for: as <loop> of URDF+ in the file, or in the YAML file of the Gepetto team beside it."""
 LOOPS: tuple[Loops, ...] = ("loop", "yaml")
-_CLOSED = 1e-10
-"""Of the size: rods and couplings that miss their lengths and values by less are closed at the reference."""
+_CLOSED = 1e-5
+"""Of the size: rods and couplings that miss their lengths and values by less are closed at the reference, if only to the digits of a
+file; what they miss is told in the text."""
 
 _TURNED = 3.0
 """Radians: closing joints have their values between half turns either way, and those nearer to one are joints of the tree."""
@@ -88,17 +89,12 @@ class WrittenTree:
 
 def written_tree(mechanism: Mechanism, form: Form) -> WrittenTree:
     """The mechanism in what a format holds. Raises MechanismError for a reference that is not closed, and for welds in no loop."""
-    require_closed_reference(mechanism, form.name)
-    return _Writer(as_graph(mechanism), form).tree()
-
-
-def require_closed_reference(mechanism: Mechanism, what: str) -> None:
-    """Raises MechanismError where rods or couplings are open at the reference, which is that of `what` is written."""
-    if not is_closed_at_reference(as_graph(mechanism), _CLOSED):
+    graph = as_graph(mechanism)
+    if not is_closed_at_reference(graph, _CLOSED):
         raise MechanismError(
-            f"{mechanism.name}: rods or couplings are open at the reference, and that of {what} is a closed configuration; give points and "
-            "zeros of one (`symkin close` finds the values of the joints)"
+            f"{mechanism.name}: rods or couplings are open at the reference, and {form.name} is written of closed ones"
         )
+    return _Writer(graph, form).tree()
 
 
 class _Writer:
@@ -126,7 +122,14 @@ class _Writer:
         parts: list[Joint | LinkRod] = [*(entry.joint for entry in graph.link_joints), *graph.link_rods]
         actuated = tuple(part.name for part in parts if part.actuated)
         welds = tuple(entry.joint.name for entry in closures if entry.joint.type == "weld")
-        told = Parts(tuple(self.wholes), actuated, welds=welds, order=tuple(part.name for part in parts))
+        told = Parts(
+            tuple(self.wholes),
+            actuated,
+            welds=welds,
+            order=tuple(part.name for part in parts),
+            platform=None if graph.platform_link is None else (graph.platform_link, graph.reference_pose),
+            points=tuple(graph.link_points),
+        )
         return WrittenTree(graph, tuple(carried), tuple(closures), tuple(self.couplings), told)
 
     # --- rods --------------------------------------------------------------------------------------------------------

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from importlib import import_module
+from io import StringIO
 from pathlib import Path
 from threading import Lock
 from types import ModuleType
@@ -87,7 +88,7 @@ _ALONE = Lock()
 
 @contextmanager
 def _told(xacro: Any, packages: Packages) -> Iterator[None]:
-    """Let xacro find packages where they are told, and read files of no entities and of bounded size only."""
+    """Let xacro find packages where they are told, read files of no entities and of bounded size only, and print nothing."""
     substitutions: Any = import_module("xacro.substitution_args")
     find, inner, parse = substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse
 
@@ -108,7 +109,8 @@ def _told(xacro: Any, packages: Packages) -> Iterator[None]:
     substitutions._eval_find = substitutions._eval_dict["find"] = found
     xacro.parse = safe
     try:
-        yield
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+            yield
     finally:
         substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse = find, inner, parse
 

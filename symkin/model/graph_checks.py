@@ -23,6 +23,8 @@ def check_graph(graph: Graph) -> None:
     for link in links:
         check_name(link, "link")
     _check_held(graph, links)
+    if not graph.link_rods and not graph.limbs and all(entry.joint.type == "weld" for entry in graph.link_joints):
+        raise MechanismError("no joint moves: all of them are welds; a mechanism needs one that moves")
     if graph.platform_link is not None:
         if graph.platform_link == BASE:
             raise MechanismError("platform.link = 'base'; the base does not move, name the link whose pose is wanted")

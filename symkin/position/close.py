@@ -29,6 +29,7 @@ from symkin.position.close_result import ClosedConfiguration, LoopGap
 from symkin.position.closed_configurations import whole_system
 from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
+from symkin.position.moved_reference import with_reference_at
 from symkin.position.readings import left_out, readings_at
 from symkin.text import first_of
 
@@ -80,8 +81,13 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         joints=_tree_values(robot, found),
         link_poses=poses,
         notes=(*_closing_notes(found, rank, generic), *_limit_notes(robot, found), *robot.notes),
-        reference=assembled(robot, found) if found.to_digits and row_count(robot) + len(robot.joints) else None,
+        reference=assembled(robot, found) if found.to_digits and _moves(robot) else None,
     )
+
+
+def _moves(robot: Robot) -> bool:
+    """Whether a joint or a closure leaves any freedom."""
+    return bool(robot.joints) or any(closure.type != "weld" for closure in robot.closures)
 
 
 def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
@@ -143,6 +149,8 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
     if system.residual(values, nothing) > CLOSURE_TOLERANCE * size:
         values = min((values, account.values), key=lambda z: float(system.residual(z, nothing)))
     residual = float(system.residual(values, nothing))
+    closed = residual <= (DIGITS if account.digits is not None else CLOSURE_TOLERANCE) * size
+    moved = mechanism if open_by <= CLOSURE_TOLERANCE * size else with_reference_at(closure, values)
     links, joints, _ = counts(mechanism)
     rank = account.rank.value if account.reference_rank is None else account.reference_rank.value
     return ClosedConfiguration(
@@ -158,11 +166,11 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
         loops=(),
         open_by=open_by,
         residual=residual,
-        closed=residual <= (DIGITS if account.digits is not None else CLOSURE_TOLERANCE) * size,
+        closed=closed,
         joints=_joint_values(closure, values),
         link_poses=dict(link_poses(closure, values[None]).at(0)),
         notes=account.warnings,
-        reference=mechanism if open_by <= CLOSURE_TOLERANCE * size else None,
+        reference=moved if closed else None,
     )
 
 

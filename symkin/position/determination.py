@@ -48,9 +48,10 @@ def refuse_unless_determined(problem: Problem) -> None:
     if found.free:
         name, some = problem.mechanism.name, ", ".join(found.binding[:_SUGGESTED] or _pose_names(problem))
         listed = ", ".join(c.name for c in _given(problem)) or "nothing"
+        what = f"give {found.free} more, for example {some}; or use" if some else "no joint is left to be given; use"
         raise InputError(
             f"given: {listed}; that leaves {name} {found.free} freedom{'s' * (found.free != 1)}, and its configurations are not "
-            f"isolated: give {found.free} more, for example {some}; or use solve with a start for one of them"
+            f"isolated: {what} solve with a start for one of them"
         )
 
 

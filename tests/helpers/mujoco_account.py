@@ -29,16 +29,18 @@ class MujocoAccount:
         mujoco.mj_forward(self.model, self.reference)
         np.testing.assert_array_equal(self.reference.qpos, self.model.qpos0)
 
-    def check(self) -> None:
-        """At the reference and at closed configurations: links, closed equalities, and the freedoms that the rank leaves at the last,
-        the spin of each rod among them."""
+    def check(self) -> list[int]:
+        """At the reference and at closed configurations: links and closed equalities. What the rank leaves free at each of them, idle
+        spins among it."""
+        freedoms = []
         for links, values, balls in configurations(self.mechanism):
             data = self._data_at(values, balls)
             self._check_links(data, links)
             errors, jacobian = self._rows(data)
             assert np.abs(errors).max(initial=0.0) <= POSE
-        rank = int(np.linalg.matrix_rank(jacobian, tol=1e-8 * np.linalg.norm(jacobian, 2))) if jacobian.size else 0
-        assert self.model.nv - rank == symkin.mobility(self.mechanism).mobility + len(self.mechanism.bars)
+            rank = int(np.linalg.matrix_rank(jacobian, tol=1e-8 * np.linalg.norm(jacobian, 2))) if jacobian.size else 0
+            freedoms.append(self.model.nv - rank)
+        return freedoms
 
     def _data_at(self, values: dict[str, float], balls: dict[str, np.ndarray]) -> object:
         """MuJoCo's data for values of joints by name."""

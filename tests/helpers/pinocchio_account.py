@@ -9,7 +9,6 @@ import numpy as np
 
 import symkin
 from helpers.written_moves import configurations
-from symkin.formats.graph_form import as_graph
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import matrix_from_quaternion
 
@@ -26,8 +25,6 @@ class PinocchioAccount:
         self.pin, self.mechanism = pinocchio, mechanism
         self.model = pinocchio.buildModelFromUrdf(str(path))
         self.root = ElementTree.parse(path).getroot()
-        self.leads = {e.joint.name: e.joint.pitch / (2 * np.pi) for e in as_graph(mechanism).link_joints}
-        self.zeros = {e.joint.name: e.joint.zero for e in as_graph(mechanism).link_joints}
 
     def check(self) -> None:
         """At the reference and at closed configurations; where all joints are 0, frames are parallel to the base's."""
@@ -43,16 +40,13 @@ class PinocchioAccount:
                 self._check_loop(loop, found)
 
     def _values(self, values: dict[str, float], balls: dict[str, np.ndarray]) -> dict[str, float]:
-        """Values of the URDF's joints: three turns about x, y, z for a ball, and the slide of a screw."""
+        """Values of the URDF's joints: three turns about x, y, z for a ball."""
         found = dict(values)
         for name, quaternion in balls.items():
             turn = matrix_from_quaternion(quaternion)
             found[f"{name}.x"] = np.arctan2(-turn[1, 2], turn[2, 2])
             found[f"{name}.y"] = np.arcsin(turn[0, 2])
             found[f"{name}.z"] = np.arctan2(-turn[0, 1], turn[0, 0])
-        for name, lead in self.leads.items():
-            if lead:
-                found[f"{name}.slide"] = lead * (values[name] - self.zeros[name])
         return found
 
     def _poses(self, values: dict[str, float]) -> dict[str, np.ndarray]:

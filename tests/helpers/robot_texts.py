@@ -16,14 +16,15 @@ WELD_FORMS = ("loop_joint", "yaml", "loop")
 
 
 def write(machine: Machine, suffix: str, folder: Path, form: int = 0) -> Path:
-    """The machine's file in a format; `form` counts through the ways of writing loops in URDF."""
+    """The machine's file in a format; `form` counts through the ways of writing loops in URDF, and odd ones tell every second joint of
+    SDF from its other link."""
     path = folder / f"{machine.name}.{suffix}"
     if suffix == "urdf":
         text, beside = urdf(machine, form)
         if beside:
             path.with_suffix(".yaml").write_text(beside, encoding="utf-8")
     else:
-        text = mjcf(machine) if suffix == "xml" else sdf(machine)
+        text = mjcf(machine) if suffix == "xml" else sdf(machine, backward=form % 2 == 1)
     path.write_text(text, encoding="utf-8")
     return path
 
@@ -199,12 +200,12 @@ def _urdf_pin(machine: Machine, pin: Pin, form: int, pairs: list[tuple[str, str,
 _SDF_TYPES = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}
 
 
-def sdf(machine: Machine) -> str:
-    """A graph of joints: nothing tells those that close loops from others."""
+def sdf(machine: Machine, *, backward: bool = False) -> str:
+    """A graph of joints: nothing tells those that close loops from others; `backward` tells every second from the link that it carries."""
     links = "".join(
         f'<link name="{name}"><pose>{words(pose[:3, 3])} {_rpy(pose)}</pose></link>\n' for name, pose in machine.frames.items()
     )
-    joints = "".join(_sdf_joint(machine, part) for part in machine.parts)
+    joints = "".join(_sdf_joint(machine, part, backward=backward and k % 2 == 0) for k, part in enumerate(machine.parts))
     pins = "".join(
         f'<joint name="{pin.name}" type="{_SDF_TYPES[pin.kind]}"><parent>{pin.parts[0]}</parent><child>{pin.parts[1]}</child>'
         f'<pose relative_to="__model__">{words(pin.at)} 0 0 0</pose>'
@@ -216,17 +217,23 @@ def sdf(machine: Machine) -> str:
     return f'<sdf version="1.11"><model name="{machine.name}">\n{links}{joints}{pins}{motors}</model></sdf>\n'
 
 
-def _sdf_joint(machine: Machine, part: Part) -> str:
+def _sdf_joint(machine: Machine, part: Part, *, backward: bool) -> str:
     follower = next((f for f in machine.followers if f.part == part.name), None)
     inner = "" if part.limits is None else f"<limit><lower>{part.limits[0]!r}</lower><upper>{part.limits[1]!r}</upper></limit>"
     if follower is not None:
         inner += f'<mimic joint="q_{follower.leader}"><multiplier>{follower.factor!r}</multiplier></mimic>'
     more = f"<screw_thread_pitch>{part.pitch!r}</screw_thread_pitch>" if part.joint == "H" else ""
+    axes = [machine.direction(part.name, axis) for axis in ((part.axis, part.axis2) if part.joint == "U" else (part.axis,))]
+    links = (part.parent, part.name)
+    if backward:
+        # the inverse of turns about a and then b is one about -b and then -a
+        links, axes = links[::-1], [-axis for axis in axes[::-1]]
+        more += f'<pose relative_to="{part.name}">0 0 0 0 0 0</pose>'
     if part.joint not in ("S", "weld"):
-        more += f"<axis><xyz>{words(machine.direction(part.name, part.axis))}</xyz>{inner}</axis>"
+        more += f"<axis><xyz>{words(axes[0])}</xyz>{inner}</axis>"
     if part.joint == "U":
-        more += f"<axis2><xyz>{words(machine.direction(part.name, part.axis2))}</xyz></axis2>"
+        more += f"<axis2><xyz>{words(axes[1])}</xyz></axis2>"
     return (
-        f'<joint name="{part.joint_name}" type="{_SDF_TYPES[part.joint]}"><parent>{part.parent}</parent><child>{part.name}</child>'
+        f'<joint name="{part.joint_name}" type="{_SDF_TYPES[part.joint]}"><parent>{links[0]}</parent><child>{links[1]}</child>'
         f"{more}</joint>\n"
     )

@@ -12,7 +12,7 @@ DIGITS = 1e-12
 
 
 def assert_same(expected: symkin.Mechanism, found: symkin.Mechanism, digits: float = DIGITS) -> None:
-    """Both are graphs in metres and radians, each with its own platform frame and points."""
+    """Both are graphs in metres and radians."""
     size = max(expected.characteristic_length, *(float(np.linalg.norm(j.point)) for j in expected.all_joints), 0.0)
     assert set(links_of(found)) == set(links_of(expected))
     assert [c.name for c in found.actuated] == [c.name for c in expected.actuated]
@@ -24,6 +24,13 @@ def assert_same(expected: symkin.Mechanism, found: symkin.Mechanism, digits: flo
     assert list(more) == list(rods)
     for name, rod in rods.items():
         _assert_rod(rod, more[name], size, digits)
+    assert found.platform_link == expected.platform_link
+    for key in ("platform_position", "platform_quaternion"):
+        np.testing.assert_allclose(getattr(found, key), getattr(expected, key), rtol=0, atol=digits * max(size, 1.0), err_msg=key)
+    points, others = ({p.name: p for p in m.link_points} for m in (expected, found))
+    assert {name: p.link for name, p in others.items()} == {name: p.link for name, p in points.items()}
+    for name, point in points.items():
+        np.testing.assert_allclose(others[name].point, point.point, rtol=0, atol=digits * max(size, 1.0), err_msg=name)
     couplings, told = ({c.joint: c for c in m.couplings} for m in (expected, found))
     assert set(told) == set(couplings)
     for name, coupling in couplings.items():

@@ -19,9 +19,10 @@ Moved = tuple[dict[str, Pose], dict[str, float], dict[str, np.ndarray]]
 
 
 def configurations(mechanism: symkin.Mechanism, count: int = 2, seed: int = 5) -> Iterator[Moved]:
-    """The reference, and closed configurations from random steps off it."""
+    """The reference, and closed configurations from random steps off it where any are found."""
     closure = build_closure(mechanism)
-    for values in [closure.reference, *closed_configurations(closure, seed)[:count]]:
+    others = [values for values in closed_configurations(closure, seed)[:count] if not np.array_equal(values, closure.reference)]
+    for values in [closure.reference, *others]:
         yield _moved(mechanism, closure, np.array([values]))
 
 
@@ -42,7 +43,10 @@ def _moved(mechanism: symkin.Mechanism, closure, variables: np.ndarray) -> Moved
         balls |= {f"{rod.name}.from": turn, f"{rod.name}.to": back}
         values[rod.name] = float(np.linalg.norm(now)) - rod.offset
     for entry in graph.link_joints:
-        if entry.joint.type == "S":
+        joint = entry.joint
+        if joint.type == "H":
+            values[f"{joint.name}.slide"] = joint.pitch / (2.0 * np.pi) * (values[joint.name] - joint.zero)
+        if joint.type == "S":
             balls[entry.joint.name] = (links[entry.links[0]].inverse() @ links[entry.links[1]]).quaternion
     return links, values | _of_platform(graph, links, values), balls
 

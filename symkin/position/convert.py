@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from symkin.errors import InputError
+from symkin.errors import InputError, MechanismError
 from symkin.files.outputs import check_output, write_output
 from symkin.formats.gepetto_yaml import YAML_ENDINGS
+from symkin.formats.graph_form import as_graph, is_closed_at_reference
 from symkin.formats.load import load
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.written_tree import LOOPS, Loops, require_closed_reference
+from symkin.formats.written_tree import LOOPS, Loops
 from symkin.model.mechanism import Mechanism
+from symkin.position.close import close
 from symkin.text import shown
+
+_CLOSED = 1e-12
+"""Of the size: rods and couplings that miss their lengths and values by less are closed at the reference."""
 
 
 def convert(mechanism: str | Path | Mechanism, path: str | Path, read: ReadOptions = AS_IT_IS, *, loops: Loops = "loop") -> Path:
@@ -33,7 +38,7 @@ def convert(mechanism: str | Path | Mechanism, path: str | Path, read: ReadOptio
     output, source = Path(path), "" if isinstance(mechanism, Mechanism) else mechanism
     check_output(output, tuple(_WRITERS), "convert", source)
     _check_loops(output, loops)
-    found = mechanism if isinstance(mechanism, Mechanism) else load(mechanism, read)
+    found = _closed(mechanism if isinstance(mechanism, Mechanism) else load(mechanism, read))
     if loops == "yaml":
         from symkin.formats.urdf_text import urdf_and_yaml
 
@@ -62,8 +67,20 @@ def _check_loops(output: Path, loops: str) -> None:
         )
 
 
+def _closed(mechanism: Mechanism) -> Mechanism:
+    """The mechanism with a closed reference, its own where that is one. Raises MechanismError where nothing closes it."""
+    if is_closed_at_reference(as_graph(mechanism), _CLOSED):
+        return mechanism
+    found = close(mechanism)
+    if found.reference is None:
+        raise MechanismError(
+            f"{mechanism.name}: no closed configuration was found, and files hold one as their reference; the best leaves "
+            f"{found.residual:.3g} {mechanism.length_unit}"
+        )
+    return found.reference
+
+
 def _toml(mechanism: Mechanism) -> str:
-    require_closed_reference(mechanism, "the file")
     return mechanism.to_toml()
 
 
