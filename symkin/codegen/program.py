@@ -62,6 +62,8 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     kind = _kind(mechanism, options)
     source = _SOURCES[type(kind)](kind)
     kind.check()
+    if not isinstance(kind, RodPlatform):
+        kind.geometry.check(kind.real)
     values = source.values | _header_values(kind, source.code)
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
