@@ -39,6 +39,7 @@ static uint32_t measured(int kind, int k, double *error)
         const uint32_t begin = board_ticks();
         @call@
         total += (board_ticks() - begin) & 0xFFFFFFu;
+        @after@
         *error = 0.0;
         for (int i = 0; i < @checked@; ++i) { *error = fmax(*error, fabs((double)result[i] - expected[k][i])); }
         if (status != 0) { *error = 4e9; }
@@ -78,7 +79,9 @@ def harness_of(name: str, options: Options) -> Harness:
     write_folder(program.mechanism, folder, options)
     (folder / "bench.c").write_text(main_text(program))
     if program.mechanism.serial:
-        return Harness(folder, name, (f"{name}_inverse",), ("inverse",))
+        closed = program.kind.plan is not None  # type: ignore[union-attr] - of a serial arm
+        calls = ("inverse", "inverse_nearest", "inverse_all") if closed else ("inverse",)
+        return Harness(folder, name, tuple(f"{name}_{call}" for call in calls), calls)
     return Harness(folder, name, (f"{name}_direct", f"{name}_track"), ("cold", "warm", "track"))
 
 
@@ -92,10 +95,12 @@ def table(kind: str, name: str, rows: np.ndarray, real: Real) -> str:
     return f"static const {kind} {name}[{rows.shape[0]}][{rows.shape[1]}] = {{ {lines} }};"
 
 
-def filled(include: str, tables: list[str], prepare: str, call: str, checked: int, kinds: int, count: int) -> str:
-    """MAIN with its parts filled in."""
+def filled(
+    include: str, tables: list[str], prepare: str, call: str, checked: int, kinds: int, count: int, after: str = ""
+) -> str:
+    """MAIN with its parts filled in; `after` follows the call that is measured."""
     values = {"include": include, "tables": "\n".join(tables), "prepare": prepare, "call": call, "checked": checked,
-              "kinds": kinds, "count": count}  # fmt: skip
+              "kinds": kinds, "count": count, "after": after}  # fmt: skip
     text = MAIN
     for key, value in values.items():
         text = text.replace(f"@{key}@", str(value))
@@ -135,7 +140,20 @@ def _serial_text(program: Program) -> str:
         for (int i = 0; i < 3; ++i) {{ pose.position[i] = poses[k][i]; }}
         for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = poses[k][3 + i]; }}"""
     call = f"status = (int){name}_inverse({first}0, &pose, guesses[k], result, &info);"
-    return filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"]))
+    if program.kind.plan is None:  # type: ignore[union-attr] - of a serial arm
+        return filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 1, len(cases["poses"]))
+    prepare += f" {real.type} all[{name.upper()}_BRANCHES][{n}]; int found = 0;"
+    call = f"""if (kind == 0) {{ {call} }}
+        else if (kind == 1) {{ status = (int){name}_inverse_nearest(&pose, guesses[k], result); }}
+        else {{ found = {name}_inverse_all(&pose, all); status = (found == 0); }}"""
+    # of all branches, the one that is nearest to the answer
+    after = f"""double least = 4e9;
+        for (int row = 0; row < found; ++row) {{
+            double most = 0.0;
+            for (int i = 0; i < {n}; ++i) {{ most = fmax(most, fabs((double)all[row][i] - expected[k][i])); }}
+            if (most < least) {{ least = most; for (int i = 0; i < {n}; ++i) {{ result[i] = all[row][i]; }} }}
+        }}"""
+    return filled(f'#include "{name}.h"', tables + nominal, prepare, call, n, 3, len(cases["poses"]), after)
 
 
 def from_folder(folder: Path) -> str:

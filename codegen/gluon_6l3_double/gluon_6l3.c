@@ -3292,3 +3292,399 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_re
     }
     return status;
 }
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
+{
+    const gluon_6l3_real number = angle * 0.15915494309189535;
+    gluon_6l3_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        gluon_6l3_real x = angle - 6.283185307179586 * (gluon_6l3_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const gluon_6l3_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
+ * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
+ * each choice. *undecided is set where nothing decides a joint. */
+static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6], unsigned int wanted, gluon_6l3_real found[][6], bool *undecided)
+{
+    int count = 0;
+    (void)near;
+    (void)wanted;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const gluon_6l3_real t0 = x[5] * x[6];
+    const gluon_6l3_real t1 = x[3] * x[4];
+    const gluon_6l3_real t2 = t0 - t1;
+    const gluon_6l3_real t3 = -88.72 * t2;
+    const gluon_6l3_real t4 = t3 + x[1];
+    const gluon_6l3_real t5 = t4 * t4;
+    const gluon_6l3_real t6 = x[4] * x[6];
+    const gluon_6l3_real t7 = x[3] * x[5];
+    const gluon_6l3_real t8 = t6 + t7;
+    const gluon_6l3_real t9 = -88.72 * t8;
+    const gluon_6l3_real t10 = t9 + x[0];
+    const gluon_6l3_real t11 = t10 * t10;
+    const gluon_6l3_real t12 = t5 + t11;
+    const gluon_6l3_real t13 = t12 * 3.4383435877140077e-06;
+    if (t13 > 2.842170943040401e-14) {
+        const gluon_6l3_real t15 = t12 - 5724.4356;
+        const gluon_6l3_real t16 = t15 * 3.4383435877140077e-06;
+        if (t16 > 2.842170943040401e-14) {
+            const gluon_6l3_real t18 = t4 * near[1];
+            const gluon_6l3_real t19 = t10 * near[0];
+            const gluon_6l3_real t20 = t18 + t19;
+            const gluon_6l3_real t21 = -t20;
+            const unsigned int bits0 = (wanted >> 0U) & 3U;
+            const unsigned int side0 = (t21 < 0.0) ? 2U : 1U;
+            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                    const gluon_6l3_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
+                    const gluon_6l3_real t27 = 75.66 * t10;
+                    const gluon_6l3_real t28 = fabs(t15);
+                    const gluon_6l3_real t29 = t15 + t28;
+                    const gluon_6l3_real t30 = 0.5 * t29;
+                    const gluon_6l3_real t31 = sqrt(t30);
+                    const gluon_6l3_real t32 = sign0 * t31;
+                    const gluon_6l3_real t33 = t4 * t32;
+                    const gluon_6l3_real t34 = t27 - t33;
+                    const gluon_6l3_real t35 = 1.0 / t12;
+                    const gluon_6l3_real t36 = t34 * t35;
+                    const gluon_6l3_real t37 = 75.66 * t4;
+                    const gluon_6l3_real t38 = t10 * t32;
+                    const gluon_6l3_real t39 = t37 + t38;
+                    const gluon_6l3_real t40 = t39 * t35;
+                    const gluon_6l3_real t41 = -t40;
+                    const gluon_6l3_real t42 = atan2(t36, t41);
+                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+                    const gluon_6l3_real t43 = t8 + t8;
+                    const gluon_6l3_real t44 = t43 * t36;
+                    const gluon_6l3_real t45 = t2 + t2;
+                    const gluon_6l3_real t46 = t45 * t40;
+                    const gluon_6l3_real t47 = t44 + t46;
+                    const gluon_6l3_real t48 = t47 * t47;
+                    const gluon_6l3_real t49 = 1.0 - t48;
+                    if (t49 > 2.842170943040401e-14) {
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (near[3] < 0.0) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const gluon_6l3_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
+                                const gluon_6l3_real t56 = fabs(t49);
+                                const gluon_6l3_real t57 = t49 + t56;
+                                const gluon_6l3_real t58 = 0.5 * t57;
+                                const gluon_6l3_real t59 = sqrt(t58);
+                                const gluon_6l3_real t60 = sign1 * t59;
+                                const gluon_6l3_real t61 = atan2(t60, t47);
+                                /* q6 turns the normal of q2, q3, q4 to where it must be */
+                                const gluon_6l3_real t62 = x[5] * x[5];
+                                const gluon_6l3_real t63 = x[6] * x[6];
+                                const gluon_6l3_real t64 = t62 + t63;
+                                const gluon_6l3_real t65 = t64 + t64;
+                                const gluon_6l3_real t66 = 1.0 - t65;
+                                const gluon_6l3_real t67 = t66 * t36;
+                                const gluon_6l3_real t68 = x[4] * x[5];
+                                const gluon_6l3_real t69 = x[3] * x[6];
+                                const gluon_6l3_real t70 = t68 + t69;
+                                const gluon_6l3_real t71 = t70 + t70;
+                                const gluon_6l3_real t72 = t71 * t40;
+                                const gluon_6l3_real t73 = t67 + t72;
+                                const gluon_6l3_real t74 = t73 * t60;
+                                const gluon_6l3_real t75 = t74 * t74;
+                                const gluon_6l3_real t76 = t68 - t69;
+                                const gluon_6l3_real t77 = t76 + t76;
+                                const gluon_6l3_real t78 = t77 * t36;
+                                const gluon_6l3_real t79 = x[4] * x[4];
+                                const gluon_6l3_real t80 = t79 + t63;
+                                const gluon_6l3_real t81 = t80 + t80;
+                                const gluon_6l3_real t82 = 1.0 - t81;
+                                const gluon_6l3_real t83 = t82 * t40;
+                                const gluon_6l3_real t84 = t78 + t83;
+                                const gluon_6l3_real t85 = t84 * t60;
+                                const gluon_6l3_real t86 = t85 * t85;
+                                const gluon_6l3_real t87 = t75 + t86;
+                                const gluon_6l3_real t88 = sqrt(t87);
+                                if (t88 > 2.842170943040401e-14) {
+                                    const gluon_6l3_real t90 = -t85;
+                                    const gluon_6l3_real t91 = atan2(t90, t74);
+                                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+                                    const gluon_6l3_real t92 = 1.0 / t88;
+                                    const gluon_6l3_real t93 = t85 * t92;
+                                    const gluon_6l3_real t94 = 80.09 * t93;
+                                    const gluon_6l3_real t95 = t74 * t92;
+                                    const gluon_6l3_real t96 = -75.66 * t60;
+                                    const gluon_6l3_real t97 = t95 * t96;
+                                    const gluon_6l3_real t98 = t94 - t97;
+                                    const gluon_6l3_real t99 = t71 * t98;
+                                    const gluon_6l3_real t100 = -80.09 * t95;
+                                    const gluon_6l3_real t101 = 533.96 + t100;
+                                    const gluon_6l3_real t102 = t93 * t96;
+                                    const gluon_6l3_real t103 = t101 - t102;
+                                    const gluon_6l3_real t104 = t103 - 533.96;
+                                    const gluon_6l3_real t105 = t82 * t104;
+                                    const gluon_6l3_real t106 = t99 + t105;
+                                    const gluon_6l3_real t107 = 75.66 * t47;
+                                    const gluon_6l3_real t108 = -75.66 + t107;
+                                    const gluon_6l3_real t109 = t108 - (-120.02);
+                                    const gluon_6l3_real t110 = t45 * t109;
+                                    const gluon_6l3_real t111 = t106 + t110;
+                                    const gluon_6l3_real t112 = x[1] - t111;
+                                    const gluon_6l3_real t113 = t36 * t112;
+                                    const gluon_6l3_real t114 = t66 * t98;
+                                    const gluon_6l3_real t115 = t77 * t104;
+                                    const gluon_6l3_real t116 = t114 + t115;
+                                    const gluon_6l3_real t117 = t43 * t109;
+                                    const gluon_6l3_real t118 = t116 + t117;
+                                    const gluon_6l3_real t119 = x[0] - t118;
+                                    const gluon_6l3_real t120 = t40 * t119;
+                                    const gluon_6l3_real t121 = t113 - t120;
+                                    const gluon_6l3_real t122 = t121 * t121;
+                                    const gluon_6l3_real t123 = t40 * t112;
+                                    const gluon_6l3_real t124 = t36 * t119;
+                                    const gluon_6l3_real t125 = t123 + t124;
+                                    const gluon_6l3_real t126 = t125 * t125;
+                                    const gluon_6l3_real t127 = t122 + t126;
+                                    const gluon_6l3_real t128 = t6 - t7;
+                                    const gluon_6l3_real t129 = t128 + t128;
+                                    const gluon_6l3_real t130 = t129 * t98;
+                                    const gluon_6l3_real t131 = t0 + t1;
+                                    const gluon_6l3_real t132 = t131 + t131;
+                                    const gluon_6l3_real t133 = t132 * t104;
+                                    const gluon_6l3_real t134 = t130 + t133;
+                                    const gluon_6l3_real t135 = t79 + t62;
+                                    const gluon_6l3_real t136 = t135 + t135;
+                                    const gluon_6l3_real t137 = 1.0 - t136;
+                                    const gluon_6l3_real t138 = t137 * t109;
+                                    const gluon_6l3_real t139 = t134 + t138;
+                                    const gluon_6l3_real t140 = x[2] - t139;
+                                    const gluon_6l3_real t141 = t140 - 105.03;
+                                    const gluon_6l3_real t142 = t141 * t141;
+                                    const gluon_6l3_real t143 = t127 + t142;
+                                    const gluon_6l3_real t144 = t143 - 30422.3364;
+                                    const gluon_6l3_real t145 = t144 - 30422.3364;
+                                    const gluon_6l3_real t146 = 0.5 * t145;
+                                    const gluon_6l3_real t147 = t146 * t146;
+                                    const gluon_6l3_real t148 = 925518552.034765 - t147;
+                                    const gluon_6l3_real t149 = t148 * 1.1822206627174038e-11;
+                                    if (t149 > 2.842170943040401e-14) {
+                                        const gluon_6l3_real t151 = 30422.3364 * near[5];
+                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                        const unsigned int side2 = (t151 < 0.0) ? 2U : 1U;
+                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                                const gluon_6l3_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
+                                                const gluon_6l3_real t157 = fabs(t148);
+                                                const gluon_6l3_real t158 = t148 + t157;
+                                                const gluon_6l3_real t159 = 0.5 * t158;
+                                                const gluon_6l3_real t160 = sqrt(t159);
+                                                const gluon_6l3_real t161 = sign2 * t160;
+                                                const gluon_6l3_real t162 = 1.6435292589822258e-05 * t145;
+                                                const gluon_6l3_real t163 = 3.2870585179644516e-05 * t161;
+                                                const gluon_6l3_real t164 = atan2(t163, t162);
+                                                /* q2 turns a point of the axis of q4 to where it must be */
+                                                const gluon_6l3_real t165 = -0.005733287467033597 * t161;
+                                                const gluon_6l3_real t166 = t165 * t121;
+                                                const gluon_6l3_real t167 = 0.0028666437335167984 * t145;
+                                                const gluon_6l3_real t168 = 279.45 + t167;
+                                                const gluon_6l3_real t169 = t168 - 105.03;
+                                                const gluon_6l3_real t170 = t169 * t141;
+                                                const gluon_6l3_real t171 = t166 + t170;
+                                                const gluon_6l3_real t172 = t171 * t171;
+                                                const gluon_6l3_real t173 = t169 * t121;
+                                                const gluon_6l3_real t174 = t165 * t141;
+                                                const gluon_6l3_real t175 = t173 - t174;
+                                                const gluon_6l3_real t176 = t175 * t175;
+                                                const gluon_6l3_real t177 = t172 + t176;
+                                                const gluon_6l3_real t178 = sqrt(t177);
+                                                const gluon_6l3_real t179 = t178 * 3.4383435877140077e-06;
+                                                if (t179 > 2.842170943040401e-14) {
+                                                    const gluon_6l3_real t181 = -t175;
+                                                    const gluon_6l3_real t182 = atan2(t181, t171);
+                                                    /* q4 turns a direction of the tool to where it must be */
+                                                    const gluon_6l3_real t183 = 1.0 / t178;
+                                                    const gluon_6l3_real t184 = t171 * t183;
+                                                    const gluon_6l3_real t185 = t45 * t60;
+                                                    const gluon_6l3_real t186 = t95 * t47;
+                                                    const gluon_6l3_real t187 = t71 * t186;
+                                                    const gluon_6l3_real t188 = t93 * t47;
+                                                    const gluon_6l3_real t189 = t82 * t188;
+                                                    const gluon_6l3_real t190 = t187 + t189;
+                                                    const gluon_6l3_real t191 = t185 - t190;
+                                                    const gluon_6l3_real t192 = t36 * t191;
+                                                    const gluon_6l3_real t193 = t43 * t60;
+                                                    const gluon_6l3_real t194 = t66 * t186;
+                                                    const gluon_6l3_real t195 = t77 * t188;
+                                                    const gluon_6l3_real t196 = t194 + t195;
+                                                    const gluon_6l3_real t197 = t193 - t196;
+                                                    const gluon_6l3_real t198 = t40 * t197;
+                                                    const gluon_6l3_real t199 = t192 - t198;
+                                                    const gluon_6l3_real t200 = t184 * t199;
+                                                    const gluon_6l3_real t201 = t175 * t183;
+                                                    const gluon_6l3_real t202 = t137 * t60;
+                                                    const gluon_6l3_real t203 = t129 * t186;
+                                                    const gluon_6l3_real t204 = t132 * t188;
+                                                    const gluon_6l3_real t205 = t203 + t204;
+                                                    const gluon_6l3_real t206 = t202 - t205;
+                                                    const gluon_6l3_real t207 = t201 * t206;
+                                                    const gluon_6l3_real t208 = t200 - t207;
+                                                    const gluon_6l3_real t209 = t162 * t208;
+                                                    const gluon_6l3_real t210 = t184 * t206;
+                                                    const gluon_6l3_real t211 = t201 * t199;
+                                                    const gluon_6l3_real t212 = t210 + t211;
+                                                    const gluon_6l3_real t213 = t163 * t212;
+                                                    const gluon_6l3_real t214 = t209 + t213;
+                                                    const gluon_6l3_real t215 = t214 * t214;
+                                                    const gluon_6l3_real t216 = t162 * t212;
+                                                    const gluon_6l3_real t217 = t163 * t208;
+                                                    const gluon_6l3_real t218 = t216 - t217;
+                                                    const gluon_6l3_real t219 = t218 * t218;
+                                                    const gluon_6l3_real t220 = t215 + t219;
+                                                    const gluon_6l3_real t221 = sqrt(t220);
+                                                    if (t221 > 2.842170943040401e-14) {
+                                                        const gluon_6l3_real t223 = atan2(t218, t214);
+                                                        found[count][0] = t42;
+                                                        found[count][1] = t182;
+                                                        found[count][2] = t164;
+                                                        found[count][3] = t223;
+                                                        found[count][4] = t61;
+                                                        found[count][5] = t91;
+                                                        ++count;
+                                                    } else {
+                                                        *undecided = true;
+                                                    }
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            }
+                                        }
+                                    } else if (t149 > -2.842170943040401e-14) {
+                                        *undecided = true;
+                                    } else {
+                                        /* out of reach */
+                                    }
+                                } else {
+                                    *undecided = true;
+                                }
+                            }
+                        }
+                    } else if (t49 > -2.842170943040401e-14) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
+                    }
+                }
+            }
+        } else if (t16 > -2.842170943040401e-14) {
+            *undecided = true;
+        } else {
+            /* out of reach */
+        }
+    } else {
+        *undecided = true;
+    }
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon_6l3_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == GLUON_6L3_OUT_OF_RANGE); ++round) {
+        const gluon_6l3_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const gluon_6l3_real number = (goal[i] - joints[i]) * 0.15915494309189535;
+            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
+                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                joints[i] += 6.283185307179586 * (gluon_6l3_real)whole;
+            }
+        }
+        status = gluon_6l3_check_limits(joints);
+    }
+    return status;
+}
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose, const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6], gluon_6l3_real joints[6])
+{
+    gluon_6l3_real x[7];
+    gluon_6l3_real found[1][6];
+    bool undecided = false;
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
+    if (status == GLUON_6L3_OK) {
+        if (gluon_6l3_branches(x, near, wanted, found, &undecided) == 1) {
+            status = gluon_6l3_turn_near(about, found[0]);
+        } else {
+            status = undecided ? GLUON_6L3_SINGULAR : GLUON_6L3_OUT_OF_RANGE;
+        }
+    }
+    if (status == GLUON_6L3_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6])
+{
+    static const gluon_6l3_real near[6] = { 0.0 };
+    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    gluon_6l3_real x[7];
+    int count = 0;
+    bool undecided = false;
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
+    if (status == GLUON_6L3_OK) {
+        const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided);
+        for (int k = 0; k < all; ++k) {
+            if (gluon_6l3_turn_near(middle, joints[k]) == GLUON_6L3_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch, gluon_6l3_real joints[6])
+{
+    static const gluon_6l3_real near[6] = { 0.0 };
+    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = gluon_6l3_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
+{
+    gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
+    if (status == GLUON_6L3_OK) {
+        gluon_6l3_real near[6] = { 0.0 };
+        near[0] = gluon_6l3_sine(guess[0] + 1.5707963267948966);
+        near[1] = gluon_6l3_sine(guess[0]);
+        near[3] = gluon_6l3_sine(guess[4]);
+        near[5] = gluon_6l3_sine(guess[2]);
+        status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}

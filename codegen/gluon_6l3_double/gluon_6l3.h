@@ -80,6 +80,24 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS],
     gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 
+
+/* The closed form: joint values by formulas (README.md derives them), without iteration and without a guess. Each choice has two
+ * solutions; a branch is a sum of the names below, 0 for the first solution of each. gluon_6l3_inverse_all lists them in this order. */
+#define GLUON_6L3_BRANCHES (8)
+#define GLUON_6L3_SHOULDER (4U) /* the other solution of joint q1 */
+#define GLUON_6L3_WRIST (2U) /* the other solution of joint q5 */
+#define GLUON_6L3_ELBOW (1U) /* the other solution of joint q3 */
+
+/* All joint values with the given tool pose that lie within their ranges, angles about the middle of these; returns how many: 0 for
+ * a pose that the arm cannot take, that is singular, or that is not finite. */
+int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS]);
+
+/* The joint values of one branch. GLUON_6L3_OUT_OF_RANGE where it has none, GLUON_6L3_SINGULAR where nothing decides a joint. */
+gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch, gluon_6l3_real joints[GLUON_6L3_JOINTS]);
+
+/* The joint values nearest to the guess, one choice after the other, angles near the guess's. Whether the arm can move there
+ * from the guess is not asked: gluon_6l3_inverse does. Statuses as of gluon_6l3_inverse_branch. */
+gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS], gluon_6l3_real joints[GLUON_6L3_JOINTS]);
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS]);
 #ifdef __cplusplus

@@ -111,10 +111,98 @@ static void refuse_all(void)
 #endif
 }
 
+
+/* Whether two lists of joint values are the same within a bound, whole turns left aside. */
+static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS], const gluon_6l3_real b[GLUON_6L3_JOINTS], double bound)
+{
+    static const int angular[GLUON_6L3_JOINTS] = { 1, 1, 1, 1, 1, 1 };
+    int same = 1;
+    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+        const double gap = (double)a[i] - (double)b[i];
+        const double off = angular[i] ? fabs(remainder(gap, 6.283185307179586)) : fabs(gap);
+        same = same && (off <= bound);
+    }
+    return same;
+}
+
+/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is the nearest. */
+static void closed_form(void)
+{
+    for (int k = 0; k < GLUON_6L3_VECTORS; ++k) {
+        const double bound = gluon_6l3_vector_bounds[k];
+        const double most = 8.0 * bound * 1.0;
+        const gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[k]);
+        gluon_6l3_real all[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS];
+        gluon_6l3_real one[GLUON_6L3_JOINTS];
+        const int count = gluon_6l3_inverse_all(&pose, all);
+        int found = 0;
+        int named = 0;
+        expect((count > 0) && (count <= GLUON_6L3_BRANCHES), "count of all branches", k);
+        for (int row = 0; row < count; ++row) {
+            gluon_6l3_pose again;
+            expect(gluon_6l3_direct(all[row], &again) == GLUON_6L3_OK, "direct of a branch", k);
+            for (int i = 0; i < 3; ++i) {
+                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 2.4e-09, "a branch's position", k);
+            }
+            for (int i = 0; i < 4; ++i) {
+                const double off = fabs(fabs((double)again.quaternion[i]) - fabs((double)pose.quaternion[i]));
+                expect((double)GLUON_6L3_SIZE * off <= 2.4e-09, "a branch's quaternion", k);
+            }
+            found += same_joints(all[row], gluon_6l3_vector_inverse[k], most);
+        }
+        expect(found == 1, "one branch is the arm", k);
+        for (unsigned int branch = 0U; branch < GLUON_6L3_BRANCHES; ++branch) {
+            if (gluon_6l3_inverse_branch(&pose, branch, one) == GLUON_6L3_OK) {
+                expect((named < count) && same_joints(one, all[named], most), "a branch by its name", k);
+                ++named;
+            }
+        }
+        expect(named == count, "count of the branches by name", k);
+        expect(gluon_6l3_inverse_nearest(&pose, gluon_6l3_vector_guesses[k], one) == GLUON_6L3_OK, "nearest branch", k);
+        for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+            expect(fabs((double)one[i] - (double)gluon_6l3_vector_inverse[k][i]) <= most, "nearest branch's joints", k);
+        }
+    }
+}
+
+/* What is no pose, no branch or out of reach is refused, results untouched. */
+static void closed_refusals(void)
+{
+    const gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[0]);
+    gluon_6l3_pose wrong = pose;
+    gluon_6l3_real all[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS];
+    gluon_6l3_real joints[GLUON_6L3_JOINTS];
+    gluon_6l3_real guess[GLUON_6L3_JOINTS];
+    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+        joints[i] = 4.0;
+        guess[i] = gluon_6l3_vector_guesses[0][i];
+    }
+    expect(gluon_6l3_inverse_branch(&pose, GLUON_6L3_BRANCHES, joints) == GLUON_6L3_OUT_OF_RANGE, "no such branch", 0);
+    guess[0] = (gluon_6l3_real)NAN;
+    expect(gluon_6l3_inverse_nearest(&pose, guess, joints) == GLUON_6L3_NONFINITE, "NaN guess of the closed form", 0);
+    guess[0] = gluon_6l3_vector_guesses[0][0];
+    wrong.position[2] = (gluon_6l3_real)INFINITY;
+    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_NONFINITE, "infinite pose of the closed form", 0);
+    expect(gluon_6l3_inverse_branch(&wrong, 0U, joints) == GLUON_6L3_NONFINITE, "infinite pose of the closed form", 1);
+    expect(gluon_6l3_inverse_all(&wrong, all) == 0, "infinite pose of the closed form", 2);
+    wrong = pose;
+    wrong.quaternion[1] = 2.0;
+    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_OUT_OF_RANGE, "quaternion of length 2 of the closed form", 0);
+    wrong = pose;
+    wrong.position[0] = 5392937.207125631;
+    wrong.position[1] = 5392937.207125631;
+    wrong.position[2] = 5392937.207125631;
+    (void)gluon_6l3_inverse_nearest(&wrong, guess, joints);
+    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+        expect(joints[i] == 4.0, "result of the closed form untouched on failure", i);
+    }
+}
 int main(void)
 {
     solve_all();
     refuse_all();
+    closed_form();
+    closed_refusals();
     (void)printf("gluon_6l3: %d cases, %d failures\n", GLUON_6L3_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

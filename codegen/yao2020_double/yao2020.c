@@ -2586,3 +2586,335 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
     }
     return status;
 }
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static yao2020_real yao2020_sine(yao2020_real angle)
+{
+    const yao2020_real number = angle * 0.15915494309189535;
+    yao2020_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const yao2020_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
+ * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
+ * each choice. *undecided is set where nothing decides a joint. */
+static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6], unsigned int wanted, yao2020_real found[][6], bool *undecided)
+{
+    int count = 0;
+    (void)near;
+    (void)wanted;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
+    const yao2020_real t0 = x[4] * x[6];
+    const yao2020_real t1 = x[3] * x[5];
+    const yao2020_real t2 = t0 + t1;
+    const yao2020_real t3 = t2 + t2;
+    const yao2020_real t4 = t3 * x[0];
+    const yao2020_real t5 = x[5] * x[6];
+    const yao2020_real t6 = x[3] * x[4];
+    const yao2020_real t7 = t5 - t6;
+    const yao2020_real t8 = t7 + t7;
+    const yao2020_real t9 = t8 * x[1];
+    const yao2020_real t10 = t4 + t9;
+    const yao2020_real t11 = x[4] * x[4];
+    const yao2020_real t12 = x[5] * x[5];
+    const yao2020_real t13 = t11 + t12;
+    const yao2020_real t14 = t13 + t13;
+    const yao2020_real t15 = 1.0 - t14;
+    const yao2020_real t16 = t15 * x[2];
+    const yao2020_real t17 = t10 + t16;
+    const yao2020_real t18 = 105.0 - t17;
+    const yao2020_real t19 = t18 * t18;
+    const yao2020_real t20 = 90000.0 - t19;
+    const yao2020_real t21 = t20 * 3.2462262619704594e-06;
+    if (t21 > 2.842170943040401e-14) {
+        const yao2020_real t23 = 300.0 * near[0];
+        const yao2020_real t24 = -t23;
+        const unsigned int bits0 = (wanted >> 0U) & 3U;
+        const unsigned int side0 = (t24 < 0.0) ? 2U : 1U;
+        for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+            if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                const yao2020_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
+                const yao2020_real t30 = fabs(t20);
+                const yao2020_real t31 = t20 + t30;
+                const yao2020_real t32 = 0.5 * t31;
+                const yao2020_real t33 = sqrt(t32);
+                const yao2020_real t34 = sign0 * t33;
+                const yao2020_real t35 = 0.0033333333333333335 * t34;
+                const yao2020_real t36 = 0.0033333333333333335 * t18;
+                const yao2020_real t37 = -t35;
+                const yao2020_real t38 = atan2(t36, t37);
+                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+                const yao2020_real t39 = -300.0 - t34;
+                const yao2020_real t40 = t39 - (-385.0);
+                const yao2020_real t41 = t40 * t40;
+                const yao2020_real t42 = t41 * 3.2462262619704594e-06;
+                if (t42 > 2.842170943040401e-14) {
+                    const yao2020_real t44 = x[4] * x[5];
+                    const yao2020_real t45 = x[3] * x[6];
+                    const yao2020_real t46 = t44 - t45;
+                    const yao2020_real t47 = t46 + t46;
+                    const yao2020_real t48 = t47 * x[0];
+                    const yao2020_real t49 = x[6] * x[6];
+                    const yao2020_real t50 = t11 + t49;
+                    const yao2020_real t51 = t50 + t50;
+                    const yao2020_real t52 = 1.0 - t51;
+                    const yao2020_real t53 = t52 * x[1];
+                    const yao2020_real t54 = t48 + t53;
+                    const yao2020_real t55 = t5 + t6;
+                    const yao2020_real t56 = t55 + t55;
+                    const yao2020_real t57 = t56 * x[2];
+                    const yao2020_real t58 = t54 + t57;
+                    const yao2020_real t59 = t58 * t58;
+                    const yao2020_real t60 = t41 - t59;
+                    const yao2020_real t61 = t60 * 3.2462262619704594e-06;
+                    if (t61 > 2.842170943040401e-14) {
+                        const yao2020_real t63 = t40 * near[2];
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (t63 < 0.0) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const yao2020_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
+                                const yao2020_real t69 = t40 * t58;
+                                const yao2020_real t70 = 1.0 / t41;
+                                const yao2020_real t71 = t69 * t70;
+                                const yao2020_real t72 = fabs(t60);
+                                const yao2020_real t73 = t60 + t72;
+                                const yao2020_real t74 = 0.5 * t73;
+                                const yao2020_real t75 = sqrt(t74);
+                                const yao2020_real t76 = sign1 * t75;
+                                const yao2020_real t77 = t40 * t76;
+                                const yao2020_real t78 = t77 * t70;
+                                const yao2020_real t79 = atan2(t71, t78);
+                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be */
+                                const yao2020_real t80 = t0 - t1;
+                                const yao2020_real t81 = t80 + t80;
+                                const yao2020_real t82 = t12 + t49;
+                                const yao2020_real t83 = t82 + t82;
+                                const yao2020_real t84 = 1.0 - t83;
+                                const yao2020_real t85 = t44 + t45;
+                                const yao2020_real t86 = t85 + t85;
+                                const yao2020_real t87 = t84 * x[0];
+                                const yao2020_real t88 = t86 * x[1];
+                                const yao2020_real t89 = t87 + t88;
+                                const yao2020_real t90 = t81 * x[2];
+                                const yao2020_real t91 = t89 + t90;
+                                const yao2020_real t92 = -545.0 - t91;
+                                const yao2020_real t93 = t78 * t40;
+                                const yao2020_real t94 = -385.0 + t93;
+                                const yao2020_real t95 = t92 - t94;
+                                const yao2020_real t96 = -t95;
+                                /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+                                const yao2020_real t97 = t71 * t35;
+                                const yao2020_real t98 = t56 * t97;
+                                const yao2020_real t99 = t78 * t35;
+                                const yao2020_real t100 = t81 * t99;
+                                const yao2020_real t101 = t98 - t100;
+                                const yao2020_real t102 = t15 * t36;
+                                const yao2020_real t103 = t101 + t102;
+                                const yao2020_real t104 = t103 * t103;
+                                const yao2020_real t105 = 1.0 - t104;
+                                if (t105 > 2.842170943040401e-14) {
+                                    const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                    const unsigned int side2 = (near[4] < 0.0) ? 2U : 1U;
+                                    for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                        if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                            const yao2020_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
+                                            const yao2020_real t112 = fabs(t105);
+                                            const yao2020_real t113 = t105 + t112;
+                                            const yao2020_real t114 = 0.5 * t113;
+                                            const yao2020_real t115 = sqrt(t114);
+                                            const yao2020_real t116 = sign2 * t115;
+                                            const yao2020_real t117 = -t103;
+                                            const yao2020_real t118 = atan2(t117, t116);
+                                            /* theta1 turns the axis of theta3 to where it must be */
+                                            const yao2020_real t119 = t47 * t97;
+                                            const yao2020_real t120 = t84 * t99;
+                                            const yao2020_real t121 = t119 - t120;
+                                            const yao2020_real t122 = t3 * t36;
+                                            const yao2020_real t123 = t121 + t122;
+                                            const yao2020_real t124 = t116 * t123;
+                                            const yao2020_real t125 = t124 * t124;
+                                            const yao2020_real t126 = t52 * t97;
+                                            const yao2020_real t127 = t86 * t99;
+                                            const yao2020_real t128 = t126 - t127;
+                                            const yao2020_real t129 = t8 * t36;
+                                            const yao2020_real t130 = t128 + t129;
+                                            const yao2020_real t131 = t116 * t130;
+                                            const yao2020_real t132 = t131 * t131;
+                                            const yao2020_real t133 = t125 + t132;
+                                            const yao2020_real t134 = sqrt(t133);
+                                            if (t134 > 2.842170943040401e-14) {
+                                                const yao2020_real t136 = atan2(t131, t124);
+                                                /* theta3 turns a direction of the tool to where it must be */
+                                                const yao2020_real t137 = 1.0 / t134;
+                                                const yao2020_real t138 = t124 * t137;
+                                                const yao2020_real t139 = t86 * t71;
+                                                const yao2020_real t140 = t52 * t78;
+                                                const yao2020_real t141 = t139 + t140;
+                                                const yao2020_real t142 = t138 * t141;
+                                                const yao2020_real t143 = t131 * t137;
+                                                const yao2020_real t144 = t84 * t71;
+                                                const yao2020_real t145 = t47 * t78;
+                                                const yao2020_real t146 = t144 + t145;
+                                                const yao2020_real t147 = t143 * t146;
+                                                const yao2020_real t148 = t142 - t147;
+                                                const yao2020_real t149 = t148 * t148;
+                                                const yao2020_real t150 = t81 * t71;
+                                                const yao2020_real t151 = t56 * t78;
+                                                const yao2020_real t152 = t150 + t151;
+                                                const yao2020_real t153 = t116 * t152;
+                                                const yao2020_real t154 = t138 * t146;
+                                                const yao2020_real t155 = t143 * t141;
+                                                const yao2020_real t156 = t154 + t155;
+                                                const yao2020_real t157 = t103 * t156;
+                                                const yao2020_real t158 = t153 - t157;
+                                                const yao2020_real t159 = t158 * t158;
+                                                const yao2020_real t160 = t149 + t159;
+                                                const yao2020_real t161 = sqrt(t160);
+                                                if (t161 > 2.842170943040401e-14) {
+                                                    const yao2020_real t163 = atan2(t158, t148);
+                                                    found[count][0] = t136;
+                                                    found[count][1] = t118;
+                                                    found[count][2] = t163;
+                                                    found[count][3] = t38;
+                                                    found[count][4] = t79;
+                                                    found[count][5] = t96;
+                                                    ++count;
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            } else {
+                                                *undecided = true;
+                                            }
+                                        }
+                                    }
+                                } else if (t105 > -2.842170943040401e-14) {
+                                    *undecided = true;
+                                } else {
+                                    /* out of reach */
+                                }
+                            }
+                        }
+                    } else if (t61 > -2.842170943040401e-14) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
+                    }
+                } else {
+                    *undecided = true;
+                }
+            }
+        }
+    } else if (t21 > -2.842170943040401e-14) {
+        *undecided = true;
+    } else {
+        /* out of reach */
+    }
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, false };
+    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    yao2020_status status = YAO2020_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == YAO2020_OUT_OF_RANGE); ++round) {
+        const yao2020_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const yao2020_real number = (goal[i] - joints[i]) * 0.15915494309189535;
+            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
+                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                joints[i] += 6.283185307179586 * (yao2020_real)whole;
+            }
+        }
+        status = yao2020_check_limits(joints);
+    }
+    return status;
+}
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6], unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
+{
+    yao2020_real x[7];
+    yao2020_real found[1][6];
+    bool undecided = false;
+    yao2020_status status = yao2020_normalise_pose(pose, x);
+    if (status == YAO2020_OK) {
+        if (yao2020_branches(x, near, wanted, found, &undecided) == 1) {
+            status = yao2020_turn_near(about, found[0]);
+        } else {
+            status = undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
+        }
+    }
+    if (status == YAO2020_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
+{
+    static const yao2020_real near[6] = { 0.0 };
+    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    yao2020_real x[7];
+    int count = 0;
+    bool undecided = false;
+    yao2020_status status = yao2020_normalise_pose(pose, x);
+    if (status == YAO2020_OK) {
+        const int all = yao2020_branches(x, near, 63U, joints, &undecided);
+        for (int k = 0; k < all; ++k) {
+            if (yao2020_turn_near(middle, joints[k]) == YAO2020_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch, yao2020_real joints[6])
+{
+    static const yao2020_real near[6] = { 0.0 };
+    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    yao2020_status status = YAO2020_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = yao2020_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6])
+{
+    yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
+    if (status == YAO2020_OK) {
+        yao2020_real near[6] = { 0.0 };
+        near[0] = yao2020_sine(guess[3] + 1.5707963267948966);
+        near[2] = yao2020_sine(guess[4] + 1.5707963267948966);
+        near[4] = yao2020_sine(guess[1] + 1.5707963267948966);
+        status = yao2020_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}

@@ -80,6 +80,24 @@ yao2020_status yao2020_direct(const yao2020_real joints[YAO2020_JOINTS], yao2020
 yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS],
     yao2020_real joints[YAO2020_JOINTS], yao2020_info *info);
 
+
+/* The closed form: joint values by formulas (README.md derives them), without iteration and without a guess. Each choice has two
+ * solutions; a branch is a sum of the names below, 0 for the first solution of each. yao2020_inverse_all lists them in this order. */
+#define YAO2020_BRANCHES (8)
+#define YAO2020_SHOULDER (4U) /* the other solution of joint theta4 */
+#define YAO2020_ELBOW (2U) /* the other solution of joint theta5 */
+#define YAO2020_WRIST (1U) /* the other solution of joint theta2 */
+
+/* All joint values with the given tool pose that lie within their ranges, angles about the middle of these; returns how many: 0 for
+ * a pose that the arm cannot take, that is singular, or that is not finite. */
+int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[YAO2020_BRANCHES][YAO2020_JOINTS]);
+
+/* The joint values of one branch. YAO2020_OUT_OF_RANGE where it has none, YAO2020_SINGULAR where nothing decides a joint. */
+yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch, yao2020_real joints[YAO2020_JOINTS]);
+
+/* The joint values nearest to the guess, one choice after the other, angles near the guess's. Whether the arm can move there
+ * from the guess is not asked: yao2020_inverse does. Statuses as of yao2020_inverse_branch. */
+yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS], yao2020_real joints[YAO2020_JOINTS]);
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 yao2020_status yao2020_jacobian(const yao2020_real joints[YAO2020_JOINTS], yao2020_real jacobian[6 * YAO2020_JOINTS]);
 #ifdef __cplusplus

@@ -111,10 +111,98 @@ static void refuse_all(void)
 #endif
 }
 
+
+/* Whether two lists of joint values are the same within a bound, whole turns left aside. */
+static int same_joints(const yao2020_real a[YAO2020_JOINTS], const yao2020_real b[YAO2020_JOINTS], double bound)
+{
+    static const int angular[YAO2020_JOINTS] = { 1, 1, 1, 1, 1, 0 };
+    int same = 1;
+    for (int i = 0; i < YAO2020_JOINTS; ++i) {
+        const double gap = (double)a[i] - (double)b[i];
+        const double off = angular[i] ? fabs(remainder(gap, 6.283185307179586)) : fabs(gap);
+        same = same && (off <= bound);
+    }
+    return same;
+}
+
+/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is the nearest. */
+static void closed_form(void)
+{
+    for (int k = 0; k < YAO2020_VECTORS; ++k) {
+        const double bound = yao2020_vector_bounds[k];
+        const double most = 8.0 * bound * 1.0;
+        const yao2020_pose pose = pose_from(yao2020_vector_poses[k]);
+        yao2020_real all[YAO2020_BRANCHES][YAO2020_JOINTS];
+        yao2020_real one[YAO2020_JOINTS];
+        const int count = yao2020_inverse_all(&pose, all);
+        int found = 0;
+        int named = 0;
+        expect((count > 0) && (count <= YAO2020_BRANCHES), "count of all branches", k);
+        for (int row = 0; row < count; ++row) {
+            yao2020_pose again;
+            expect(yao2020_direct(all[row], &again) == YAO2020_OK, "direct of a branch", k);
+            for (int i = 0; i < 3; ++i) {
+                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 2.5e-09, "a branch's position", k);
+            }
+            for (int i = 0; i < 4; ++i) {
+                const double off = fabs(fabs((double)again.quaternion[i]) - fabs((double)pose.quaternion[i]));
+                expect((double)YAO2020_SIZE * off <= 2.5e-09, "a branch's quaternion", k);
+            }
+            found += same_joints(all[row], yao2020_vector_inverse[k], most);
+        }
+        expect(found == 1, "one branch is the arm", k);
+        for (unsigned int branch = 0U; branch < YAO2020_BRANCHES; ++branch) {
+            if (yao2020_inverse_branch(&pose, branch, one) == YAO2020_OK) {
+                expect((named < count) && same_joints(one, all[named], most), "a branch by its name", k);
+                ++named;
+            }
+        }
+        expect(named == count, "count of the branches by name", k);
+        expect(yao2020_inverse_nearest(&pose, yao2020_vector_guesses[k], one) == YAO2020_OK, "nearest branch", k);
+        for (int i = 0; i < YAO2020_JOINTS; ++i) {
+            expect(fabs((double)one[i] - (double)yao2020_vector_inverse[k][i]) <= most, "nearest branch's joints", k);
+        }
+    }
+}
+
+/* What is no pose, no branch or out of reach is refused, results untouched. */
+static void closed_refusals(void)
+{
+    const yao2020_pose pose = pose_from(yao2020_vector_poses[0]);
+    yao2020_pose wrong = pose;
+    yao2020_real all[YAO2020_BRANCHES][YAO2020_JOINTS];
+    yao2020_real joints[YAO2020_JOINTS];
+    yao2020_real guess[YAO2020_JOINTS];
+    for (int i = 0; i < YAO2020_JOINTS; ++i) {
+        joints[i] = 4.0;
+        guess[i] = yao2020_vector_guesses[0][i];
+    }
+    expect(yao2020_inverse_branch(&pose, YAO2020_BRANCHES, joints) == YAO2020_OUT_OF_RANGE, "no such branch", 0);
+    guess[0] = (yao2020_real)NAN;
+    expect(yao2020_inverse_nearest(&pose, guess, joints) == YAO2020_NONFINITE, "NaN guess of the closed form", 0);
+    guess[0] = yao2020_vector_guesses[0][0];
+    wrong.position[2] = (yao2020_real)INFINITY;
+    expect(yao2020_inverse_nearest(&wrong, guess, joints) == YAO2020_NONFINITE, "infinite pose of the closed form", 0);
+    expect(yao2020_inverse_branch(&wrong, 0U, joints) == YAO2020_NONFINITE, "infinite pose of the closed form", 1);
+    expect(yao2020_inverse_all(&wrong, all) == 0, "infinite pose of the closed form", 2);
+    wrong = pose;
+    wrong.quaternion[1] = 2.0;
+    expect(yao2020_inverse_nearest(&wrong, guess, joints) == YAO2020_OUT_OF_RANGE, "quaternion of length 2 of the closed form", 0);
+    wrong = pose;
+    wrong.position[0] = 5550225.220655465;
+    wrong.position[1] = 5550225.220655465;
+    wrong.position[2] = 5550225.220655465;
+    (void)yao2020_inverse_nearest(&wrong, guess, joints);
+    for (int i = 0; i < YAO2020_JOINTS; ++i) {
+        expect(joints[i] == 4.0, "result of the closed form untouched on failure", i);
+    }
+}
 int main(void)
 {
     solve_all();
     refuse_all();
+    closed_form();
+    closed_refusals();
     (void)printf("yao2020: %d cases, %d failures\n", YAO2020_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -105,11 +105,15 @@ class Evaluation:
         """What has the sign of the branch at known motions."""
         assert isinstance(step, Level | Distance)  # noqa: S101 - no other step has branches
         (joint,) = step.joints
-        a, b, _ = self._equation(step)
         motion = self.motions[joint]
-        if self.arm.screws[joint].slides:
-            return motion.value + a
-        return a * motion.sine - b * motion.cosine
+        return self.lean(step, motion.value if self.arm.screws[joint].slides else motion.cosine, motion.sine)
+
+    def lean(self, step: Step, cosine: ca.SX, sine: ca.SX) -> ca.SX:
+        """What has the sign of the branch nearest to an angle, by its cosine and sine, or to a slide (in place of the cosine)."""
+        assert isinstance(step, Level | Distance)  # noqa: S101 - no other step has branches
+        (joint,) = step.joints
+        a, b, _ = self._equation(step)
+        return cosine + a if self.arm.screws[joint].slides else a * sine - b * cosine
 
     def _scale(self, *operands: Operand) -> float:
         return self.arm.size if all(operand.is_point for operand in operands) else 1.0

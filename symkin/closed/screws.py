@@ -49,7 +49,8 @@ def arm_screws(mechanism: Mechanism) -> ArmScrews | None:
         # the point next to the first joint: its numbers are small, and some of them zero
         point = snapped_vector(origin + away - k * (k @ away), size)
         found.append(Screw(joint.name, joint.type == "P", point, snapped_vector(k, 1.0), joint.zero))
-    return ArmScrews(tuple(found), mechanism.reference_pose, size)
+    tool = Pose(np.array(snapped_vector(np.array(mechanism.platform_position), size)), np.array(mechanism.platform_quaternion))
+    return ArmScrews(tuple(found), tool, size)
 
 
 def snapped_vector(numbers: np.ndarray, scale: float) -> Vector:

@@ -30,12 +30,10 @@ def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, 
     assert block.formulas is not None  # noqa: S101 - the caller has looked
     joints, rates = _Formulas(made, block, block.formulas).joints_and_rates
     count = len(actuated_places(block)) * int(block.sides.shape[1])
-    values = {
-        **common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count, "joints_lines": indent(joints),
-        "rates_lines": indent(rates),
-    }  # fmt: skip
-    # a limb without actuated joints has no rates
-    return fill("closed_limb.c", values) + (fill("closed_limb_rates.c", values) if count else "")
+    values = {**common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count}
+    text = fill("closed_limb.c", values | {"joints_lines": indent(joints)})
+    by_formulas = count and block.kernel is None
+    return text + (fill("closed_rates.c", values | {"rates_lines": indent(rates)}) if by_formulas else "")
 
 
 def actuated_places(block: LimbBlock) -> list[int]:

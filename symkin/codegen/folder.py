@@ -91,6 +91,7 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
     vectors = build_vectors(program.kind)
     name = mechanism.name
     values = program.values | _test_values(program)
+    values |= _closed_values(program, values)
     templates = program.kind.templates
     files = {
         f"{name}.h": program.header,
@@ -121,9 +122,18 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "home": options.home,
         },
         "operations_per_iteration": program.main.operations,
+        **_closed_manifest(program),
         "files": {name: digest(text.encode()) for name, text in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"
+
+
+def _closed_manifest(program: Program) -> dict[str, object]:
+    """The choices of an arm's closed form and its steps."""
+    kind = program.kind
+    if not isinstance(kind, SerialArm) or kind.plan is None:
+        return {}
+    return {"closed_form": {"choices": list(kind.plan[0].branches), "steps": kind.plan[0].derivation(), "nearly": kind.plan[1]}}
 
 
 def _test_values(program: Program) -> dict[str, object]:
@@ -141,7 +151,24 @@ def _test_values(program: Program) -> dict[str, object]:
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
+        "closed_test": "", "closed_call": "",
     }  # fmt: skip
+
+
+def _closed_values(program: Program, values: dict[str, object]) -> dict[str, object]:
+    """The test of an arm's closed form."""
+    kind = program.kind
+    if not isinstance(kind, SerialArm) or kind.plan is None:
+        return {}
+    size, epsilon = program.mechanism.characteristic_length, program.real.epsilon
+    own = {
+        "angular": ", ".join(str(int(c.is_angular)) for c in program.mechanism.actuated),
+        "reached": f"{4 * program.main.tuning.tolerance + 512 * epsilon * max(size, 1.0):.2g}",
+    }
+    return {
+        "closed_test": fill("closed_test.c", values | own),
+        "closed_call": "    closed_form();\n    closed_refusals();",
+    }
 
 
 def _angle_bound(program: Program) -> str:

@@ -22,7 +22,7 @@ from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
-from symkin.elimination.closed_form import ClosedForm, closed_form
+from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
@@ -41,7 +41,7 @@ _CHECKED = 5
 @dataclass(frozen=True, eq=False)
 class LimbBlock:
     """A limb once the pose is given: `rod` is the explicit value of its only coordinate, `formulas` give all of them, else `kernel`
-    solves it.
+    solves it. With both, the formulas give the joints, and the kernel's matrix their rates.
 
     `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates; for a rod d(rod)/d(twist). `name`
     begins the names of the limb's functions."""
@@ -116,7 +116,7 @@ class LimbPlatform:
     @property
     def tells_branch(self) -> bool:
         """Whether signs tell every limb's branch: all are rods or have closed forms."""
-        return all(block.kernel is None for block in self.blocks)
+        return all(block.rod is not None or block.formulas is not None for block in self.blocks)
 
     @cached_property
     def conditions(self) -> System:
@@ -137,7 +137,8 @@ class LimbPlatform:
             rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
         else:
             formulas = self._formulas(system)
-        if rod is None and formulas is None:
+        if rod is None and (formulas is None or not _solves_any_pose(formulas, self.samples[0], self.inverse)):
+            # of a limb that not every pose lets close, rates are least squares over its rows
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
         of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
         scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
@@ -223,6 +224,21 @@ class LimbPlatform:
                     f"{self.name}: the platform's pose does not fix joints of one limb ({names}), so that there is no inverse; "
                     "nothing to generate"
                 )
+
+
+def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Problem) -> bool:
+    """Whether a limb's formulas satisfy its rows at poses beside a configuration's, not only at those that the platform can take."""
+    system = formulas.system
+    if system.rows.shape[0] <= system.freedom:
+        return True
+    poses = samples_about(system, inverse.select_values(sample.values, inverse.known_coordinates))
+    if any(c.kind == "quaternion" for c in inverse.known_coordinates):
+        return False
+    found = formulas.solutions(poses)
+    owner, which = np.nonzero(found.real)
+    return bool(
+        owner.size and np.all(system.residuals(found.values[owner, which], poses[owner]) < 1e-9 * system.characteristic_length)
+    )
 
 
 def _angular(pose: Sequence[Coordinate]) -> list[bool]:

@@ -11,7 +11,7 @@ from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, condition_within_limits, copy, farthest, fill
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
-from symkin.codegen.limb_source import limb_text
+from symkin.codegen.limb_source import limb_text, rates_text
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
 from symkin.codegen.newton_source import NewtonCode, line_target
@@ -120,8 +120,9 @@ class LimbPlatformSource:
 
     def _limb_text(self, block: LimbBlock) -> str:
         """The functions of one limb."""
-        write = limb_text if block.formulas is None else closed_limb_text
-        return write(self.made, block, self._common)
+        if block.formulas is None:
+            return limb_text(self.made, block, self._common)
+        return closed_limb_text(self.made, block, self._common) + rates_text(self.made, block, self._common)
 
     # --- limbs -----------------------------------------------------------------------------------------------------
 
@@ -242,7 +243,10 @@ class LimbPlatformSource:
         made, real, k, m = self.made, self.real, f"{self.name}_{block.kernel.name}", block.kernel.m
         columns, solved = COLUMNS[made.mechanism.motion], _actuated_columns(block.system)
         actuated = [(there, *solved[here]) for array, there, here in self._places(block) if array == "q"]
-        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", f"status = {k}_follow_pose({self._ga}&w, c);",
+        solve = [f"status = {k}_follow_pose({self._ga}&w, c);"]
+        if block.formulas is not None:
+            solve = [f"status = {k}_joints(c, w.x);", *copy("w.k", "c", int(block.system.known.shape[0]))]
+        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", *solve,
                 f"if (status == {self._ok}) {{", f"    {k}_twist_columns({self._ga}&w, sides);",
                 f"    if ({singular_condition(block.kernel, k, '&w', self._ga)}) {{",
                 f"        status = {self.name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip

@@ -33,9 +33,21 @@ def limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]
         for array, coordinates in parts
         for i, v in enumerate(made.inverse.select_values(reference, coordinates))
     ]
-    return code.text + fill("limb.c", {**common, "k": code.k, "begin": indent(begin),
-                                       "sides": indent(_side_lines(block, block.kernel, made.geometry.names, made.real)),
-                                       "count": block.kernel.m * int(block.sides.shape[1])})  # fmt: skip
+    follow = fill("limb.c", {**common, "k": code.k, "begin": indent(begin)})
+    return code.text + follow + _twist_columns(made, block, block.kernel, code.k, common)
+
+
+def rates_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
+    """Write the functions that solve a limb's matrix for its joint rates; nothing for a limb whose formulas give these."""
+    if block.kernel is None:
+        return ""
+    code = _newton_code(made, block, block.kernel)
+    return code.work + code.linear.text + _twist_columns(made, block, block.kernel, code.k, common)
+
+
+def _twist_columns(made: LimbPlatform, block: LimbBlock, kernel: Kernel, k: str, common: Mapping[str, object]) -> str:
+    sides = indent(_side_lines(block, kernel, made.geometry.names, made.real))
+    return fill("twist_columns.c", {**common, "k": k, "sides": sides, "count": kernel.m * int(block.sides.shape[1])})
 
 
 def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> NewtonCode:

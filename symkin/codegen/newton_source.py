@@ -126,6 +126,12 @@ class NewtonCode:
         """All functions in an order in which each is known before it is called."""
         return self.work + self.functions + self.target + self.linear.text + self.middle + self.driver
 
+    @property
+    def factoring(self) -> dict[str, object]:
+        """Values for other drivers of the same steps: names, roundings, and the statements that set `turn` and factor the matrix."""
+        calls = [f"turn = {self._values['first_factor']};", *str(self._values["second_factor"]).strip("\n").split("\n")]
+        return self._values | {"factor": indent([calls[0], *(line[12:] for line in calls[1:] if line)], 2)}
+
     @cached_property
     def operations(self) -> dict[str, int]:
         """Operations of one step: rows, matrix, factors and step."""

@@ -156,6 +156,41 @@ def _branch(program: Program) -> str:
     return "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
 
 
+_CLOSED_FORM = r"""## Closed form
+
+Write $F_i$ for the motion of joint $i$ from the reference and $M = F_1 \cdots F_n$ for that of the tool. Each step below decides one
+joint: it carries a known point or direction to another, $F x = y$ (one solution, by atan2), or brings it to a level or to a distance,
+$A \cos q + B \sin q = C$ with the two solutions
+
+$$\cos q = \frac{A C \mp B \sqrt{A^2 + B^2 - C^2}}{A^2 + B^2}, \qquad \sin q = \frac{B C \pm A \sqrt{A^2 + B^2 - C^2}}{A^2 + B^2} .$$
+
+A slide's level is linear and its distance a quadratic. `NAME_inverse_all` runs through both solutions of each choice, in loops within
+each other, `NAME_inverse_branch` takes the ones that its bits name (the first where a bit is 0), and `NAME_inverse_nearest` those next to
+the guess $g$: the upper sign where $A \sin g - B \cos g \ge 0$. A negative root is a pose out of reach (`OUT_OF_RANGE`); where $A$ and
+$B$, or both vectors of $F x = y$ across the axis, vanish, nothing decides the joint (`SINGULAR`). `NAME_inverse` follows the line from
+the guess by Newton's method, as above; it is the one that says whether the arm can move there. Angles of the closed form are atan2 of
+libm in double and a polynomial in float (error $4 \cdot 10^{-8}$ and rounding, the same bits on every machine)."""
+_NEARLY_CLOSED = """The axes of this arm are only nearly as the steps ask. They give the joints of the ideal arm, and a few steps of Newton's
+method, which must end within the tolerance, those of this one: near a double root of the steps solutions may be missing."""
+_NOT_CLOSED = """## Closed form
+
+None was found: the axes of this arm are neither parallel nor meeting in a way that decides its joints one after the other by
+formulas (three consecutive parallel axes beside others that meet or are parallel; a spherical wrist at either end with a pair that is parallel or
+meets; slides in their places), or its geometry is given at run time. The inverse problem is solved by iteration."""
+
+
+def _closed_form(program: Program) -> list[str]:
+    """The section on an arm's closed form, nothing for other machines."""
+    kind = program.kind
+    if not isinstance(kind, SerialArm):
+        return []
+    if kind.plan is None:
+        return [_NOT_CLOSED]
+    plan, nearly = kind.plan
+    steps = "\n".join(f"{i}. {markdown(line)}." for i, line in enumerate(plan.derivation(), start=1))
+    return [_CLOSED_FORM.replace("NAME", kind.name), *([_NEARLY_CLOSED] if nearly else []), steps]
+
+
 def _dead_centres(program: Program) -> str:
     """What is said of limbs' dead centres."""
     kind = program.kind
@@ -171,7 +206,7 @@ def readme(program: Program) -> str:
     kind = _EQUATIONS[type(program.kind)] + (_RELATIVE if options.home_relative else "")
     kind += "\n" + _REDUNDANT if program.kind.is_redundant else ""
     closure = equations(mechanism)
-    chapters = "\n\n".join([kind, *_formulas(program), _branch(program)])
+    chapters = "\n\n".join([kind, *_formulas(program), _branch(program), *_closed_form(program)])
     counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
     return f"""# {name}: {markdown(mechanism.title) or "generated kinematics"}
 

@@ -12,9 +12,11 @@ from typing import ClassVar
 import casadi as ca
 import numpy as np
 
+from symkin.closed.plan import Plan, plan_of
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, condition_within_limits, copy, farthest, fill
+from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.newton_source import NewtonCode, line_target
@@ -25,6 +27,12 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.rotation import conjugate, multiply
+
+NEARLY = 0.02
+"""Axes that are off by less than this (rad, or of the size), as a calibration finds them, make an arm nearly one with a closed form:
+its branches then begin Newton's method."""
+_FINISHED = 64.0
+"""Error of a branch, in roundings of the size, that is still held to meet a pose."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +117,16 @@ class SerialArm:
             found.append((q, self.forward_at(q)))
         return found
 
+    @cached_property
+    def plan(self) -> tuple[Plan, bool] | None:
+        """The arm's closed form, where it has one and the geometry is that of the code, and whether its axes are only nearly as that
+        asks."""
+        if self.options.geometry == "struct":
+            return None
+        exact = plan_of(self.mechanism)
+        found = plan_of(self.mechanism, NEARLY) if exact is None else exact
+        return None if found is None else (found, exact is None)
+
     @property
     def is_redundant(self) -> bool:
         """A tool pose does not decide the joints."""
@@ -176,7 +194,19 @@ class ArmSource:
         far = farthest(size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3])
         literal = self.arm.real.literal
         return common | {"nq": nq, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
-                         "farthest_joint": literal(FARTHEST * max(size, 1.0))}  # fmt: skip
+                         "farthest_joint": literal(FARTHEST * max(size, 1.0)),
+                         "closed": "" if self.closed is None else self.closed.header}  # fmt: skip
+
+    @cached_property
+    def closed(self) -> ClosedCode | None:
+        """The closed form, where the arm has one."""
+        arm = self.arm
+        if arm.plan is None:
+            return None
+        plan, nearly = arm.plan
+        misfit = 4.0 * self.code.tuning.tolerance + _FINISHED * arm.real.epsilon * arm.mechanism.characteristic_length
+        common = common_values(arm.name, arm.real, struct=False)
+        return ClosedCode(plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None)
 
     @property
     def text(self) -> str:
@@ -190,6 +220,7 @@ class ArmSource:
         return "".join([
             fill("pose_and_info.c", values), fill("check_limits.c", values | {"positive": "", "ranges": ranges}),
             fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
+            "" if self.closed is None else self.closed.text,
         ])  # fmt: skip
 
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:

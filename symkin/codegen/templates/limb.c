@@ -7,10 +7,3 @@ static @{p}_status @{k}_follow_pose(@{gp}@{k}_work *w, const @{real} c[@{nc}])
     return @{k}_newton(@{ga}w, c, &usual, NULL);
 }
 
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides of the joint rates. */
-static void @{k}_twist_columns(@{gp}const @{k}_work *w, @{real} sides[@{count}])
-{
-@{use}
-@{sides}
-}
-

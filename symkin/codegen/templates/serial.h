@@ -11,5 +11,6 @@
 @{p}_status @{p}_inverse(@{gpd}const @{p}_config *config, const @{p}_pose *pose, const @{p}_real guess[@{P}_JOINTS],
     @{p}_real joints[@{P}_JOINTS], @{p}_info *info);
 
+@{closed}
 /* Row-major 6 x @{nq}: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 @{p}_status @{p}_jacobian(@{gpd}const @{p}_real joints[@{P}_JOINTS], @{p}_real jacobian[6 * @{P}_JOINTS]);

@@ -115,10 +115,12 @@ static void refuse_all(void)
 #endif
 }
 
+@{closed_test}
 int main(void)
 {
     solve_all();
     refuse_all();
+@{closed_call}
     (void)printf("@{p}: %d cases, %d failures\n", @{P}_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -1,0 +1,265 @@
+"""Write the C of an arm's closed form: all branches of the inverse problem in one function of nested loops, one loop a choice.
+
+The statements of a step stand in the loops of the choices before it, so that what branches share is computed once. `near` holds
+cosine and sine of a guess's angle (or its slide) for each choice; a choice whose bits in `wanted` are zero takes the solution that is
+nearest to it: of A cos q + B sin q = C the one on the side of the guess g that A sin g - B cos g tells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.closed.evaluation import Decision, Evaluation
+from symkin.closed.plan import Plan
+from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import fill
+from symkin.codegen.newton_source import NewtonCode
+from symkin.computed_once import cached_property
+from symkin.model.joint import Coordinate
+
+_LEAST = 256.0
+"""Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
+_FINISH_STEPS, _FINISH_REACH = 6, 0.5
+"""Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
+_SINE = (0.9999966155528762, -0.16664828239792243, 0.008306323850167805, -0.00018363616794956467)
+"""sin(x) / x in x^2 up to a quarter turn, error of the sine 6e-7: least squares reweighted to the least largest error."""
+_ARCTANGENT = (
+    0.9999993443489075, -0.33329859375953674, 0.19946563243865967, -0.13908618688583374,
+    0.09642169624567032, -0.05591192841529846, 0.02186267077922821, -0.004054484888911247,
+)  # fmt: skip
+"""atan(x) / x in x^2 up to x = 1, error of the angle 3.7e-8, made in the same way."""
+_MOST_TURNS = 1e4
+"""Whole turns beyond which an angle is not moved: a float of them tells no angle."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Written:
+    """A step as expressions: what it decides by, and, of a choice, which side the guess is on."""
+
+    step: Step
+    decision: Decision
+    lean: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedCode:
+    """The closed form of one arm; `newton`: where the plan is that of an arm whose axes are nearly these, the method that has to
+    finish."""
+
+    plan: Plan
+    coordinates: tuple[Coordinate, ...]
+    real: Real
+    values: dict[str, object]
+    misfit: float
+    newton: NewtonCode | None
+
+    # --- expressions -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _pose(self) -> ca.SX:
+        return ca.SX.sym("x", 7)
+
+    @cached_property
+    def _signs(self) -> ca.SX:
+        return ca.SX.sym("s", len(self.plan.branches))
+
+    @cached_property
+    def _near(self) -> ca.SX:
+        return ca.SX.sym("g", 2 * len(self.plan.branches))
+
+    @cached_property
+    def _steps(self) -> tuple[list[_Written], Evaluation]:
+        at, found, number = Evaluation(self.plan.arm, self._pose[:3], self._pose[3:]), [], 0
+        for step in self.plan.steps:
+            sign, lean = ca.SX(1), ca.SX(0)
+            if step.branch is not None:
+                sign, lean = self._signs[number], at.lean(step, self._near[2 * number], self._near[2 * number + 1])
+                number += 1
+            decision = at.decide(step, sign)
+            found.append(_Written(step, decision, lean))
+            at = at.decided(step.joints, decision.motions)
+        return found, at
+
+    def _gap(self, at: Evaluation) -> ca.SX:
+        """Square of how far the joints' tool pose is from the given one: origin, and two axes times the size."""
+        chain: Word = tuple(Factor(i) for i in range(len(self.plan.arm)))
+        total = ca.SX(0)
+        x, y, z = (float(v) for v in np.asarray(self.plan.arm.tool.position))
+        for operand in (Operand((x, y, z), True), Operand((1.0, 0.0, 0.0), False), Operand((0.0, 1.0, 0.0), False)):
+            gap = at.value(operand.carried(chain)) - at.value(operand.carried((Factor(TOOL),)))
+            total += (1.0 if operand.is_point else self.plan.arm.size**2) * ca.dot(gap, gap)
+        return total
+
+    @cached_property
+    def is_checked(self) -> bool:
+        """Whether branches are held against the pose: those of arms of fewer than six joints need not meet all of it."""
+        return len(self.plan.arm) < 6 and self.newton is None
+
+    @cached_property
+    def _emitter(self) -> Emitter:
+        written, at = self._steps
+        outputs = [e for w in written for e in (w.decision.strength, w.decision.discriminant, w.lean)]
+        values = [at.motions[i].value + screw.zero for i, screw in enumerate(self.plan.arm.screws)]
+        symbols = [self._pose, self._signs, self._near]
+        gap = self._gap(at) if self.is_checked else ca.SX(0)
+        expression = snapped_expression(ca.vertcat(*outputs, *values, gap), symbols, 1.0)
+        function = ca.Function("f", symbols, [ca.densify(expression)], {"cse": True})
+        signs = [f"sign{i}" for i in range(len(self.plan.branches))]
+        return Emitter(function, [indexed("x", 7), signs, indexed("near", 2 * len(signs))], self.real)
+
+    # --- text ------------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def body(self) -> list[str]:
+        """Statements of the function of all branches."""
+        emitter, steps, number = self._emitter, self.plan.steps, 0
+        opened: list[str] = []
+        joints: dict[int, str] = {}
+        for i, step in enumerate(steps):
+            emitter.comment(step.reason)
+            self._open_conditions(emitter.value(0, 3 * i), 3 * i + 1, opened)
+            if step.branch is not None:
+                self._open_choice(number, emitter.value(0, 3 * i + 2))
+                opened += ["}", "}"]
+                number += 1
+            joints |= {k: emitter.value(0, 3 * len(steps) + k) for k in step.joints}
+        n = len(self.plan.arm)
+        if self.is_checked:
+            self._raw(f"if ({emitter.value(0, 3 * len(steps) + n)} < {self.real.literal(self.misfit**2)}) {{")
+            opened.append("}")
+        for k in range(n):
+            self._raw(f"found[count][{k}] = {joints[k]};")
+        self._raw("++count;")
+        for closing in reversed(opened):
+            self._raw(closing)
+        text = "\n".join(emitter.lines)
+        if self.real.name == "float":
+            text = text.replace("atan2f(", f"{self.values['p']}_angle(")
+        return _indented(text.split("\n"))
+
+    def _open_conditions(self, strength: str, discriminant: int, opened: list[str]) -> None:
+        """What must hold before a step's solutions are formed, and what is said where it does not: nothing decides the joint, two
+        solutions meet, or there is none."""
+        least, undecided = self.real.literal(_LEAST * self.real.epsilon), "*undecided = true;"
+        if not _is_number(strength):
+            self._raw(f"if ({strength} > {least}) {{")
+            opened.append(f"}} else {{\n{undecided}\n}}")
+        text = self._emitter.value(0, discriminant)
+        if not _is_number(text):
+            self._raw(f"if ({text} > {least}) {{")
+            opened.append(f"}} else if ({text} > -{least}) {{\n{undecided}\n}} else {{\n/* out of reach */\n}}")
+
+    def _raw(self, text: str) -> None:
+        self._emitter.lines.append(text)
+
+    def _open_choice(self, number: int, lean: str) -> None:
+        """The loop over the solutions of one choice."""
+        zero, one = self.real.literal(0.0), self.real.literal(1.0)
+        self._raw(f"const unsigned int bits{number} = (wanted >> {2 * number}U) & 3U;")
+        self._raw(f"const unsigned int side{number} = ({lean} < {zero}) ? 2U : 1U;")
+        self._raw(f"for (unsigned int k{number} = 1U; k{number} <= 2U; ++k{number}) {{")
+        self._raw(f"if ((((bits{number} != 0U) ? bits{number} : side{number}) & k{number}) != 0U) {{")
+        self._raw(f"const {self.real.type} sign{number} = (k{number} == 1U) ? {one} : -{one};")
+
+    @property
+    def _near_lines(self) -> list[str]:
+        """Statements that set `near` from a guess."""
+        lines, number = [], 0
+        for step in self.plan.steps:
+            if step.branch is None:
+                continue
+            (joint,) = step.joints
+            screw = self.plan.arm.screws[joint]
+            value = f"guess[{joint}]" + (f" - {self.real.literal(screw.zero)}" if screw.zero else "")
+            p, quarter = self.values["p"], self.real.literal(0.5 * np.pi)
+            cosine = value if screw.slides else f"{p}_sine({value} + {quarter})"
+            lines += [f"near[{2 * number}] = {cosine};"]
+            lines += [] if screw.slides else [f"near[{2 * number + 1}] = {p}_sine({value});"]
+            number += 1
+        # what no statement reads is not computed
+        text = "\n".join(self.body)
+        return [line for line in lines if line.split(" = ")[0] in text]
+
+    @property
+    def _names(self) -> dict[str, object]:
+        literal, names = self.real.literal, self.plan.branches
+        spans = [c.limits for c in self.coordinates]
+        middles = [0.5 * (s[0] + s[1]) if s else 0.0 for s in spans]
+        named = [
+            f"wanted |= ((branch & {1 << (len(names) - 1 - i)}U) != 0U) ? {2 << (2 * i)}U : {1 << (2 * i)}U;"
+            for i in range(len(names))
+        ]
+        both = sum(3 << (2 * i) for i in range(len(names)))
+        return self.values | {
+            "branches": self.plan.count, "choices": max(len(names), 1), "nears": max(2 * len(names), 1), "both": f"{both}U",
+            "body": indent(self.body), "near": indent(self._near_lines, 2), "nn": len(self.plan.arm),
+            "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
+            "middles": ", ".join(literal(m) for m in middles), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
+            "half": literal(0.5), "minus_half": literal(-0.5), "many": literal(_MOST_TURNS),
+            "half_turn": literal(np.pi), "quarter": literal(0.5 * np.pi),
+            "sine": self._polynomial(_SINE), "arctangent": self._polynomial(_ARCTANGENT),
+            "named": indent(named, 2),
+        }  # fmt: skip
+
+    def _polynomial(self, coefficients: tuple[float, ...]) -> str:
+        """C text of a polynomial in `square`, by Horner's rule."""
+        *rest, last = (self.real.literal(c) for c in coefficients)
+        text = last
+        for c in reversed(rest):
+            text = f"{c} + square * {text if text == last else f'({text})'}"
+        return text
+
+    @property
+    def text(self) -> str:
+        """All functions of the closed form."""
+        first = f"{self.values['p']}_turn_near(" if self.newton is None else f"{self.values['p']}_settle(x, "
+        sine = fill("closed_trigonometry.c", self._names) if any("_sine(" in line for line in self._near_lines) else ""
+        angle = fill("closed_angle.c", self._names) if any("_angle(" in line for line in self.body) else ""
+        return angle + sine + fill("closed.c", self._names | {"finish": self._finish, "settle": first})
+
+    @property
+    def _finish(self) -> str:
+        if self.newton is None:
+            return ""
+        literal, size = self.real.literal, self.plan.arm.size
+        own = {"most_steps": _FINISH_STEPS, "longest2": literal((_FINISH_REACH * size) ** 2)}
+        return fill("closed_finish.c", self.newton.factoring | self._names | own)
+
+    @property
+    def header(self) -> str:
+        """The declarations, with the names of the choices."""
+        prefix, names = self.values["P"], self.plan.branches
+        flags = [
+            f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {self._joint_of(i)} */"
+            for i, name in enumerate(names)
+        ]
+        return fill("closed.h", self._names | {"flags": "\n".join(flags)})
+
+    def _joint_of(self, number: int) -> str:
+        (joint,) = [step for step in self.plan.steps if step.branch is not None][number].joints
+        return self.plan.arm.screws[joint].name
+
+    @property
+    def derivation(self) -> str:
+        """The section of the README."""
+        lines = [f"{i}. {line}." for i, line in enumerate(self.plan.derivation(), start=1)]
+        return "\n".join(lines)
+
+
+def _is_number(text: str) -> bool:
+    return text[0].isdigit()
+
+
+def _indented(lines: list[str]) -> list[str]:
+    """Lines indented by the braces that are open before them."""
+    depth, found = 0, []
+    for line in lines:
+        depth -= line.startswith("}")
+        found.append("    " * depth + line)
+        depth += line.endswith("{")
+    return found
