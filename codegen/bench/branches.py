@@ -6,10 +6,11 @@ asked for the same joint values with home as the guess. With `--legs N`, N such 
 at an answer that was OK, others at home. An answer is on the same pose when it differs by no more than
 rounding makes of the rows: 16 units in the last place times the condition there, and 2e-7 of the size.
 
-    python codegen/bench/branches.py [NAME ...] [--count 5000] [--legs 1] [--real double] [--seed 0] [--write]
+    python codegen/bench/branches.py [NAME|FILE ...] [--count 5000] [--range PART,TURN] [--legs 1] [--real double] [--seed 0] [--write]
 
 A platform on rods gets goals by poses (within 0.34 of its size, 180 mm for the first, and 1 rad), any other one by joint
-values (within 0.15 of its size and 0.6 rad).
+values (within 0.15 of its size and 0.6 rad); `--range` gives other ones, up to whole turns. `machines/` holds mechanisms that are
+not shipped. Lines on which a limb passes a dead centre count as regular here, and the C refuses them.
 """
 
 from __future__ import annotations
@@ -162,28 +163,30 @@ def asking(mechanism: Mechanism, options: Options) -> Answers:
     return answers
 
 
-def report(names: list[str], count: int, reals: list[str], seed: int, legs: int) -> str:
+def report(names: list[str], count: int, reals: list[str], seed: int, legs: int, reach: Reach | None = None) -> str:
     lines = [
         f"Seed {seed}.", "",
         "| solver | goals | regular lines | OK of these | OK on another pose | mean steps | most steps |", "|---|---|---|---|---|---|---|",
     ]  # fmt: skip
     for name in names:
         for real in reals:
-            found = study(load(name), Options(real, home=HOMES.get(name)), count, seed=seed, legs=legs)  # type: ignore[arg-type]
-            lines.append(found.row(name, real))
+            found = study(load(name), Options(real, home=HOMES.get(name)), count, reach, seed=seed, legs=legs)  # type: ignore[arg-type]
+            lines.append(found.row(Path(name).stem, real))
     return "\n".join(lines)
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(STUDIED))
+    parser.add_argument("--range", metavar="PART,TURN", help="how far goals lie from home: a part of the size, and rad")
     parser.add_argument("--count", type=int, default=5000)
     parser.add_argument("--legs", type=int, default=1, help="lines that follow each other (default: 1)")
     parser.add_argument("--real", choices=("float", "double"), action="append", help="default: both")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--write", action="store_true", help="write the table into codegen/README.md")
     chosen = parser.parse_args()
-    measured = report(chosen.names, chosen.count, chosen.real or ["double", "float"], chosen.seed, chosen.legs)
+    given = Reach(*(float(number) for number in chosen.range.split(","))) if chosen.range else None
+    measured = report(chosen.names, chosen.count, chosen.real or ["double", "float"], chosen.seed, chosen.legs, given)
     print(measured)
     if chosen.write:
         written("branches", measured)

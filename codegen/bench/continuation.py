@@ -19,7 +19,8 @@ _LONGEST, _SHORTEST = 1.0 / 400, 2.0**-13 / 400
 
 @dataclass(frozen=True, eq=False)
 class Walker:
-    """Fine continuation of a direct problem with as many rows as unknowns, geometry nominal."""
+    """Fine continuation of a direct problem, geometry nominal. Where rows are more than unknowns, steps are least squares over all, and
+    a singularity is told by steps that no longer converge alone."""
 
     problem: Problem
 
@@ -36,9 +37,9 @@ class Walker:
         return {width: single.map(width) for width in (4, 32, _LANES)}
 
     def linearised(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F (count, n) and dF/dd (count, n, n) at z (count, width), each with its own known values."""
-        count, n = len(z), self.system.freedom
-        rows, matrices = np.empty((count, n)), np.empty((count, n, n))
+        """F (count, m) and dF/dd (count, m, n) at z (count, width), each with its own known values."""
+        count, n, m = len(z), self.system.freedom, int(self.system.rows.shape[0])
+        rows, matrices = np.empty((count, m)), np.empty((count, m, n))
         for begin in range(0, count, _LANES):
             part = slice(begin, min(begin + _LANES, count))
             used = part.stop - begin
@@ -46,15 +47,18 @@ class Walker:
             pad = [np.concatenate([v[part], np.repeat(v[part][-1:], width - used, 0)]).T for v in (z, known)]
             f, j = (np.asarray(out) for out in self._mapped[width](*pad))
             rows[part] = f.T[:used]
-            matrices[part] = j.reshape(n, width, n).transpose(1, 0, 2)[:used]
+            matrices[part] = j.reshape(m, width, n).transpose(1, 0, 2)[:used]
         return rows, matrices
 
     def newton(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """One step from each point: the points after it, signs of det before it, lengths of the steps."""
         rows, matrices = self.linearised(z, known)
-        sign, _ = np.linalg.slogdet(matrices)
-        matrices[sign == 0] = np.eye(matrices.shape[1])
-        steps = np.linalg.solve(matrices, -rows[..., None])[..., 0]
+        if matrices.shape[1] > matrices.shape[2]:
+            sign, steps = np.ones(len(z)), -(np.linalg.pinv(matrices) @ rows[..., None])[..., 0]
+        else:
+            sign, _ = np.linalg.slogdet(matrices)
+            matrices[sign == 0] = np.eye(matrices.shape[1])
+            steps = np.linalg.solve(matrices, -rows[..., None])[..., 0]
         lengths = np.linalg.norm(steps, axis=1)
         steps *= np.minimum(1.0, 0.1 * self.system.characteristic_length / np.maximum(lengths, 1e-300))[:, None]
         return self.system.move(z, steps), sign, lengths

@@ -2240,7 +2240,7 @@ static void gluon_6l3_inverse_solve(gluon_6l3_inverse_work *w)
 /* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
  * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
  * points between them none. */
-static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real middle)
+static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real middle, gluon_6l3_real still2)
 {
     gluon_6l3_real end[6];
     gluon_6l3_real size[3];
@@ -2259,7 +2259,7 @@ static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_wo
     for (int i = 0; i < 6; ++i) {
         w->x[i] = end[i];
     }
-    return (size[2] <= 1.4683552311219494e-23) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
+    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
 }
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
@@ -2283,6 +2283,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
     gluon_6l3_real kappa2 = 0.0007728399999999999;
     gluon_6l3_real limit;
     gluon_6l3_real residual = HUGE_VAL;
+    gluon_6l3_real still2 = 1.4683552311219494e-23; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -2344,6 +2345,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 break;
             }
             sign = turn;
+            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0)) ? (2.294305048628046e-25 * w->spread) : 1.4683552311219494e-23;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         gluon_6l3_inverse_solve(w);
@@ -2356,9 +2358,9 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
         } else {
             limit = 0.140625 * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.4683552311219494e-23));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
-            accepted = gluon_6l3_inverse_reaches_middle(w, to, done + 0.5 * (aim - done));
+            accepted = gluon_6l3_inverse_reaches_middle(w, to, done + 0.5 * (aim - done), still2);
             gluon_6l3_inverse_set_target(w, to, aim);
         }
         if (accepted) {
@@ -2374,13 +2376,13 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 }
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 1.4683552311219494e-23));
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 1.4683552311219494e-23))) {
+            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0 <= before);
+                quick = (size * 100.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

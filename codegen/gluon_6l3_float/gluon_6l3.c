@@ -2238,7 +2238,7 @@ static void gluon_6l3_inverse_solve(gluon_6l3_inverse_work *w)
 /* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
  * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
  * points between them none. */
-static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real middle)
+static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real middle, gluon_6l3_real still2)
 {
     gluon_6l3_real end[6];
     gluon_6l3_real size[3];
@@ -2257,7 +2257,7 @@ static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_wo
     for (int i = 0; i < 6; ++i) {
         w->x[i] = end[i];
     }
-    return (size[2] <= 4.232246e-06f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
+    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
 }
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
@@ -2281,6 +2281,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
     gluon_6l3_real kappa2 = 0.00077284f;
     gluon_6l3_real limit;
     gluon_6l3_real residual = HUGE_VALF;
+    gluon_6l3_real still2 = 4.232246e-06f; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -2342,6 +2343,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 break;
             }
             sign = turn;
+            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f)) ? (6.612884e-08f * w->spread) : 4.232246e-06f;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         gluon_6l3_inverse_solve(w);
@@ -2354,9 +2356,9 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
         } else {
             limit = 0.140625f * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.232246e-06f));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = gluon_6l3_inverse_reaches_middle(w, to, done + 0.5f * (aim - done));
+            accepted = gluon_6l3_inverse_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
             gluon_6l3_inverse_set_target(w, to, aim);
         }
         if (accepted) {
@@ -2372,13 +2374,13 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 4.232246e-06f));
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 4.232246e-06f))) {
+            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
+                quick = (size * 100.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

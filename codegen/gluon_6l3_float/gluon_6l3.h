@@ -59,7 +59,7 @@ typedef struct {
 #define GLUON_6L3_MAX_STEP ((gluon_6l3_real)539.2937f) /* mm */
 #define GLUON_6L3_JOINTS (6)
 
-/* iterations: steps taken; residual: largest closure error of the answer (gluon_6l3_track: predicted error of the pose), both in
+/* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
  * 0 near a singularity. Written by every call, whatever its status. */
 typedef struct {
@@ -74,7 +74,8 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
 
 /* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
  * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, GLUON_6L3_WRONG_BRANCH. Angles are near the guess's, not wrapped.
+ * assured, GLUON_6L3_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
+ * as a guess: an error of them moves the beginning of the line by as much.
  */
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS],
     gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);

@@ -44,7 +44,7 @@ int main(void)
     if (status != REN2008_OK) {
         return stopped("ren2008_track", status);
     }
-    if (info.residual > REN2008_SIZE) {
+    if (info.residual > REN2008_TRACK_LIMIT) {
         (void)fprintf(stderr, "ren2008_track: predicted error %g; call ren2008_direct\n", (double)info.residual);
         return 1;
     }

@@ -749,7 +749,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 ++taken;
             } else if ((taken == 0U) || ((taken == 1U) && (size > 1.442245867805243e-28))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0 <= before);
+                quick = (size * 100.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

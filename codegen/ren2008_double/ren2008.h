@@ -59,7 +59,7 @@ typedef struct {
 #define REN2008_MAX_STEP ((ren2008_real)1.6901663379679528) /* m */
 #define REN2008_JOINTS (6)
 
-/* iterations: steps taken; residual: largest closure error of the answer (ren2008_track: predicted error of the pose), both in
+/* iterations: steps taken; residual: largest closure error of the answer (ren2008_track: predicted error of the pose), in
  * m; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
  * 0 near a singularity. Written by every call, whatever its status. */
 typedef struct {
@@ -70,11 +70,14 @@ typedef struct {
 } ren2008_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, REN2008_WRONG_BRANCH. */
+ * the given ones without meeting a singularity; where that is not assured, REN2008_WRONG_BRANCH. The guess need not fit any
+ * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth. */
 ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, ren2008_pose *pose,
     ren2008_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to REN2008_TRACK_LIMIT another call
+ * with the same joints brings it below the tolerance; beyond it, call ren2008_direct. */
+#define REN2008_TRACK_LIMIT ((ren2008_real)2e-06) /* m */
 ren2008_status ren2008_track(const ren2008_real joints[REN2008_JOINTS], ren2008_pose *pose, ren2008_info *info);
 
 /* Joint values of a pose. */

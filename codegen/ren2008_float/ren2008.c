@@ -748,7 +748,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 ++taken;
             } else if ((taken == 0U) || ((taken == 1U) && (size > 4.1569907e-11f))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
+                quick = (size * 100.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

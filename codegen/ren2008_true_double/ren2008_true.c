@@ -860,7 +860,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 ++taken;
             } else if ((taken == 0U) || ((taken == 1U) && (size > 1.452287711194666e-28))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0 <= before);
+                quick = (size * 100.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

@@ -1782,7 +1782,7 @@ static void yao2020_inverse_solve(yao2020_inverse_work *w)
 /* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
  * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
  * points between them none. */
-static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real middle)
+static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real middle, yao2020_real still2)
 {
     yao2020_real end[6];
     yao2020_real size[3];
@@ -1801,7 +1801,7 @@ static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w,
     for (int i = 0; i < 6; ++i) {
         w->x[i] = end[i];
     }
-    return (size[2] <= 1.5552550518613292e-23) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
+    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
 }
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
@@ -1825,6 +1825,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
     yao2020_real kappa2 = 1.05625e-05;
     yao2020_real limit;
     yao2020_real residual = HUGE_VAL;
+    yao2020_real still2 = 1.5552550518613292e-23; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -1886,6 +1887,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 break;
             }
             sign = turn;
+            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0)) ? (2.430086018533327e-25 * w->spread) : 1.5552550518613292e-23;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         yao2020_inverse_solve(w);
@@ -1898,9 +1900,9 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
         } else {
             limit = 0.140625 * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.5552550518613292e-23));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
-            accepted = yao2020_inverse_reaches_middle(w, to, done + 0.5 * (aim - done));
+            accepted = yao2020_inverse_reaches_middle(w, to, done + 0.5 * (aim - done), still2);
             yao2020_inverse_set_target(w, to, aim);
         }
         if (accepted) {
@@ -1916,13 +1918,13 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 }
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 1.5552550518613292e-23));
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 1.5552550518613292e-23))) {
+            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0 <= before);
+                quick = (size * 100.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

@@ -59,7 +59,7 @@ typedef struct {
 #define YAO2020_MAX_STEP ((yao2020_real)555.0225220655465) /* mm */
 #define YAO2020_JOINTS (6)
 
-/* iterations: steps taken; residual: largest closure error of the answer (yao2020_track: predicted error of the pose), both in
+/* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
  * 0 near a singularity. Written by every call, whatever its status. */
 typedef struct {
@@ -74,7 +74,8 @@ yao2020_status yao2020_direct(const yao2020_real joints[YAO2020_JOINTS], yao2020
 
 /* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
  * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, YAO2020_WRONG_BRANCH. Angles are near the guess's, not wrapped.
+ * assured, YAO2020_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
+ * as a guess: an error of them moves the beginning of the line by as much.
  */
 yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS],
     yao2020_real joints[YAO2020_JOINTS], yao2020_info *info);

@@ -901,7 +901,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 ++taken;
             } else if ((taken == 0U) || ((taken == 1U) && (size > 1.4249293855405632e-23))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0 <= before);
+                quick = (size * 100.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

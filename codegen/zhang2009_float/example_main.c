@@ -44,7 +44,7 @@ int main(void)
     if (status != ZHANG2009_OK) {
         return stopped("zhang2009_track", status);
     }
-    if (info.residual > ZHANG2009_SIZE) {
+    if (info.residual > ZHANG2009_TRACK_LIMIT) {
         (void)fprintf(stderr, "zhang2009_track: predicted error %g; call zhang2009_direct\n", (double)info.residual);
         return 1;
     }

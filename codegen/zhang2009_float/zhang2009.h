@@ -59,7 +59,7 @@ typedef struct {
 #define ZHANG2009_MAX_STEP ((zhang2009_real)531.2592f) /* mm */
 #define ZHANG2009_JOINTS (6)
 
-/* iterations: steps taken; residual: largest closure error of the answer (zhang2009_track: predicted error of the pose), both in
+/* iterations: steps taken; residual: largest closure error of the answer (zhang2009_track: predicted error of the pose), in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
  * 0 near a singularity. Written by every call, whatever its status. */
 typedef struct {
@@ -70,11 +70,14 @@ typedef struct {
 } zhang2009_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, ZHANG2009_WRONG_BRANCH. */
+ * the given ones without meeting a singularity; where that is not assured, ZHANG2009_WRONG_BRANCH. The guess need not fit any
+ * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth. */
 zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *guess, zhang2009_pose *pose,
     zhang2009_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to ZHANG2009_TRACK_LIMIT another call
+ * with the same joints brings it below the tolerance; beyond it, call zhang2009_direct. */
+#define ZHANG2009_TRACK_LIMIT ((zhang2009_real)0.149f) /* mm */
 zhang2009_status zhang2009_track(const zhang2009_real joints[ZHANG2009_JOINTS], zhang2009_pose *pose, zhang2009_info *info);
 
 /* Joint values of a pose. */

@@ -793,7 +793,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 ++taken;
             } else if ((taken == 0U) || ((taken == 1U) && (size > 4.1070793e-06f))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
+                quick = (size * 100.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

@@ -60,7 +60,7 @@ typedef struct {
 #define ZHAO2000_MAX_STEP ((zhao2000_real)240.0) /* mm */
 #define ZHAO2000_JOINTS (4)
 
-/* iterations: steps taken; residual: largest closure error of the answer (zhao2000_track: predicted error of the pose), both in
+/* iterations: steps taken; residual: largest closure error of the answer (zhao2000_track: predicted error of the pose), in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
  * 0 near a singularity. Written by every call, whatever its status. */
 typedef struct {
@@ -71,11 +71,15 @@ typedef struct {
 } zhao2000_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, ZHAO2000_WRONG_BRANCH. */
+ * the given ones without meeting a singularity; where that is not assured, ZHAO2000_WRONG_BRANCH. The guess need not fit any
+ * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth,
+ * its pose off the platform's motion (schoenflies) by 0.00024 mm (angles times the size). */
 zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *guess, zhao2000_pose *pose,
     zhao2000_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to ZHAO2000_TRACK_LIMIT another call
+ * with the same joints brings it below the tolerance; beyond it, call zhao2000_direct. */
+#define ZHAO2000_TRACK_LIMIT ((zhao2000_real)0.00025) /* mm */
 zhao2000_status zhao2000_track(const zhao2000_real joints[ZHAO2000_JOINTS], zhao2000_pose *pose, zhao2000_info *info);
 
 /* Joint values of a pose. */

@@ -44,7 +44,7 @@ int main(void)
     if (status != ZHAO2000_LINKS_OK) {
         return stopped("zhao2000_links_track", status);
     }
-    if (info.residual > ZHAO2000_LINKS_SIZE) {
+    if (info.residual > ZHAO2000_LINKS_TRACK_LIMIT) {
         (void)fprintf(stderr, "zhao2000_links_track: predicted error %g; call zhao2000_links_direct\n", (double)info.residual);
         return 1;
     }

@@ -4863,7 +4863,7 @@ static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
 /* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
  * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
  * points between them none. */
-static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real middle)
+static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real middle, zhao2000_links_real still2)
 {
     zhao2000_links_real end[16];
     zhao2000_links_real size[3];
@@ -4882,7 +4882,7 @@ static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_li
     for (int i = 0; i < 16; ++i) {
         w->x[i] = end[i];
     }
-    return (size[2] <= 3.026031410242268e-24) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
+    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
 }
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
@@ -4906,6 +4906,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
     zhao2000_links_real kappa2 = 0.0003459599999999999;
     zhao2000_links_real limit;
     zhao2000_links_real residual = HUGE_VAL;
+    zhao2000_links_real still2 = 3.026031410242268e-24; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -4967,6 +4968,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 break;
             }
             sign = turn;
+            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0)) ? (4.7281740785035435e-26 * w->spread) : 3.026031410242268e-24;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         zhao2000_links_direct_solve(w);
@@ -4979,9 +4981,9 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         } else {
             limit = 0.140625 * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 3.026031410242268e-24));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
-            accepted = zhao2000_links_direct_reaches_middle(w, to, done + 0.5 * (aim - done));
+            accepted = zhao2000_links_direct_reaches_middle(w, to, done + 0.5 * (aim - done), still2);
             zhao2000_links_direct_set_target(w, to, aim);
         }
         if (accepted) {
@@ -4997,13 +4999,13 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 }
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 3.026031410242268e-24));
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 3.026031410242268e-24))) {
+            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0 <= before);
+                quick = (size * 100.0 <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

@@ -4851,7 +4851,7 @@ static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
 /* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
  * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
  * points between them none. */
-static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real middle)
+static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_links_direct_work *w, const zhao2000_links_real to[4], zhao2000_links_real middle, zhao2000_links_real still2)
 {
     zhao2000_links_real end[16];
     zhao2000_links_real size[3];
@@ -4870,7 +4870,7 @@ static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_li
     for (int i = 0; i < 16; ++i) {
         w->x[i] = end[i];
     }
-    return (size[2] <= 8.7219416e-07f) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
+    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
 }
 
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
@@ -4894,6 +4894,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
     zhao2000_links_real kappa2 = 0.00034596f;
     zhao2000_links_real limit;
     zhao2000_links_real residual = HUGE_VALF;
+    zhao2000_links_real still2 = 8.7219416e-07f; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -4955,6 +4956,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 break;
             }
             sign = turn;
+            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f)) ? (1.3628034e-08f * w->spread) : 8.7219416e-07f;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         zhao2000_links_direct_solve(w);
@@ -4967,9 +4969,9 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         } else {
             limit = 0.140625f * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 8.7219416e-07f));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_links_direct_reaches_middle(w, to, done + 0.5f * (aim - done));
+            accepted = zhao2000_links_direct_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
             zhao2000_links_direct_set_target(w, to, aim);
         }
         if (accepted) {
@@ -4985,13 +4987,13 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= 8.7219416e-07f));
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 8.7219416e-07f))) {
+            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * 400.0f <= before);
+                quick = (size * 100.0f <= before);
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

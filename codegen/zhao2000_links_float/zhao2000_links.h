@@ -60,7 +60,7 @@ typedef struct {
 #define ZHAO2000_LINKS_MAX_STEP ((zhao2000_links_real)244.81978f) /* mm */
 #define ZHAO2000_LINKS_JOINTS (4)
 
-/* iterations: steps taken; residual: largest closure error of the answer (zhao2000_links_track: predicted error of the pose), both in
+/* iterations: steps taken; residual: largest closure error of the answer (zhao2000_links_track: predicted error of the pose), in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
  * 0 near a singularity. Written by every call, whatever its status. */
 typedef struct {
@@ -71,11 +71,14 @@ typedef struct {
 } zhao2000_links_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, ZHAO2000_LINKS_WRONG_BRANCH. */
+ * the given ones without meeting a singularity; where that is not assured, ZHAO2000_LINKS_WRONG_BRANCH. The guess need not fit any
+ * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth. */
 zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config, const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], const zhao2000_links_pose *guess, zhao2000_links_pose *pose,
     zhao2000_links_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to ZHAO2000_LINKS_TRACK_LIMIT another call
+ * with the same joints brings it below the tolerance; beyond it, call zhao2000_links_direct. */
+#define ZHAO2000_LINKS_TRACK_LIMIT ((zhao2000_links_real)0.028f) /* mm */
 zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], zhao2000_links_pose *pose, zhao2000_links_info *info);
 
 /* Joint values of a pose. */

@@ -10,9 +10,13 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.codegen.c_emitter import Real
 from symkin.computed_once import cached_property
+from symkin.errors import InputError
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
+
+_LARGEST = 100.0
+"""Sizes of the machine, beyond which a float's rounding of a length is above a hundred times the rounding of the machine's own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +60,16 @@ class Geometry:
             self.of(closure.errors),
             bound.characteristic_length,
         )
+
+    def check(self, real: Real) -> None:
+        """Raises InputError where a struct in this type cannot hold numbers that cancel to the size of the machine."""
+        largest, mechanism = float(np.max(np.abs(self.values), initial=0.0)), self.closure.mechanism
+        if real.name == "float" and largest > _LARGEST * max(mechanism.characteristic_length, 1.0):
+            raise InputError(
+                f"{mechanism.name}: a number of its geometry is {largest:g}, over {_LARGEST:g} times its size of "
+                f"{mechanism.characteristic_length:.3g} {mechanism.length_unit}: a float holds it too coarsely; "
+                "use --real double, or leave --geometry struct out, which folds it into the code"
+            )
 
     def declaration(self, name: str, real: Real) -> str:
         """The struct and its nominal values, for the header."""

@@ -11,7 +11,7 @@ import numpy as np
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, copy_loop, fill
 from symkin.codegen.linear_solver import GUARD, LinearSolver, factor_calls, linear_solver
-from symkin.codegen.newton_kernel import Kernel
+from symkin.codegen.newton_kernel import Kernel, rounded
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
@@ -20,6 +20,8 @@ LONGEST_TURN = 1.0
 _STRAIGHT2 = 0.25
 """Square of the turn times `spread`, an estimate of |J^-1|^2, below which the rows' change is as good as straight: its bend is an
 eighth of the turn's square, which is then a small part of what Newton and Kantorovich allow."""
+_ROWS = 8.0
+"""Roundings of the size by which rows are off."""
 _COMMENT_WIDTH = 118
 """Characters of a comment line."""
 
@@ -192,6 +194,7 @@ class NewtonCode:
             | self._constants
             | self._aiming
             | self._turning
+            | self._still
         )
 
     @property
@@ -236,7 +239,7 @@ class NewtonCode:
         return {
             "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
             "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
-            "quick": literal(400.0), "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
+            "quick": literal(100.0), "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
             "shrink": literal(0.375), "singular": literal(32.0 * self.real.epsilon),
             "guard": literal(GUARD**-2),
         }  # fmt: skip
@@ -260,9 +263,28 @@ class NewtonCode:
         }  # fmt: skip
 
     @property
+    def _still(self) -> dict[str, str]:
+        """Below which squared length a step is rounding: what the rows' rounding makes of it where pivots are small, unless they are so
+        small that the rounding could reach a singularity. Of rods, whose matrix is well scaled, a constant."""
+        literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
+        if self.retarget:
+            return {"still2": floor, "still_variable": "", "noise": ""}
+        epsilon = self.real.epsilon
+        rounding, least, most = (
+            (_ROWS * epsilon * self.kernel.characteristic_length) ** 2,
+            (64.0 / _ROWS) ** 2,
+            1.0 / (8.0 * _ROWS * epsilon),
+        )
+        test = f"(w->spread > {literal(least)}) && (w->spread < {literal(rounded(most))})"
+        return {
+            "still2": "still2", "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
+            "noise": indent([f"still2 = ({test}) ? ({literal(rounding)} * w->spread) : {floor};"], 3),
+        }  # fmt: skip
+
+    @property
     def _turning(self) -> dict[str, object]:
         """What known values that turn ask for: a first part, a longest part, and the middle of each part."""
-        literal, floor = self.real.literal, f"(size <= {self.real.literal(self.tuning.floor**2)})"
+        literal, floor = self.real.literal, f"(size <= {self._still['still2']})"
         doubled = "quick ? (part + part) : part"
         if not self.bends:
             return {
@@ -275,7 +297,7 @@ class NewtonCode:
         two, first, middle = literal(2.0), self.first_turn, f"done + {literal(0.5)} * (aim - done)"
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > {literal(_STRAIGHT2)})) {{",
-            f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle});", f"    {self.k}_set_target({self._ga}w, to, aim);", "}",
+            f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle}, still2);", f"    {self.k}_set_target({self._ga}w, to, aim);", "}",
         ]  # fmt: skip
         start = [
             "/* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */",

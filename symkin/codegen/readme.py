@@ -143,6 +143,10 @@ def _formulas(program: Program) -> list[str]:
     return ["\n".join(lines)]
 
 
+_LIBM = """ (with the same libm: its sin and cos differ from one library to another in the last bit, and results with
+them)"""
+
+
 def _branch(program: Program) -> str:
     """The section on which answer is OK, as far as it holds for the kernel."""
     kernel = program.main.kernel
@@ -213,7 +217,7 @@ project needs; they use `{"sin and cos, " if program.main.operations.get("sin") 
     cmake -B build && cmake --build build && ctest --test-dir build
 
 Compile with `-fno-math-errno` (square roots become one instruction) and `-ffp-contract=off` where the same bits are wanted
-on every machine. Source: {markdown(mechanism.source) or "not given"}.
+on every machine{_LIBM if program.main.operations.get("sin") else ""}. Source: {markdown(mechanism.source) or "not given"}.
 
 One step: {counts}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.length_unit}.
 

@@ -45,7 +45,7 @@ typedef struct {
 #define @{P}_MAX_STEP ((@{p}_real)@{max_step}) /* @{unit} */
 #define @{P}_JOINTS (@{nq})
 
-/* iterations: steps taken; residual: largest closure error of the answer (@{p}_track: predicted error of the pose), both in
+/* iterations: steps taken; residual: largest closure error of the answer@{of_track}, in
  * @{unit}; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
  * 0 near a singularity. Written by every call, whatever its status. */
 typedef struct {

@@ -19,6 +19,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     @{real} kappa2 = @{kappa2};
     @{real} limit;
     @{real} residual = @{huge};
+@{still_variable}
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -63,6 +64,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 break;
             }
             sign = turn;
+@{noise}
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
         @{k}_solve(w);
@@ -75,7 +77,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         } else {
             limit = @{later2} * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{floor2}));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
         if (accepted) {
             if (aim >= @{one}) {
@@ -94,7 +96,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > @{floor2}))) {
+            } else if ((taken == 0U) || ((taken == 1U) && (size > @{still2}))) {
                 /* towards a point of the line: the next step judges this one */
                 quick = (size * @{quick} <= before);
                 was_fresh = fresh;

@@ -45,7 +45,7 @@ int main(void)
     if (status != @{P}_OK) {
         return stopped("@{p}_track", status);
     }
-    if (info.residual > @{P}_SIZE) {
+    if (info.residual > @{P}_TRACK_LIMIT) {
         (void)fprintf(stderr, "@{p}_track: predicted error %g; call @{p}_direct\n", (double)info.residual);
         return 1;
     }

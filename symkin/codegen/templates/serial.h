@@ -4,7 +4,8 @@
 
 /* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
  * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, @{P}_WRONG_BRANCH. Angles are near the guess's, not wrapped.
+ * assured, @{P}_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
+ * as a guess: an error of them moves the beginning of the line by as much.
 @{meaning}
  */
 @{p}_status @{p}_inverse(@{gpd}const @{p}_config *config, const @{p}_pose *pose, const @{p}_real guess[@{P}_JOINTS],

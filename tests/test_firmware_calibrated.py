@@ -1,0 +1,39 @@
+"""Arms as a factory calibrates them: offsets of hundreds of metres along nearly parallel axes that cancel."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from helpers import firmware_tools as tools
+from symkin import DHRow, DHTable, serial_arm_from_dh
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
+from symkin.errors import InputError
+
+
+def _calibrated():
+    """Axes 2, 3 and 4 are parallel but for half a milliradian: their common normals lie 300 m along the axes."""
+    rows = [
+        DHRow("q1", d=0.1807, alpha=math.pi / 2 + 1e-4), DHRow("q2", d=297.7, a=-0.6127, alpha=5e-4), DHRow("q3", d=-298.1, a=-0.57155, alpha=-5e-4),
+        DHRow("q4", d=0.57415, alpha=math.pi / 2), DHRow("q5", d=0.11985, alpha=-math.pi / 2), DHRow("q6", d=0.11655),
+    ]  # fmt: skip
+    return serial_arm_from_dh("calibrated", DHTable("standard", rows), length_unit="m")
+
+
+def test_the_size_is_that_of_the_machine():
+    assert 1.0 < _calibrated().characteristic_length < 1.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("real", ["float", "double"])
+def test_code_of_a_calibrated_arm_passes_its_test(real, tmp_path):
+    write_folder(_calibrated(), tmp_path, Options(real))
+    tools.passed(tools.built("gcc", tmp_path, ["calibrated.c", "calibrated_test.c"], "test", "-O1"))
+
+
+def test_a_struct_of_such_numbers_in_float_is_refused(tmp_path):
+    """A float resolves 300 m to 0.03 mm, which is then the arm's error."""
+    with pytest.raises(InputError, match="over 100 times its size"):
+        write_folder(_calibrated(), tmp_path, Options("float", geometry="struct"))
