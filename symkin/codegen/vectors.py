@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import casadi as ca
 import numpy as np
 
 from symkin.closure.closure import Closure
@@ -21,6 +22,8 @@ from symkin.numeric.system import System
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import pose_of
 
+_FIRM = 5e-3
+"""Least strength (square over the size's) of the steps of a closed form at a vector's pose."""
 COUNT = 24
 JACOBIANS = 4
 
@@ -172,6 +175,17 @@ def _each(system: System) -> list[tuple[str, str]]:
     return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
 
 
+def _is_decided(arm: SerialArm, pose: np.ndarray) -> bool:
+    """Whether each step of an arm's closed form decides its joint firmly. The pose of an arm of fewer than six joints is beside
+    those that it can take by rounding, and a joint that is decided weakly passes that on."""
+    if arm.plan is None or len(arm.actuated) >= 6:
+        return True
+    plan, _ = arm.plan
+    symbol = ca.SX.sym("pose", 7)
+    strengths = ca.Function("strengths", [symbol], [plan.branch(symbol, plan.signs[0].tolist()).strengths])
+    return bool(np.min(np.asarray(strengths(pose))) > _FIRM)
+
+
 def _serial(arm: SerialArm) -> _Found:
     real, size = arm.real, arm.mechanism.characteristic_length
     system = arm.inverse.system
@@ -187,7 +201,7 @@ def _serial(arm: SerialArm) -> _Found:
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
         guess = rounded_to(real, np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6))
         end = _followed(arm, guess, unit)
-        if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None:
+        if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not _is_decided(arm, unit):
             continue
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
             continue
