@@ -22,8 +22,8 @@ from symkin.numeric.system import System
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import pose_of
 
-_FIRM = 5e-3
-"""Least strength (square over the size's) of the steps of a closed form at a vector's pose."""
+_FIRM = 0.3
+"""Least strength of the steps of a closed form at a vector's pose, over the usual one."""
 COUNT = 24
 JACOBIANS = 4
 
@@ -175,15 +175,16 @@ def _each(system: System) -> list[tuple[str, str]]:
     return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
 
 
-def _is_decided(arm: SerialArm, pose: np.ndarray) -> bool:
-    """Whether each step of an arm's closed form decides its joint firmly. The pose of an arm of fewer than six joints is beside
-    those that it can take by rounding, and a joint that is decided weakly passes that on."""
+def _decided(arm: SerialArm) -> list[bool]:
+    """For each sample of an arm whether the steps of its closed form decide their joints firmly there, as at most samples. The pose of
+    an arm of fewer than six joints is beside those that it can take by rounding, and a joint that is decided weakly passes that on."""
     if arm.plan is None or len(arm.actuated) >= 6:
-        return True
+        return [True] * len(arm.samples)
     plan, _ = arm.plan
     symbol = ca.SX.sym("pose", 7)
-    strengths = ca.Function("strengths", [symbol], [plan.branch(symbol, plan.signs[0].tolist()).strengths])
-    return bool(np.min(np.asarray(strengths(pose))) > _FIRM)
+    strength = ca.Function("strengths", [symbol], [plan.branch(symbol, plan.signs[0].tolist()).strengths])
+    found = np.array([np.asarray(strength(_canonical(pose))).ravel() for _, pose in arm.samples])
+    return np.all(~(found < _FIRM * np.nanmedian(found, axis=0)), axis=1).tolist()  # type: ignore[no-any-return]
 
 
 def _serial(arm: SerialArm) -> _Found:
@@ -193,7 +194,7 @@ def _serial(arm: SerialArm) -> _Found:
     rng = np.random.default_rng(21)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
-    for q, _ in arm.samples:
+    for (q, _), firm in zip(arm.samples, _decided(arm), strict=True):
         given = rounded_to(real, q)
         pose = _canonical(arm.forward_at(given))
         target = rounded_to(real, _tidy(pose, _pose_scales(size)))
@@ -201,7 +202,7 @@ def _serial(arm: SerialArm) -> _Found:
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
         guess = rounded_to(real, np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6))
         end = _followed(arm, guess, unit)
-        if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not _is_decided(arm, unit):
+        if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not firm:
             continue
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
             continue
