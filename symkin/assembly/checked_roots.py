@@ -73,11 +73,19 @@ def checked_roots(
 
 
 def with_proofs(
-    found: BlockRoots, prover: BlockProver, ends: CertificateBatch | None, known: np.ndarray, origin: np.ndarray
+    found: BlockRoots,
+    prover: BlockProver,
+    ends: CertificateBatch | None,
+    known: np.ndarray,
+    origin: np.ndarray,
+    *,
+    required: bool = True,
 ) -> BlockRoots:
-    """The roots with what is proved of them; instances with one that is not certified are no longer plain."""
+    """The roots with what is proved of them; where certificates are `required`, instances with a root that has none are no longer
+    plain."""
     proofs = prover.roots(ends, found.points, found.owner, known, origin)
-    found.plain[found.owner[~proofs.certified]] = False
+    if required:
+        found.plain[found.owner[~proofs.certified]] = False
     return replace(found, proofs=proofs)
 
 

@@ -6,14 +6,14 @@ that there are. Every one is polished and checked on all rows as the ends of pat
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 import numpy as np
 
 from symkin.assembly.arm_formulas import ArmFormulas
 from symkin.assembly.block_proofs import BlockProver, block_prover
-from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots
+from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
 from symkin.closed.plan import plan_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import Solutions, closed_form, samples_about
@@ -72,11 +72,16 @@ class ClosedBlock:
         """What the roots begin from."""
         return "\n".join(self.formulas.steps).encode()
 
+    @property
+    def _is_square(self) -> bool:
+        """Whether no row is more than the unknowns need."""
+        return int(self.block.rows.shape[0]) <= self.block.freedom
+
     @cached_property
     def is_determined(self) -> bool:
         """Whether each real branch is a solution: where there are more rows than unknowns, known values must meet conditions, and
         some branches may not."""
-        if int(self.block.rows.shape[0]) <= self.block.freedom:
+        if self._is_square:
             return True
         found = self.formulas.solutions(self.regular[None])
         values = found.values[0][found.real[0]]
@@ -99,17 +104,12 @@ class ClosedBlock:
         found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), complex_count))
         # a branch that solves all steps and fails the check leaves a doubt
         plain[np.bincount(owner, minlength=len(known)) != found.counts] = False
-        if not certify:
-            return found
-        proofs = self.prover.roots(None, found.points, found.owner, known, kept)
-        if self._certifies:
-            plain[found.owner[~proofs.certified]] = False
-        return replace(found, proofs=proofs)
+        return with_proofs(found, self.prover, None, known, kept, required=self._certifies) if certify else found
 
     @cached_property
     def _certifies(self) -> bool:
         """Whether roots can be certified: with more rows than unknowns, where those of a regular configuration can."""
-        if int(self.block.rows.shape[0]) <= self.block.freedom:
+        if self._is_square:
             return True
         found = self.roots(self.regular[None], certify=False)
         proofs = self.prover.roots(None, found.points, found.owner, self.regular[None], np.full(len(found.owner), -1))

@@ -59,16 +59,12 @@ def with_certificates(groups: Sequence[Problem], found: SolutionList) -> Solutio
         reach[:, group.unknown_places] = proved.radius[which][:, None]
     if not np.isfinite(radius).any():
         return found
-    ground = np.array([None if sure else _joined([part[i] for part in parts]) for i, sure in enumerate(certified)], dtype=object)
+    ground = np.full(len(certified), None, dtype=object)
+    for i in np.flatnonzero(~certified).tolist():
+        ground[i] = PartialProof.joined([part[i] for part in parts])
     return replace(
         found, certified=certified.astype(int), radius=np.where(certified, radius, np.nan), ground=ground, _made={}
     )  # fmt: skip
-
-
-def _joined(parts: list[PartialProof | None]) -> PartialProof | None:
-    """What is proved of a mode; None where nothing is of one of its parts."""
-    kept = [part for part in parts if part is not None]
-    return PartialProof.joined(kept) if len(kept) == len(parts) else None
 
 
 def _of_group(group: Problem, values: np.ndarray, far: np.ndarray) -> _Proved:
@@ -98,7 +94,7 @@ def _of_group(group: Problem, values: np.ndarray, far: np.ndarray) -> _Proved:
     sure = near[index >= 0]
     found.certified[sure], found.radius[sure] = True, radius[index >= 0]
     for i in sure.tolist():
-        found.partial[i] = PartialProof(rows, rows, float(found.radius[i]), 0.0)
+        found.partial[i] = PartialProof.whole(rows, float(found.radius[i]))
     return found
 
 

@@ -24,9 +24,7 @@ def with_grounds(problem: Problem, blocks: Sequence[System], given: Given, found
     parts = [_of_block(problem, block, given, found.values[left]) for block in blocks]
     ground = np.full(len(found), None, dtype=object)
     for place, number in enumerate(left.tolist()):
-        proofs = [part[place] for part in parts]
-        known = [proof for proof in proofs if proof is not None]
-        ground[number] = PartialProof.joined(known) if len(known) == len(proofs) else None
+        ground[number] = PartialProof.joined([part[place] for part in parts])
     return replace(found, ground=ground, _made={})
 
 
@@ -34,9 +32,4 @@ def _of_block(problem: Problem, block: System, given: Given, values: np.ndarray)
     """What is proved of a block's part of modes `values` (m, variables); a certificate is a proof of all its rows."""
     points, which = np.unique(values[:, problem.places(block.unknowns)], axis=0, return_inverse=True)
     found = Prover(problem, block, given, whole_system(problem, block), None, None).proofs(points)
-    rows = int(block.rows.shape[0])
-    partial = [
-        PartialProof(rows, rows, float(radius), 0.0) if certified else proof
-        for certified, radius, proof in zip(found.certified, found.radius, found.partial, strict=True)
-    ]
-    return [partial[k] for k in which.ravel().tolist()]
+    return [found.of(k, block) for k in which.ravel().tolist()]

@@ -103,21 +103,21 @@ class GroupFinder:
     search: Search
 
     @cached_property
-    def _paths(self) -> list[BlockPaths | ClosedBlock]:
+    def _solvers(self) -> list[BlockPaths | ClosedBlock]:
         found = (None if is_linear(group) else group_solver(group) for group in structure_groups(self.problem))
-        return [paths for paths in found if paths is not None]
+        return [solver for solver in found if solver is not None]
 
     @property
     def engine(self) -> str | None:
-        """What tracks the paths."""
-        return ", ".join(dict.fromkeys(paths.engine for paths in self._paths)) or None
+        """What tracks the paths or has the formulas."""
+        return ", ".join(dict.fromkeys(solver.engine for solver in self._solvers)) or None
 
     @cached_property
     def starts_digest(self) -> str:
-        """Hash of the roots from which paths begin."""
+        """Hash of the roots from which paths begin, and of the formulas."""
         digest = hashlib.sha256()
-        for paths in self._paths:
-            digest.update(paths.digest)
+        for solver in self._solvers:
+            digest.update(solver.digest)
         return digest.hexdigest()
 
     @cached_property

@@ -240,11 +240,6 @@ def _with_parts(solution: Solution, blocks: list[Roots], parts: tuple[int, ...])
 
 def _ground(blocks: list[Roots], parts: tuple[int, ...]) -> PartialProof | None:
     """What is proved of a mode that is not certified, if something is proved of each of its parts."""
-    found = []
-    for roots, k in zip(blocks, parts, strict=True):
-        p = roots.proofs
-        if p is None or (not p.certified[k] and (not p.partial or p.partial[k] is None)):
-            return None
-        rows = int(roots.system.rows.shape[0])
-        found.append(PartialProof(rows, rows, float(p.radius[k]), 0.0) if p.certified[k] else p.partial[k])
-    return PartialProof.joined([part for part in found if part is not None])
+    return PartialProof.joined(
+        [None if r.proofs is None else r.proofs.of(k, r.system) for r, k in zip(blocks, parts, strict=True)]
+    )

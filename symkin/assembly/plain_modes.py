@@ -17,8 +17,6 @@ from symkin.assembly.closed_roots import ClosedBlock, closed_block
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, table_of
 from symkin.computed_once import cached_property, lru_cache
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.monodromy import Fibre
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of, unsuitable
@@ -217,42 +215,28 @@ def _certified(blocks: list[BlockRoots], chosen: list[np.ndarray], order: np.nda
 def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas: bool = True) -> PlainModes:
     """The blocks of a problem with their formulas, if they are wanted and there are some, or with their paths; a start that is not
     kept yet is computed."""
-    unsolvable = problem.is_explicit or problem.system.freedom > problem.generic_rank
-    if unsolvable:
+    if problem.is_explicit or problem.system.freedom > problem.generic_rank:
         return PlainModes(problem, ())
-    found: list[_Way] = []
-    for number, block in enumerate(problem.blocks):
-        if formulas and closed_block(problem, number) is not None:
-            found.append(None)
-            continue
-        if unsuitable(problem) or redundant_distances(problem):
+    parts: list[BlockPaths | ClosedBlock] = []
+    for number in range(len(problem.blocks)):
+        solver: BlockPaths | ClosedBlock | None = closed_block(problem, number) if formulas else None
+        if solver is None and not unsuitable(problem) and not redundant_distances(problem):
+            solver = _paths(problem, number, progress, str(cache_folder()))
+        if solver is None:
             return PlainModes(problem, ())
-        start = _kept_start(problem, number, progress, str(cache_folder()))
-        if start is None:
-            return PlainModes(problem, ())
-        found.append((system_of(problem, block), start))
-    return _prepared(problem, tuple(found))
-
-
-_Way = tuple[AlgebraicSystem, Fibre] | None
-"""How a block is solved: by paths of a system from a start, or by formulas."""
+        parts.append(solver)
+    return _prepared(problem, tuple(parts))
 
 
 @lru_cache(maxsize=256)
-def _kept_start(problem: Problem, number: int, progress: Progress | None, _folder: str) -> Fibre | None:
-    """The start of one of a problem's blocks, read from the cache folder once in a process."""
+def _paths(problem: Problem, number: int, progress: Progress | None, _folder: str) -> BlockPaths | None:
+    """One of a problem's blocks with its paths, whose start is read from the cache folder once in a process; None where it has none."""
     block = problem.blocks[number]
-    return start_of(problem, system_of(problem, block), block, progress)[0]
+    system = system_of(problem, block)
+    start, _ = start_of(problem, system, block, progress)
+    return None if start is None else BlockPaths(problem, block, system, start)
 
 
 @lru_cache(maxsize=128)
-def _prepared(problem: Problem, found: tuple[_Way, ...]) -> PlainModes:
-    return PlainModes(problem, tuple(_solver(problem, number, way) for number, way in enumerate(found)))
-
-
-def _solver(problem: Problem, number: int, way: _Way) -> BlockPaths | ClosedBlock:
-    closed = closed_block(problem, number) if way is None else None
-    if closed is not None:
-        return closed
-    assert way is not None  # noqa: S101 - a block without formulas has paths
-    return BlockPaths(problem, problem.blocks[number], *way)
+def _prepared(problem: Problem, parts: tuple[BlockPaths | ClosedBlock, ...]) -> PlainModes:
+    return PlainModes(problem, parts)

@@ -6,6 +6,7 @@ Of each choice between two values the reference's is taken. A discriminant below
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -15,8 +16,8 @@ from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.newton_kernel import rounded
+from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
-from symkin.numeric.system import System
 from symkin.text import c_comment
 
 _RESOLVED = 32.0
@@ -26,14 +27,14 @@ _SINGULAR = 1e-3
 
 
 def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
-    """The functions that give a limb's joints and their rates."""
+    """The functions that give a limb's joints, and their rates where no matrix does."""
     assert block.formulas is not None  # noqa: S101 - the caller has looked
-    joints, rates = _Formulas(made, block, block.formulas).joints_and_rates
-    count = len(actuated_places(block)) * int(block.sides.shape[1])
+    written, count = _Formulas(made, block, block.formulas), len(actuated_places(block)) * int(block.sides.shape[1])
     values = {**common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count}
-    text = fill("closed_limb.c", values | {"joints_lines": indent(joints)})
-    by_formulas = count and block.kernel is None
-    return text + (fill("closed_rates.c", values | {"rates_lines": indent(rates)}) if by_formulas else "")
+    text = fill("closed_limb.c", values | {"joints_lines": indent(written.joints)})
+    if not count or block.kernel is not None:
+        return text
+    return text + fill("closed_rates.c", values | {"rates_lines": indent(written.rates)})
 
 
 def actuated_places(block: LimbBlock) -> list[int]:
@@ -41,40 +42,69 @@ def actuated_places(block: LimbBlock) -> list[int]:
     return [place.start for c, place in zip(block.system.unknowns, block.system.slices, strict=True) if c.role == "actuated"]
 
 
+@dataclass(frozen=True, eq=False)
 class _Formulas:
     """A limb's formulas with the reference's signs."""
 
-    def __init__(self, made: LimbPlatform, block: LimbBlock, formulas: ClosedForm) -> None:
-        self.made, self.block, self.formulas = made, block, formulas
-        self.real: Real = made.real
+    made: LimbPlatform
+    block: LimbBlock
+    formulas: ClosedForm
 
     @property
-    def joints_and_rates(self) -> tuple[list[str], list[str]]:
-        home = self.made.inverse.select_values(self.made.home_values, self.block.system.unknowns)
-        values, discriminants = (self._signed(part) for part in (self.formulas.values_about(home), self.formulas.discriminants))
-        actuated = values[actuated_places(self.block), 0]
-        rates = _rates(self.made, self.block, actuated, discriminants, self.formulas.roots)
-        joints = self._lines(values, discriminants, _RESOLVED * self.real.epsilon, "x", "OUT_OF_RANGE")
-        return joints, self._lines(ca.vec(rates.T), discriminants, _SINGULAR, "rates", "SINGULAR")
+    def real(self) -> Real:
+        return self.made.real
 
-    def _signed(self, expression: ca.SX) -> ca.SX:
-        signs = home_signs(self.made, self.block, self.formulas)
-        return ca.substitute(expression, self.formulas.signs, ca.SX(ca.DM(signs)))
+    @cached_property
+    def signs(self) -> np.ndarray:
+        return self.made.home_signs(self.formulas)
 
-    @property
+    @cached_property
     def usual_roots(self) -> np.ndarray:
         """How large roots are at sampled configurations."""
         known = self.made.inverse.known_coordinates
         poses = np.array([self.made.inverse.select_values(s.values, known) for s in self.made.samples])
-        found = self.formulas.discriminants_at(poses, home_signs(self.made, self.block, self.formulas))
-        return np.asarray(np.sqrt(np.median(np.abs(found), axis=0)))
+        return np.asarray(np.sqrt(np.median(np.abs(self.formulas.discriminants_at(poses, self.signs)), axis=0)))
 
-    def _lines(self, results: ca.SX, discriminants: ca.SX, least: float, array: str, refused: str) -> list[str]:
+    @cached_property
+    def _discriminants(self) -> ca.SX:
+        return self._signed(self.formulas.discriminants)
+
+    @cached_property
+    def _values(self) -> ca.SX:
+        home = self.made.inverse.select_values(self.made.home_values, self.block.system.unknowns)
+        return self._signed(self.formulas.values_about(home))
+
+    def _signed(self, expression: ca.SX) -> ca.SX:
+        return ca.substitute(expression, self.formulas.signs, ca.SX(ca.DM(self.signs)))
+
+    @property
+    def joints(self) -> list[str]:
+        """Statements of the joints."""
+        return self._lines(self._values, _RESOLVED * self.real.epsilon, "x", "OUT_OF_RANGE")
+
+    @property
+    def rates(self) -> list[str]:
+        """Statements of the actuated joints' derivatives by the platform's twist, joint by joint. Of a root r of D: dr = dD / (2 r)."""
+        values, roots = self._values[actuated_places(self.block), 0], self.formulas.roots
+        found, of_roots = self._by_twist(values), ca.SX(0, int(self.block.sides.shape[1]))
+        for k in range(int(roots.shape[0])):
+            change = self._by_twist(self._discriminants[k])
+            if k:
+                change = change + ca.mtimes(ca.jacobian(self._discriminants[k], roots[:k]), of_roots)
+            of_roots = ca.vertcat(of_roots, change / (2 * roots[k]))
+        if int(roots.shape[0]):
+            found = found + ca.mtimes(ca.jacobian(values, roots), of_roots)
+        return self._lines(ca.vec(found.T), _SINGULAR, "rates", "SINGULAR")
+
+    def _by_twist(self, expression: ca.SX) -> ca.SX:
+        return self.made.by_twist(self.block.system, expression)
+
+    def _lines(self, results: ca.SX, least: float, array: str, refused: str) -> list[str]:
         """Statements of discriminants, their roots, the results and the status: refused where a root is below the `least` share of its
         usual size."""
         limits = [self.real.literal(rounded((least * root) ** 2)) for root in self.usual_roots]
         known, roots = self.formulas.system.known, self.formulas.roots
-        outputs = [snapped_expression(ca.densify(part), [known, roots]) for part in (discriminants, results)]
+        outputs = [snapped_expression(ca.densify(part), [known, roots]) for part in (self._discriminants, results)]
         function = ca.Function("limb", [known, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
         emitter = Emitter(function, [indexed("c", int(known.shape[0])), [f"r{k + 1}" for k in range(count)]], self.real)
@@ -96,31 +126,6 @@ class _Formulas:
         return [*lines, *stores, f"return {status};"]
 
 
-def home_signs(made: LimbPlatform, block: LimbBlock, formulas: ClosedForm) -> np.ndarray:
-    """The signs of the reference."""
-    unknown, known = (
-        made.inverse.select_values(made.home_values, c) for c in (block.system.unknowns, made.inverse.known_coordinates)
-    )
-    return formulas.signs_at(unknown, known)
-
-
-def _rates(made: LimbPlatform, block: LimbBlock, values: ca.SX, discriminants: ca.SX, roots: ca.SX) -> ca.SX:
-    """Derivatives (joints, freedom of the pose) of joints by the platform's twist. Of a root r of D: dr = dD / (2 r)."""
-    system, pose = block.system, made.closure.role("pose")
-    size = made.closure.characteristic_length
-    turned = ca.diag(ca.vertcat(*(size if c.kind != "length" else 1.0 for c in pose for _ in range(c.freedom))))
-
-    def by_pose(expression: ca.SX) -> ca.SX:
-        return ca.mtimes(System(pose, system.known, system.unknown, expression, expression, size).jacobian, turned)
-
-    of_roots = ca.SX(0, int(turned.shape[0]))
-    for k in range(int(roots.shape[0])):
-        before = ca.mtimes(ca.jacobian(discriminants[k], roots[:k]), of_roots) if k else 0
-        of_roots = ca.vertcat(of_roots, (by_pose(discriminants[k]) + before) / (2 * roots[k]))
-    whole = by_pose(values)
-    return whole if not int(roots.shape[0]) else whole + ca.mtimes(ca.jacobian(values, roots), of_roots)
-
-
 def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: float) -> str:
     """NAME_check_branch: whether each limb of an answer is on the reference's branch, by what tells its signs. An error t of the pose
     is sqrt(t) near a dead centre, where two branches meet: what differs by less is one."""
@@ -136,16 +141,17 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
         if block.formulas is None:
             continue
         system, formulas = block.system, block.formulas
-        signs = home_signs(made, block, formulas)
-        sides = snapped_expression(ca.densify(formulas.sides(signs)), [system.unknown, system.known])
+        written = _Formulas(made, block, formulas)
+        sides = snapped_expression(ca.densify(formulas.sides(written.signs)), [system.unknown, system.known])
         function = ca.Function("sides", [system.unknown, system.known], [sides], {"cse": True})
         inputs = [[text for c in part for text in names[c.name]] for part in (system.unknowns, known)]
         emitter = Emitter(function, inputs, made.real, prefix=f"{block.name}_t")
-        usual = _Formulas(made, block, formulas).usual_roots
         tests = []
         for k, name in enumerate(formulas.names):
             text = emitter.value(0, k)
-            near = made.real.literal(-rounded(float(4.0 * np.sqrt(tolerance / system.characteristic_length) * usual[k])))
+            near = made.real.literal(
+                -rounded(float(4.0 * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k]))
+            )
             tests += [
                 f"if (!({text} >= {near})) {{ /* {c_comment(name)} */",
                 f"    status = {made.name.upper()}_WRONG_BRANCH;",

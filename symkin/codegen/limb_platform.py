@@ -130,7 +130,7 @@ class LimbPlatform:
         return tuple(self._block(number, system) for number, system in enumerate(systems, start=1))
 
     def _block(self, number: int, system: System) -> LimbBlock:
-        pose, symbols, size = self.closure.role("pose"), self.geometry.symbols, self.closure.characteristic_length
+        pose, symbols = self.closure.role("pose"), self.geometry.symbols
         rod, kernel, formulas = None, None, None
         if len(system.unknowns) == 1 and system.unknowns[0].least is not None and int(system.errors.shape[0]) == 1:
             # the error of a rod is its length by the pose less its coordinate
@@ -140,11 +140,16 @@ class LimbPlatform:
         if rod is None and (formulas is None or not _solves_any_pose(formulas, self.samples[0], self.inverse)):
             # of a limb that not every pose lets close, rates are least squares over its rows
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
-        of_pose = System(pose, system.known, system.unknown, system.rows if rod is None else rod, system.errors, size)
-        scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
-        sides = ca.mtimes(of_pose.jacobian, scale)
+        sides = self.by_twist(system, system.rows if rod is None else rod)
         sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
         return LimbBlock(f"limb{number}", system, kernel, rod, formulas, sides)
+
+    def by_twist(self, system: System, expression: ca.SX) -> ca.SX:
+        """Derivatives (entries, freedom of the pose) of an expression of a limb's system by the platform's twist."""
+        pose, size = self.closure.role("pose"), self.closure.characteristic_length
+        of_pose = System(pose, system.known, system.unknown, expression, expression, size)
+        scale = ca.diag(ca.SX([size if angular else 1.0 for angular in _angular(pose)]))
+        return ca.mtimes(of_pose.jacobian, scale)
 
     def _formulas(self, system: System) -> ClosedForm | None:
         """The closed form of a limb, where its numbers are constants and all samples are on the reference's branch."""
@@ -156,9 +161,14 @@ class LimbPlatform:
         found = closed_form(system, poses[:_COMPARED])
         if found is None:
             return None
-        home = found.signs_at(*(self.inverse.select_values(self.home_values, c) for c in (system.unknowns, known)))
+        home = self.home_signs(found)
         alike = all(np.array_equal(found.signs_at(limb, pose), home) for limb, pose in zip(limbs, poses, strict=True))
         return found if alike else None
+
+    def home_signs(self, formulas: ClosedForm) -> np.ndarray:
+        """The signs of the reference in a limb's closed form."""
+        parts = (formulas.system.unknowns, self.inverse.known_coordinates)
+        return formulas.signs_at(*(self.inverse.select_values(self.home_values, c) for c in parts))
 
     @property
     def home_values(self) -> np.ndarray:
@@ -228,17 +238,11 @@ class LimbPlatform:
 
 def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Problem) -> bool:
     """Whether a limb's formulas satisfy its rows at poses beside a configuration's, not only at those that the platform can take."""
-    system = formulas.system
-    if system.rows.shape[0] <= system.freedom:
+    if not formulas.has_conditions:
         return True
-    poses = samples_about(system, inverse.select_values(sample.values, inverse.known_coordinates))
     if any(c.kind == "quaternion" for c in inverse.known_coordinates):
         return False
-    found = formulas.solutions(poses)
-    owner, which = np.nonzero(found.real)
-    return bool(
-        owner.size and np.all(system.residuals(found.values[owner, which], poses[owner]) < 1e-9 * system.characteristic_length)
-    )
+    return formulas.closes(samples_about(formulas.system, inverse.select_values(sample.values, inverse.known_coordinates)))
 
 
 def _angular(pose: Sequence[Coordinate]) -> list[bool]:

@@ -10,9 +10,8 @@ import numpy as np
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
-from symkin.codegen.newton_kernel import Kernel, curvature
+from symkin.codegen.newton_kernel import Kernel, curvature, quaternion_place
 from symkin.codegen.newton_source import NewtonCode, line_target
-from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 
@@ -71,19 +70,14 @@ def _closes_on_the_way(made: LimbPlatform, block: LimbBlock, states: Sequence[np
     reference = made.inverse.select_values(made.closure.reference, made.inverse.known_coordinates)
     bound, size, over_p = made.closure.bound, made.closure.characteristic_length, block.system
     system = System(over_p.unknowns, over_p.unknown, over_p.known, bound(over_p.rows), bound(over_p.errors), size)
+    turned = quaternion_place(made.inverse.known_coordinates)
     for state, pose in zip(states[:_LINES], poses[:_LINES], strict=True):
         middle = 0.5 * (reference + pose)
-        for start, coordinate in zip(_starts(made.inverse.known_coordinates), made.inverse.known_coordinates, strict=True):
-            if coordinate.kind == "quaternion":
-                middle[start : start + 4] /= np.linalg.norm(middle[start : start + 4])
+        if turned is not None:
+            middle[turned : turned + 4] /= np.linalg.norm(middle[turned : turned + 4])
         if system.residual(system.polish(state, middle, 20), middle) > CLOSURE_TOLERANCE * size:
             return False
     return True
-
-
-def _starts(coordinates: Sequence[Coordinate]) -> list[int]:
-    """Where each coordinate's numbers begin."""
-    return [sum(c.width for c in coordinates[:k]) for k in range(len(coordinates))]
 
 
 def _side_lines(block: LimbBlock, kernel: Kernel, geometry: list[str], real: Real) -> list[str]:

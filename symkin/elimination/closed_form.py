@@ -49,8 +49,8 @@ class ClosedForm:
     `discriminants`(known; signs and roots of those before), which are at least 0 where a solution is real; `told` are expressions of
     (known, unknowns; signs and roots of those before) that equal sign times root, by which a configuration says which of the values
     it is. Formulas divide by `divisors`.
-    `first` are lengths and cosines of angles, `second` the sines. `steps` are the derivation, a sentence each, `names` what the choices decide. `samples` are the known values at which coefficients
-    were compared.
+    `first` are lengths and cosines of angles, `second` the sines. `steps` are the derivation, a sentence each, `names` what the
+    choices decide. `samples` are the known values at which coefficients were compared.
     """
 
     system: System
@@ -154,15 +154,17 @@ class ClosedForm:
         _, discriminants, divisors = self._evaluated(self.samples)
         return np.nanmax(np.abs(discriminants), axis=(0, 1)), np.nanmax(np.abs(divisors), axis=(0, 1))
 
-    def holds(self) -> bool:
-        """Whether all real solutions at the samples, of which there are some, satisfy the system; where it has more rows than unknowns,
-        known values need not have any, and nothing is said."""
-        if self.system.rows.shape[0] > self.system.freedom:
-            return True
-        found = self.solutions(self.samples)
+    def closes(self, known: np.ndarray) -> bool:
+        """Whether all real solutions for known values (n, known), of which there are some, satisfy the system."""
+        found = self.solutions(known)
         owner, which = np.nonzero(found.real)
-        residuals = self.system.residuals(found.values[owner, which], self.samples[owner])
+        residuals = self.system.residuals(found.values[owner, which], known[owner])
         return bool(owner.size and np.all(residuals <= _CLOSED * self.system.characteristic_length))
+
+    @property
+    def has_conditions(self) -> bool:
+        """Whether there are more rows than unknowns, so that known values need not have a solution."""
+        return int(self.system.rows.shape[0]) > self.system.freedom
 
 
 def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
@@ -179,7 +181,7 @@ def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
         except NotPolynomialError:
             continue
         found = _made(system, work, before, samples) if _run(work) else None
-        return found if found is not None and found.holds() else None
+        return found if found is not None and (found.has_conditions or found.closes(samples)) else None
     return None
 
 
@@ -253,17 +255,17 @@ def _made(system: System, work: Workspace, before: dict[int, int], samples: np.n
     first, second, discriminants, divisors = _inlined(symbols, [expression for _, expression in work.definitions], outputs)
     roots = ca.vertcat(ca.SX(0, 1), *(c.root for c in work.choices))
     return ClosedForm(
-        system,
-        signs,
-        roots,
-        first,
-        second,
-        discriminants,
-        divisors,
-        _told(work, dict(own)),
-        tuple(work.steps),
-        tuple(c.name for c in work.choices),
-        samples,
+        system=system,
+        signs=signs,
+        roots=roots,
+        first=first,
+        second=second,
+        discriminants=discriminants,
+        divisors=divisors,
+        told=_told(work, dict(own)),
+        steps=tuple(work.steps),
+        names=tuple(c.name for c in work.choices),
+        samples=samples,
     )
 
 

@@ -16,7 +16,7 @@ from symkin.elimination.workspace import Deferred, Workspace
 
 _RANK = 1e-9
 """Share of the largest coefficient below which another is rounding."""
-_MOST_LENGTHS = 3
+_MOST_LENGTHS = 2
 """Lengths that are taken out together."""
 
 
@@ -36,7 +36,7 @@ def defer_defined(work: Workspace) -> bool:
 
 def combine_lengths(work: Workspace) -> bool:
     """Lengths that stand linear, with known coefficients, in one row more than they are: a combination of the rows is free of them."""
-    for count in range(1, _MOST_LENGTHS):
+    for count in range(1, _MOST_LENGTHS + 1):
         for unknowns in combinations(_lengths(work), count):
             rows = [row for row in work.rows if work.ring.held(row) & set(unknowns)]
             linear = [row for row in rows if _is_linear_in(work, row, unknowns)]

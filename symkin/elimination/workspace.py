@@ -61,7 +61,7 @@ class Workspace:
     divisors: list[ca.SX] = field(default_factory=list)
     deferred: list[Deferred] = field(default_factory=list)
     steps: list[str] = field(default_factory=list)
-    own: list[ca.SX] = field(default_factory=list)
+    own: list[ca.SX] = field(init=False)
 
     def __post_init__(self) -> None:
         self.own = [ca.SX.sym(f"{part}_{self.name(number)}") for number, part in self.ring.generators]

@@ -12,6 +12,7 @@ from itertools import count
 import numpy as np
 
 from symkin.errors import MechanismError
+from symkin.formats.couplings import mimic_of
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Whole, parts_text, turned
 from symkin.formats.sdf_frames import NEWEST, WORLD
 from symkin.formats.written_tree import Form, WrittenTree, written_tree
@@ -136,16 +137,11 @@ class _Text:
 
     def _mimic(self, axis: Element, coupling: Coupling) -> None:
         """y' = f x' + b' of the values in the file, y' = y - y0."""
-        if (coupling.polynomial is not None and len(coupling.polynomial) > 2) or len(coupling.names) != 1:
-            raise MechanismError(
-                f"{self.name}: the coupling of {coupling.joint!r} is no line of one other joint, which is what SDF holds as mimic; "
-                "MJCF (.xml) holds it"
-            )
-        offset, factor = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
-        leader, tag = self.axes[coupling.names[0]]
+        other, factor, offset = mimic_of(coupling, self.name, "SDF")
+        leader, tag = self.axes[other]
         mimic = inside(axis, "mimic", joint=self.names[leader.name], axis=tag)
         inside(mimic, "multiplier", factor)
-        inside(mimic, "offset", offset - self._zero(coupling.joint) + factor * self._zero(coupling.names[0]))
+        inside(mimic, "offset", offset - self._zero(coupling.joint) + factor * self._zero(other))
         inside(mimic, "reference", 0)
 
     def _zero(self, name: str) -> float:

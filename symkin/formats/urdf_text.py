@@ -10,7 +10,7 @@ import json
 
 import numpy as np
 
-from symkin.errors import MechanismError
+from symkin.formats.couplings import mimic_of
 from symkin.formats.parts import JOINTS_TAG, NAMESPACE, Parts, Whole, parts_text
 from symkin.formats.written_tree import Carried, Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside
@@ -116,13 +116,8 @@ class _Text:
             self._mimic(made, coupling)
 
     def _mimic(self, made: Element, coupling: Coupling) -> None:
-        if (coupling.polynomial is not None and len(coupling.polynomial) > 2) or len(coupling.names) != 1:
-            raise MechanismError(
-                f"{self.tree.graph.name}: the coupling of {coupling.joint!r} is no line of one other joint, which is what URDF holds as mimic; "
-                "MJCF (.xml) holds it"
-            )
-        offset, factor = coupling.polynomial or (coupling.offset, coupling.terms[0][1])
-        inside(made, "mimic", joint=coupling.names[0], multiplier=factor, offset=offset)
+        other, factor, offset = mimic_of(coupling, self.tree.graph.name, "URDF")
+        inside(made, "mimic", joint=other, multiplier=factor, offset=offset)
 
     def _transmission(self, root: Element, joint: Joint) -> None:
         made = inside(root, "transmission", name=f"{joint.name}.transmission")

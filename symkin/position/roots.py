@@ -37,6 +37,12 @@ class Proofs:
     reason: str | None
     partial: tuple[PartialProof | None, ...] = ()
 
+    def of(self, number: int, system: System) -> PartialProof | None:
+        """What is proved of one root of a system: of all rows, where it is certified."""
+        if self.certified[number]:
+            return PartialProof.whole(int(system.rows.shape[0]), float(self.radius[number]))
+        return self.partial[number] if self.partial else None
+
 
 @dataclass(frozen=True, eq=False)
 class Roots:

@@ -34,11 +34,19 @@ class PartialProof:
     remaining: float
 
     @staticmethod
-    def joined(parts: Sequence[PartialProof]) -> PartialProof:
-        """Of parts that are solved one by one."""
+    def whole(rows: int, radius: float) -> PartialProof:
+        """Of a certified part: all of its rows vanish at one point."""
+        return PartialProof(rows, rows, radius, 0.0)
+
+    @staticmethod
+    def joined(parts: Sequence[PartialProof | None]) -> PartialProof | None:
+        """Of parts that are solved one by one; None where nothing is proved of one of them."""
+        kept = [part for part in parts if part is not None]
+        if len(kept) < len(parts):
+            return None
         return PartialProof(
-            sum(p.independent for p in parts), sum(p.rows for p in parts),
-            max(p.radius for p in parts), max(p.remaining for p in parts),
+            sum(p.independent for p in kept), sum(p.rows for p in kept),
+            max(p.radius for p in kept), max(p.remaining for p in kept),
         )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from helpers.equality_rows import equality_rows
 from symkin.formats.closing import Closed
 from symkin.formats.robot import Robot
 from symkin.formats.tree_motion import State
@@ -132,14 +133,7 @@ class Account:
 
     def equality_rows(self, data: Any) -> tuple[np.ndarray, np.ndarray]:
         """Violations and Jacobian of the equality constraints."""
-        count, nv = int(data.nefc), self.model.nv
-        rows = np.asarray(data.efc_type[:count]) == int(self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-        if self.mujoco.mj_isSparse(self.model):
-            jacobian = np.zeros((count, nv))
-            self.mujoco.mju_sparse2dense(jacobian, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
-        else:
-            jacobian = np.asarray(data.efc_J)[: count * nv].reshape(count, nv)
-        return np.asarray(data.efc_pos[:count])[rows], jacobian[rows]
+        return equality_rows(self.mujoco, self.model, data)
 
     def free_roots(self) -> int:
         """Freedoms of the free joints that the robot holds."""

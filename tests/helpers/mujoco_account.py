@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import symkin
+from helpers.equality_rows import equality_rows
 from helpers.written_moves import configurations
 from symkin.formats.graph_form import as_graph
 from symkin.spatial.pose import Pose
@@ -36,7 +37,7 @@ class MujocoAccount:
         for links, values, balls in configurations(self.mechanism):
             data = self._data_at(values, balls)
             self._check_links(data, links)
-            errors, jacobian = self._rows(data)
+            errors, jacobian = equality_rows(self.mujoco, self.model, data)
             assert np.abs(errors).max(initial=0.0) <= POSE
             rank = int(np.linalg.matrix_rank(jacobian, tol=1e-8 * np.linalg.norm(jacobian, 2))) if jacobian.size else 0
             freedoms.append(self.model.nv - rank)
@@ -70,13 +71,3 @@ class MujocoAccount:
                 np.testing.assert_allclose(data.body(link).xpos, expected.position, atol=POSE, err_msg=link)
                 turn = min(np.abs(data.body(link).xquat - sign * expected.quaternion).max() for sign in (1, -1))
                 assert turn <= POSE, link
-
-    def _rows(self, data: object) -> tuple[np.ndarray, np.ndarray]:
-        count, nv = int(data.nefc), self.model.nv
-        rows = np.asarray(data.efc_type[:count]) == int(self.mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-        if self.mujoco.mj_isSparse(self.model):
-            jacobian = np.zeros((count, nv))
-            self.mujoco.mju_sparse2dense(jacobian, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
-        else:
-            jacobian = np.asarray(data.efc_J)[: count * nv].reshape(count, nv)
-        return np.asarray(data.efc_pos[:count])[rows], jacobian[rows]

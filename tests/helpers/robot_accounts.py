@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from helpers.equality_rows import equality_rows
 from helpers.made_robots import FREEDOMS, GROUND, Machine
 from helpers.robot_texts import mjcf
 
@@ -59,17 +60,9 @@ class MuJoCo:
 
     def rows(self, qpos: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Violations and Jacobian of the equality constraints."""
-        mujoco, data, nv = self.mujoco, self.data, self.model.nv
-        data.qpos[:] = qpos
-        mujoco.mj_forward(self.model, data)
-        count = int(data.nefc)
-        equality = np.asarray(data.efc_type[:count]) == int(mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-        if mujoco.mj_isSparse(self.model):
-            jacobian = np.zeros((count, nv))
-            mujoco.mju_sparse2dense(jacobian, data.efc_J, data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind)
-        else:
-            jacobian = np.array(data.efc_J)[: count * nv].reshape(count, nv)
-        return np.array(data.efc_pos[:count])[equality], jacobian[equality]
+        self.data.qpos[:] = qpos
+        self.mujoco.mj_forward(self.model, self.data)
+        return equality_rows(self.mujoco, self.model, self.data)
 
     def closed(self, qpos: np.ndarray, held: Mapping[str, float]) -> np.ndarray:
         """The closed configuration near one, joints `held` at values: Newton's method on MuJoCo's own constraints."""
