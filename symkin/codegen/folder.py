@@ -150,6 +150,7 @@ def _test_values(program: Program) -> dict[str, object]:
         "angle_bound": _angle_bound(program),
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
+        "speed_bound": "1e-3" if real.name == "float" else "1e-9",
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
         "closed_test": "", "closed_call": "",
     }  # fmt: skip
