@@ -151,13 +151,13 @@ class NewtonCode:
         """Each row made and stored in turn, and what the matrix shares with it as soon as the row has been made."""
         kernel = self.kernel
         emitter = Emitter(kernel.row_function(), self._inputs, self.real)
-        each = int(kernel.shared_symbols.shape[0]) // max(kernel.m, 1)
+        count = int(kernel.shared_symbols.shape[0])
         for row in range(kernel.m):
             if kernel.m > 1:
                 emitter.comment(kernel.meaning.row.format(i=row + 1))
             text = emitter.value(0, row)
             emitter.lines.append(f"w->f[{row}] = {text};")
-            for shared in range(each * row, each * (row + 1)):
+            for shared in range(count * row // kernel.m, count * (row + 1) // kernel.m):
                 text = emitter.value(1, shared)
                 emitter.lines.append(f"w->d[{shared}] = {text};")
         return emitter
