@@ -54,7 +54,7 @@ class LimbPlatformSource:
         made, real, values = self.made, self.real, self.values
         ranges = condition_within_limits(made.actuated, real, made.closure.characteristic_length)
         return "".join([
-            fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
+            fill("pose.c", values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
             fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(self._limb_text(block) for block in made.blocks),
             self._solve_limbs, self.code.text, self._unwrap_joints, self._turn_into_limits, self._check_branch,
             fill("parallel_direct.c", values), "\n", self._inverse,

@@ -82,7 +82,7 @@ class RodSource:
         code, values = self.code, self.values
         retarget = fill("retarget.c", values | {"rod_values": indent(self._rod_value_lines, 2)})
         return "".join([
-            fill("pose_and_info.c", values), _limit_check(self.platform, values), code.work, code.functions, self._rod_values,
+            fill("pose.c", values), fill("info.c", values), _limit_check(self.platform, values), code.work, code.functions, self._rod_values,
             code.target, code.linear.text, retarget, code.driver, fill("parallel_direct.c", values), "\n", self._inverse,
         ])  # fmt: skip
 

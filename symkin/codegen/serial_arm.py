@@ -218,7 +218,7 @@ class ArmSource:
             "out": indent(copy("joints", "w.x", nq), 3),
         })  # fmt: skip
         return "".join([
-            fill("pose_and_info.c", values), fill("check_limits.c", values | {"positive": "", "ranges": ranges}),
+            fill("pose.c", values), fill("info.c", values), fill("check_limits.c", values | {"positive": "", "ranges": ranges}),
             fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
             "" if self.closed is None else self.closed.text,
         ])  # fmt: skip

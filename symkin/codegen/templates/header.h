@@ -25,12 +25,7 @@ typedef enum {
     @{P}_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
 } @{p}_status;
 
-/* Position in @{unit}, unit quaternion (w, x, y, z), both of the @{frame} frame in the base frame@{relative}. */
-typedef struct {
-    @{p}_real position[3];
-    @{p}_real quaternion[4];
-} @{p}_pose;
-
+@{pose_type}
 /* tolerance: predicted error of the answer (@{unit}, angles times the size); max_iterations: steps of any kind;
  * max_step: longest single step (@{unit}, angles times the size). NULL in place of a config means the values below. */
 typedef struct {

@@ -22,16 +22,3 @@ static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static @{COLD} void @{p}_write_info(@{p}_info *info, unsigned int count, @{real} residual, @{real} size, @{real} spread)
-{
-    if (info != NULL) {
-        info->iterations = (uint8_t)count;
-        info->residual = (residual >= @{zero}) ? residual : @{huge};
-        info->step = (size >= @{zero}) ? @{sqrt}(size) : @{huge};
-        info->min_pivot = (spread > @{zero}) ? (@{one} / @{sqrt}(spread)) : @{zero};
-    }
-}
-
-
