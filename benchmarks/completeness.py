@@ -1,10 +1,10 @@
 """Whether anything is ever lost: many random machines and inputs, every count checked.
 
-    python benchmarks/completeness.py [--count 1000] [--seed 0] [--cases platforms,legs,arm,generic,closed]
+    python benchmarks/completeness.py [--count 1000] [--seed 0] [--cases platforms,legs,arm,generic,closed,closed_platforms]
 
 platforms: random 6-6 geometries at the lengths of a random pose. legs: one symmetric platform (zhang2009) at random
 lengths. arm: gluon_6l3 at random poses, against EAIK where it is installed. generic: other mechanisms against 20,000
-random starts. closed: random arms of each structure that has a closed form, against continuation. Each line says how many inputs had an unresolved path, a wrong count of complex roots, a lost pose (the
+random starts. closed: random arms of each structure that has a closed form, against continuation; closed_platforms: the same of platforms. Each line says how many inputs had an unresolved path, a wrong count of complex roots, a lost pose (the
 one that made the input), a duplicate or an odd number of real modes, and the largest closure error over the size.
 """
 
@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from os import environ
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -188,7 +189,7 @@ def closed(count: int, rng: np.random.Generator) -> None:
     """Of random arms of each structure that has a closed form: the modes of formulas are those of continuation."""
     from helpers.arms import random_values, structures
 
-    arms = structures(rng) | {"gluon_6l3": symkin.load("gluon_6l3"), "yao2020": symkin.load("yao2020")}
+    arms = structures(rng) | {name: symkin.load(name) for name in ("gluon_6l3", "yao2020", "ur5e", "scara")}
     for name, mechanism in arms.items():
         values = [
             [
@@ -198,12 +199,37 @@ def closed(count: int, rng: np.random.Generator) -> None:
             for _ in range(count)
         ]
         poses = [symkin.solve(mechanism, joints=v).solution.pose for v in values]
-        ours = symkin.modes(mechanism, pose=poses)
-        theirs = symkin.modes(mechanism, pose=poses, method="continuation")
-        lost = sum(missing(b, a) for a, b in zip(ours, theirs, strict=True))
-        more = sum(missing(a, b) for a, b in zip(ours, theirs, strict=True))
-        left = sum(a.method != "closed" for a in ours)
-        print(f"{name}: {count} inputs, {left} left to paths; {lost} modes of paths lost, {more} found beyond them", flush=True)
+        _beside_paths(name, mechanism, pose=poses)
+
+
+def closed_platforms(count: int, rng: np.random.Generator) -> None:
+    """The same of platforms: direct problems at joint values of whole turns, inverse ones at poses that these give."""
+    from helpers.samples import readme_five_bar, three_rrr
+
+    platforms = (symkin.load("delta"), readme_five_bar("planar"), symkin.load("zhao2000"), three_rrr("planar"))
+    for mechanism in platforms:
+        size, joints = mechanism.characteristic_length, mechanism.actuated
+        spread = np.array([math.pi if c.is_angular else 0.4 * size for c in joints])
+        middle = np.array([c.reference[0] for c in joints])
+        values = middle + spread * rng.uniform(-1.0, 1.0, (count, len(joints)))
+        values *= [mechanism.angle_out(1.0) if c.is_angular else 1.0 for c in joints]
+        if mechanism.name != "three_rrr":
+            _beside_paths(f"{mechanism.name}, direct", mechanism, joints=values)
+        poses = [mode.pose for modes in symkin.modes(mechanism, joints=values) for mode in modes][:count]
+        _beside_paths(f"{mechanism.name}, inverse", mechanism, pose=poses)
+
+
+def _beside_paths(name: str, mechanism: symkin.Mechanism, **inputs: Any) -> None:
+    """Counts the modes by formulas that paths do not find, and the other way round."""
+    ours = symkin.modes(mechanism, **inputs)
+    theirs = symkin.modes(mechanism, **inputs, method="continuation")
+    lost = sum(missing(b, a) for a, b in zip(ours, theirs, strict=True))
+    more = sum(missing(a, b) for a, b in zip(ours, theirs, strict=True))
+    left, solved = sum(a.method != "closed" for a in ours), sum(len(a) > 0 for a in ours)
+    print(
+        f"{name}: {len(ours)} inputs, {solved} with modes, {left} left to paths; {lost} modes of paths lost, {more} found beyond them",
+        flush=True,
+    )
 
 
 CASES: dict[str, Callable[[int, np.random.Generator], None]] = {
@@ -212,6 +238,7 @@ CASES: dict[str, Callable[[int, np.random.Generator], None]] = {
     "arm": arm,
     "generic": generic,
     "closed": closed,
+    "closed_platforms": closed_platforms,
 }
 
 if __name__ == "__main__":

@@ -68,3 +68,14 @@ def test_a_track_of_redundant_rows_says_what_is_proved_at_its_steps():
     assert "independent rows as unknowns vanish" in track.ground
     bound = float(track.ground.split("no other row is more than ")[1].split()[0])
     assert 0.0 < bound < 1e-8
+
+
+def test_modes_of_many_inputs_have_the_same_grounds_as_one_by_one():
+    """A rod of each pair is redundant: what is proved of a configuration does not depend on the inputs beside it."""
+    delta = symkin.load("delta")
+    joints = np.array([10.0, 20.0, 30.0]) + np.random.default_rng(4).uniform(-20, 20, (12, 3))
+    for many, one in zip(symkin.modes(delta, joints=joints), (symkin.modes(delta, joints=q) for q in joints), strict=True):
+        assert len(many) == len(one) == 2
+        for a, b in zip(many, one, strict=True):
+            assert (a.ground.independent, a.ground.rows) == (b.ground.independent, b.ground.rows) == (3, 6)
+            assert 0.0 < max(a.ground.radius, a.ground.remaining, b.ground.radius, b.ground.remaining) < 1e-9

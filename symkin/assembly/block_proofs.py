@@ -13,6 +13,7 @@ from symkin.homotopy.systems import whole_system
 from symkin.homotopy.values import algebraic_points
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
+from symkin.position.solution import PartialProof
 
 if TYPE_CHECKING:
     from symkin.certificate.bounds import Bound
@@ -67,9 +68,9 @@ class BlockProver:
         from symkin.certificate.certificate import certify_batch
         from symkin.certificate.exact import knowns_of
 
-        values = {c.name: points[:, s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)}
-        z = algebraic_points(self.problem, self.whole, values)
-        found = ends
+        if ends is None and self._is_redundant:
+            return RootProofs(np.zeros(len(owner), dtype=bool), np.full(len(owner), np.nan), np.zeros(len(known), dtype=bool))
+        z, found = self._algebraic(points), ends
         if found is None:
             found = certify_batch(
                 self.whole, z, knowns_of(self.problem, known), owner, self.problem.closure.characteristic_length
@@ -78,6 +79,30 @@ class BlockProver:
         index, radius = found.find(z, owner, expected)
         complete = self._complete(found, np.bincount(owner, minlength=len(known)))
         return RootProofs(index >= 0, radius, complete)
+
+    def grounds(self, points: np.ndarray, owner: np.ndarray, known: np.ndarray) -> list[PartialProof | None]:
+        """What is proved of real roots as in `roots`: of all rows of those that are certified, of independent ones of the others."""
+        from symkin.certificate.exact import knowns_of
+        from symkin.certificate.independent_rows import prove_independent_rows
+
+        rows, size = int(self.block.rows.shape[0]), self.problem.closure.characteristic_length
+        if self._is_redundant:
+            return prove_independent_rows(self.whole, self._algebraic(points), knowns_of(self.problem, known), owner, size)
+        proofs = self.roots(None, points, owner, known, np.full(len(owner), -1))
+        return [
+            PartialProof.whole(rows, radius) if certified else None
+            for certified, radius in zip(proofs.certified.tolist(), proofs.radius.tolist(), strict=True)
+        ]
+
+    @property
+    def _is_redundant(self) -> bool:
+        """Whether there are more rows than unknowns, so that no root can have a certificate."""
+        return self.whole.count > self.whole.width - bool(self.whole.projective)
+
+    def _algebraic(self, points: np.ndarray) -> np.ndarray:
+        """The roots (width, m) of the paths' system that real roots `points` (m, width) are."""
+        values = {c.name: points[:, s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)}
+        return algebraic_points(self.problem, self.whole, values)
 
     def _complete(self, found: CertificateBatch, listed: np.ndarray) -> np.ndarray:
         """Instances (n,) whose certified roots are all that the theorem allows, each known to be real or not, the real ones as

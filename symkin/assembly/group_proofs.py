@@ -84,8 +84,8 @@ def _of_group(group: Problem, values: np.ndarray, far: np.ndarray) -> _Proved:
     knowns = _widened(knowns_of(group, values[near][:, group.known_places]), far[near] / size)
     rows = int(system.count)
     if rows > system.width - bool(system.projective):
-        for place, i in enumerate(near.tolist()):
-            proof = prove_independent_rows(system, z[:, i].real, knowns.numbers(place), size)
+        proofs = prove_independent_rows(system, z[:, near].real, knowns, np.arange(near.size), size)
+        for i, proof in zip(near.tolist(), proofs, strict=True):
             if proof is not None:
                 found.partial[i], found.radius[i] = proof, proof.radius
         return found

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from symkin.assembly.modes_result import Modes
+from symkin.closure.closure import Closure
 from symkin.closure.link_poses import link_poses
 from symkin.model.joint import Coordinate
 from symkin.position.problem import Problem
@@ -40,6 +41,12 @@ class ModeTable:
     certified: np.ndarray
     radius: np.ndarray
     values: np.ndarray
+
+    def listed(self, closure: Closure) -> SolutionList:
+        """All modes of all points, as solutions of their closure."""
+        return SolutionList(
+            closure, **{f.name: getattr(self, f.name) for f in fields(SolutionList) if hasattr(self, f.name)}, notes=()
+        )
 
 
 PER_POINT = ("count", "completeness", "unresolved", "continuum", "complex_count")

@@ -160,10 +160,15 @@ def _plain(problem: Problem, givens: Sequence[Given], search: Search, progress: 
     prepared = plain_modes(problem, progress, formulas=search.formulas) if chosen else None
     if prepared is None or not prepared.parts:
         return {}
-    plain = prepared.find(np.array([givens[i].values for i in chosen]), certify=True)
-    ends, engine = np.cumsum(plain.table.count), prepared.engine
+    known = np.array([givens[i].values for i in chosen])
+    plain = prepared.find(known, certify=True)
+    t, ends, engine = plain.table, np.cumsum(plain.table.count), prepared.engine
+    owner = np.repeat(plain.places, t.count)
+    listed = with_grounds(problem, t.listed(problem.closure), known, owner)
     return {
-        chosen[place]: _plain_modes(prepared, plain, number, slice(end - count, end), givens[chosen[place]], search, engine)
+        chosen[place]: _plain_modes(
+            prepared, plain, listed, number, slice(end - count, end), givens[chosen[place]], search, engine
+        )
         for number, (place, end, count) in enumerate(
             zip(plain.places.tolist(), ends.tolist(), plain.table.count.tolist(), strict=True)
         )
@@ -172,26 +177,25 @@ def _plain(problem: Problem, givens: Sequence[Given], search: Search, progress: 
 
 
 def _plain_modes(
-    prepared: PlainModes, plain: Plain, number: int, part: slice, given: Given, search: Search, engine: str | None
+    prepared: PlainModes,
+    plain: Plain,
+    every: SolutionList,
+    number: int,
+    part: slice,
+    given: Given,
+    search: Search,
+    engine: str | None,
 ) -> Modes:
-    """The modes of one plain input, the `part` of the table, that `engine` has found."""
+    """The modes of one plain input, the `part` of `every` mode of the table, that `engine` has found."""
     t, problem = plain.table, prepared.problem
-    notes = (*given.notes, *prepared.notes, *prepared.theorems(plain.complete[number]))
-    listed = SolutionList(
-        closure=problem.closure,
-        values=t.values[part],
-        position=t.position[part],
-        quaternion=t.quaternion[part],
-        residual=t.residual[part],
-        condition=t.condition[part],
-        within_limits=t.within_limits[part],
-        certified=t.certified[part],
-        radius=t.radius[part],
-        notes=given.notes,
-    )
-    listed = with_grounds(problem, problem.blocks, given, listed)
+    listed = replace(every.chosen(part), notes=given.notes)
     grounds = [] if listed.ground is None else [ground for ground in listed.ground if ground is not None]
-    notes = (*notes, *ground_notes(problem, grounds, len(listed)))
+    notes = (
+        *given.notes,
+        *prepared.notes,
+        *prepared.theorems(plain.complete[number]),
+        *ground_notes(problem, grounds, len(listed)),
+    )
     return Modes(
         problem=problem,
         given=given.echo,

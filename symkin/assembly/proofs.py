@@ -76,16 +76,22 @@ class Prover:
             theorem,
             found.distinct,
             next((reason for reason in found.reasons if reason), None) if np.any(index < 0) else None,
-            tuple(self._partial(z) if i < 0 else None for z, i in zip(real, index.tolist(), strict=True)),
+            self._partial(columns, index < 0),
         )
 
-    def _partial(self, z: np.ndarray) -> PartialProof | None:
-        """What is proved of a root that has no certificate."""
-        from symkin.certificate.exact import exact_known
+    def _partial(self, z: np.ndarray, open_ones: np.ndarray) -> tuple[PartialProof | None, ...]:
+        """What is proved of those of the roots z (width, m) that have no certificate, which is where `open_ones` (m,)."""
+        from symkin.certificate.exact import knowns_of
         from symkin.certificate.independent_rows import prove_independent_rows
 
-        known = exact_known(self.problem, self.given.values)
-        return prove_independent_rows(self.whole, z, known, self.problem.closure.characteristic_length)
+        found: list[PartialProof | None] = [None] * z.shape[1]
+        chosen, knowns = np.flatnonzero(open_ones), knowns_of(self.problem, self.given.values[None])
+        proofs = prove_independent_rows(
+            self.whole, z[:, chosen], knowns, np.zeros(chosen.size, dtype=int), self.problem.closure.characteristic_length
+        )
+        for place, proof in zip(chosen.tolist(), proofs, strict=True):
+            found[place] = proof
+        return tuple(found)
 
 
 def ground_notes(problem: Problem, grounds: Sequence[PartialProof], count: int) -> list[str]:

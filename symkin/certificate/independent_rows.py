@@ -6,17 +6,20 @@ within a stated radius, and how far the others are from zero there at most.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from flint import arb
 
 from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.certificate import certify
+from symkin.certificate.certificate import CertificateBatch, certify_batch
+from symkin.certificate.disc_arithmetic import UP, modulus
+from symkin.certificate.discs import Discs
+from symkin.certificate.knowns import Knowns
+from symkin.certificate.quick_test import disc_function
 from symkin.computed_once import lru_cache
 from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.numeric.balls import REAL, UP, Number, precision, upper
+from symkin.numeric.balls import REAL, precision, upper
 from symkin.position.solution import PartialProof
 
 _RANK = 1e-8
@@ -24,46 +27,63 @@ _RANK = 1e-8
 _BITS = 128
 
 
-def prove_independent_rows(system: AlgebraicSystem, z: np.ndarray, known: Sequence[Number], size: float) -> PartialProof | None:
-    """The proof about a real root z (width,) of more rows than unknowns; None where as many independent rows as unknowns are
-    not found there, or no proof is."""
+def prove_independent_rows(
+    system: AlgebraicSystem, z: np.ndarray, knowns: Knowns, instance: np.ndarray, size: float
+) -> list[PartialProof | None]:
+    """The proofs about real roots z (width, m) of more rows than unknowns, of the instances `instance` (m,), ascending, of known
+    values; None where as many independent rows as unknowns are not found there, or no proof is."""
+    found: list[PartialProof | None] = [None] * z.shape[1]
     freedom = system.width - bool(system.projective)
     if system.count <= freedom:
-        return None
-    chosen = independent_rows(system, z, np.array([float(v) for v in known], dtype=complex))
-    if len(chosen) < freedom:
-        return None
-    found = certify(_part(system, chosen), z[:, None], known, size)
-    if not (found.certified[0] and found.real[0] == "real" and found.pose[0]):
-        return None
+        return found
+    _, jacobians = system.linearise(z.astype(complex), knowns.discs.middle[instance].T.astype(complex))
+    takes = most_independent(jacobians, freedom)
+    for chosen in np.unique(takes[takes.sum(axis=1) == freedom], axis=0):
+        here = np.flatnonzero((takes == chosen).all(axis=1))
+        batch = certify_batch(_part(system, tuple(np.flatnonzero(chosen).tolist())), z[:, here], knowns, instance[here], size)
+        sure = np.flatnonzero(batch.certified & (batch.real == "real") & batch.pose)
+        others = _largest_other(system, ~chosen, batch, sure) * size * UP
+        for place, other in zip(sure.tolist(), others.tolist(), strict=True):
+            found[here[place]] = PartialProof(freedom, system.count, float(batch.radius[place]), other)
+    return found
+
+
+def _largest_other(system: AlgebraicSystem, others: np.ndarray, batch: CertificateBatch, sure: np.ndarray) -> np.ndarray:
+    """No row among `others` (rows,) is larger within the boxes of the roots `sure` (m,) of a batch: (m,)."""
+    centre, half = batch.centre[:, sure].T.real, batch.ball[sure]
+    function = disc_function(system)
+    if function is not None:
+        box = Discs(np.ascontiguousarray(centre), np.repeat(half[:, None], system.width, axis=1))
+        values = function.evaluate(0, box, function.prepare(batch.knowns.discs), batch.instance[sure])
+        size = np.zeros((len(sure), system.count))
+        size[:, function.tape.patterns[0][0]] = (modulus(values.middle) + values.radius) * UP
+        return np.asarray(np.max(size[:, others], axis=1, initial=0.0))
     with precision(_BITS):
-        side = arb(0.0, float(found.ball[0]))
-        box = [arb(float(c)) + side for c in found.centre[:, 0].real]
-        values = BallSystem(system, tuple(known)).rows(REAL, box)
-        others = [upper(v) for i, v in enumerate(values) if i not in chosen]
-    return PartialProof(len(chosen), system.count, float(found.radius[0]), max(others, default=0.0) * size * UP)
+        found = []
+        for z, side, j in zip(centre.tolist(), half.tolist(), batch.instance[sure].tolist(), strict=True):
+            rows = BallSystem(system, batch.knowns.numbers(j)).rows(REAL, [arb(c) + arb(0.0, side) for c in z])
+            found.append(max((upper(v) for v, other in zip(rows, others.tolist(), strict=True) if other), default=0.0))
+    return np.array(found)
 
 
-def independent_rows(system: AlgebraicSystem, z: np.ndarray, known: np.ndarray) -> tuple[int, ...]:
-    """As many rows as the rank at a point, the most independent ones."""
-    _, jacobian = system.linearise(z[:, None].astype(complex), known[:, None])
-    return most_independent(jacobian[0], system.width - bool(system.projective))
-
-
-def most_independent(matrix: np.ndarray, most: int) -> tuple[int, ...]:
-    """At most so many rows of a matrix: one after another the row that is farthest from the span of those taken."""
-    left, first = matrix.copy(), 0.0
-    chosen: list[int] = []
-    while len(chosen) < most and np.isfinite(left).all():
-        lengths = np.linalg.norm(left, axis=1)
-        best = int(np.argmax(lengths))
-        first = first or float(lengths[best])
-        if not lengths[best] > _RANK * max(first, 1e-300):
+def most_independent(matrices: np.ndarray, most: int) -> np.ndarray:
+    """Which rows (m, rows) of matrices (m, rows, columns) to take, at most so many of each: one after another the row that is
+    farthest from the span of those taken."""
+    left = matrices.copy()
+    taken, every = np.zeros(left.shape[:2], dtype=bool), np.arange(len(left))
+    going, first = np.isfinite(left).all(axis=(1, 2)), np.zeros(len(left))
+    for step in range(most):
+        lengths = np.linalg.norm(left, axis=2)
+        best = np.argmax(lengths, axis=1)
+        longest = lengths[every, best]
+        first = longest if step == 0 else first
+        going &= longest > _RANK * np.maximum(first, 1e-300)
+        if not going.any():
             break
-        chosen.append(best)
-        along = left[best] / lengths[best]
-        left = left - np.outer(left @ np.conj(along), along)
-    return tuple(sorted(chosen))
+        taken[every[going], best[going]] = True
+        along = left[every, best] / np.where(going, longest, 1.0)[:, None]
+        left -= np.einsum("mrc,mc,md->mrd", left, along.conj(), along)
+    return taken
 
 
 @lru_cache(maxsize=256)

@@ -81,7 +81,7 @@ def redundant_rows_bound(interval: Interval, y: np.ndarray) -> float:
     unknowns; infinite where no such root is proved."""
     system = interval.system
     jacobian = interval.evaluate(y)[1]
-    chosen = most_independent(jacobian[:, :-1], system.width)
+    chosen = tuple(np.flatnonzero(most_independent(jacobian[None, :, :-1], system.width)[0]).tolist())
     if len(chosen) < system.width:
         return float("inf")
     half = Interval(_with_rows(system, chosen), interval.c).point(y, along_parameter(len(y)), jacobian[list(chosen)])

@@ -51,8 +51,8 @@ class SolutionList(Sequence[Solution]):
             self._made.setdefault(place, self._make(place))
         return self._made[place]
 
-    def chosen(self, places: np.ndarray | Sequence[int]) -> SolutionList:
-        """Some of the solutions, in the order of their places (any,) or where a mask (m,) holds."""
+    def chosen(self, places: np.ndarray | Sequence[int] | slice) -> SolutionList:
+        """Some of the solutions, in the order of their places (any,), a part of them, or where a mask (m,) holds."""
         arrays = {f.name: getattr(self, f.name)[places] for f in fields(self) if isinstance(getattr(self, f.name), np.ndarray)}
         return replace(self, **arrays, _made={})
 
