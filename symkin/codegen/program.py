@@ -138,7 +138,7 @@ def _pose_type(kind: Kind) -> str:
     """The type of poses."""
     relative = ", as changes from home" if kind.options.home_relative else ""
     values = {"p": kind.name, "unit": kind.mechanism.length_unit, "frame": kind.mechanism.frame_name, "relative": relative}
-    return fill("pose_type.h", values)
+    return "\n" + fill("pose_type.h", values)
 
 
 def _guess_precision(kind: Kind) -> str:

@@ -24,8 +24,8 @@ typedef enum {
     @{P}_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
     @{P}_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
 } @{p}_status;
-
 @{pose_type}
+
 /* tolerance: predicted error of the answer (@{unit}, angles times the size); max_iterations: steps of any kind;
  * max_step: longest single step (@{unit}, angles times the size). NULL in place of a config means the values below. */
 typedef struct {
