@@ -279,17 +279,17 @@ class JointMap:
         columns = _columns((*given, *self.direct.unknown))
         mobility = jacobians[0].shape[1] - rank
         told, loops = ", ".join(self.options.given), f"the loops of {', '.join((*self.options.given, *self.options.find))}"
+        for one in (*given, *found):
+            if all(np.all(np.abs(j[:, columns[one.name]]) < 1e-9) for j in jacobians):
+                raise InputError(
+                    f"{name}: {one.name} is in no loop: nothing but itself moves it, so that no other coordinate is a function of it"
+                )
         if len(given) != mobility:
             more = mobility - len(given)
             what = f"give {more} more" if more > 0 else f"leave {-more} out: their values would have to agree with each other"
             raise InputError(
                 f"{name}: --given {told} are {len(given)} coordinate(s), and {loops} have {mobility} freedom(s); {what}"
             )
-        for one in (*given, *found):
-            if all(np.all(np.abs(j[:, columns[one.name]]) < 1e-9) for j in jacobians):
-                raise InputError(
-                    f"{name}: {one.name} is in no loop: nothing but itself moves it, so that no other coordinate is a function of it"
-                )
         if len(found) != len(given):
             raise InputError(
                 f"{name}: {len(given)} coordinate(s) given and {len(found)} to be found; a map that can be turned round has as many of both"
