@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, condition_within_limits, copy, farthest, fill
+from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.limb_source import limb_text, rates_text
@@ -54,11 +55,24 @@ class LimbPlatformSource:
         made, real, values = self.made, self.real, self.values
         ranges = condition_within_limits(made.actuated, real, made.closure.characteristic_length)
         return "".join([
-            fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
+            fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values),
+            "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
             fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(self._limb_text(block) for block in made.blocks),
-            self._solve_limbs, self.code.text, self._unwrap_joints, self._turn_into_limits, self._check_branch,
-            fill("parallel_direct.c", values), "\n", self._inverse,
+            self._solve_limbs, *self._direct, "\n", self._inverse,
         ])  # fmt: skip
+
+    @property
+    def _direct(self) -> list[str]:
+        """The direct problem: by formulas where there are some, else by Newton's method."""
+        found, turns = self.made.direct_formulas, [self._unwrap_joints, self._turn_into_limits]
+        if found is not None:
+            return [*turns, ClosedDirectSource(self.made, found, self._common).text]
+        return [
+            self.code.text,
+            *turns,
+            self._check_branch,
+            fill("parallel_direct.c", self.values),
+        ]
 
     @cached_property
     def code(self) -> NewtonCode:

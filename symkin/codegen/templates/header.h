@@ -46,8 +46,7 @@ typedef struct {
 #define @{P}_JOINTS (@{nq})
 
 /* iterations: steps taken; residual: largest closure error of the answer@{of_track}, in
- * @{unit}; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * @{unit}; step: @{pivot_words}. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     @{p}_real residual;
