@@ -185,3 +185,18 @@ def test_solve_by_a_closed_form_that_is_not_there() -> None:
     arm = symkin.load("gluon_6l3")
     far = symkin.solve(arm, pose=[1e4, 0, 0, 1, 0, 0, 0], solver="closed", check=False)
     assert (far.solution, far.status) == (None, "infeasible")
+
+
+def test_a_pose_that_formulas_close_is_left_as_it_is():
+    """A SCARA's poses satisfy conditions: exact ones stay, rounded ones are moved to the nearest, others are refused with it."""
+    arm = symkin.load("scara")
+    pose = symkin.solve(arm, joints=[20.0, 60.0, -30.0, -50.0]).solution.pose
+    exact = [*pose.position, *pose.quaternion]
+    assert not any("projected" in note for note in symkin.modes(arm, pose=exact).notes)
+    tilted = [*exact[:4], 1e-6, *exact[5:]]
+    found = symkin.modes(arm, pose=tilted)
+    assert len(found) == 2
+    assert any("projected" in note for note in found.notes)
+    away = symkin.modes(arm, pose=[*exact[:3], np.cos(0.4), np.sin(0.4), 0.0, 0.0])
+    assert len(away) == 0
+    assert any("off those that it can take" in note for note in away.notes)

@@ -61,7 +61,21 @@ static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, de
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 3U;
     }
+}
+
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static DELTA_COLD delta_status delta_check_config(const delta_config *config, delta_status before)
+{
+    const delta_real tolerance = config->tolerance;
+    const delta_real longest = config->max_step;
+    delta_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 443000.0f - longest)) && (before != DELTA_NONFINITE)) {
+        const delta_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
+    }
+    return status;
 }
 
 
@@ -84,13 +98,21 @@ static delta_status delta_pose_coordinates(const delta_pose *pose, delta_real c[
     return status;
 }
 
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static DELTA_SHARED uint8_t delta_first_beyond(const delta_real joints[3])
+{
+    uint8_t joint = 0U;
+    while ((joint < 3U) && ((joints[joint] >= -1000.0f) && (joints[joint] <= 1000.0f))) {
+        ++joint;
+    }
+    return joint;
+}
+
 /* Checks whether joint values are within their ranges. */
-static DELTA_SHARED delta_status delta_check_limits(const delta_real joints[3])
+static delta_status delta_check_limits(const delta_real joints[3])
 {
     delta_status status = DELTA_OK;
-    if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
-        && (joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)
-        && (joints[2] >= -1000.0f) && (joints[2] <= 1000.0f))) {
+    if (!(delta_first_beyond(joints) == 3U)) {
         status = delta_check_finite(joints, 3, DELTA_OUT_OF_RANGE);
     }
     return status;
@@ -118,19 +140,25 @@ static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
     const delta_real t16 = t6 - t15;
     const delta_real d1 = t16; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 2.25e-09f) ? sqrtf(d1) : 1.0f;
-    const delta_real t19 = t2 * r1;
-    const delta_real t20 = t4 * t14;
-    const delta_real t21 = t19 - t20;
-    const delta_real t22 = 1.0f / t6;
-    const delta_real t23 = t21 * t22;
-    const delta_real t24 = t2 * t14;
-    const delta_real t25 = t4 * r1;
-    const delta_real t26 = t24 + t25;
-    const delta_real t27 = t26 * t22;
-    const delta_real t28 = -t27;
-    const delta_real t29 = atan2f(t23, t28);
-    x[0] = t29;
-    return (d1 > 2.25e-09f) ? DELTA_OK : DELTA_OUT_OF_RANGE;
+    delta_status status = DELTA_OUT_OF_RANGE;
+    if (d1 > 2.25e-09f) {
+        const delta_real t19 = t2 * r1;
+        const delta_real t20 = t4 * t14;
+        const delta_real t21 = t19 - t20;
+        const delta_real t22 = 1.0f / t6;
+        const delta_real t23 = t21 * t22;
+        const delta_real t24 = t2 * t14;
+        const delta_real t25 = t4 * r1;
+        const delta_real t26 = t24 + t25;
+        const delta_real t27 = t26 * t22;
+        const delta_real t28 = -t27;
+        const delta_real t29 = atan2f(t23, t28);
+        x[0] = t29;
+        status = DELTA_OK;
+    } else {
+        x[0] = 0.0f;
+    }
+    return status;
 }
 
 /* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
@@ -155,82 +183,90 @@ static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3]
     const delta_real t16 = t6 - t15;
     const delta_real d1 = t16; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 0.000619f) ? sqrtf(d1) : 1.0f;
-    const delta_real t19 = t1 + t1;
-    const delta_real t20 = t2 * r1;
-    const delta_real t21 = t4 * t14;
-    const delta_real t22 = t20 - t21;
-    const delta_real t23 = 1.0f / t6;
-    const delta_real t24 = t22 * t23;
-    const delta_real t25 = t24 * t24;
-    const delta_real t26 = t2 * t14;
-    const delta_real t27 = t4 * r1;
-    const delta_real t28 = t26 + t27;
-    const delta_real t29 = t28 * t23;
-    const delta_real t30 = t29 * t29;
-    const delta_real t31 = t25 + t30;
-    const delta_real t32 = 1.0f / t31;
-    const delta_real t33 = t24 * t32;
-    const delta_real t34 = t33 * t23;
-    const delta_real t35 = t2 * t34;
-    const delta_real t36 = t29 * t32;
-    const delta_real t37 = t36 * t23;
-    const delta_real t38 = t4 * t37;
-    const delta_real t39 = t35 + t38;
-    const delta_real t40 = 0.001129587f * t39;
-    const delta_real t41 = t19 * t40;
-    const delta_real t42 = t14 * t34;
-    const delta_real t43 = -0.50605494f * t1;
-    const delta_real t44 = t24 * t23;
-    const delta_real t45 = t44 * t36;
-    const delta_real t46 = t29 * t23;
-    const delta_real t47 = t46 * t33;
-    const delta_real t48 = t45 - t47;
-    const delta_real t49 = t43 * t48;
-    const delta_real t50 = t42 + t49;
-    const delta_real t51 = r1 * t37;
-    const delta_real t52 = t50 - t51;
-    const delta_real t53 = -0.25302747f * t52;
-    const delta_real t54 = t41 + t53;
-    const delta_real t55 = t4 * t23;
-    const delta_real t56 = t33 * t55;
-    const delta_real t57 = t2 * t23;
-    const delta_real t58 = t36 * t57;
-    const delta_real t59 = t56 - t58;
-    const delta_real t60 = 0.1280458f * t1;
-    const delta_real t61 = 2.5519332e-06f * t13;
-    const delta_real t62 = t19 * t61;
-    const delta_real t63 = t60 - t62;
-    const delta_real t64 = r1 + r1;
-    const delta_real t65 = 1.0f / t64;
-    const delta_real t66 = t63 * t65;
-    const delta_real t67 = t59 * t66;
-    const delta_real t68 = t54 + t67;
-    const delta_real t69 = c[1] + c[1];
-    const delta_real t70 = t69 * t40;
-    const delta_real t71 = t69 * t61;
-    const delta_real t72 = t71 * t65;
-    const delta_real t73 = t59 * t72;
-    const delta_real t74 = t70 - t73;
-    const delta_real t75 = c[2] + c[2];
-    const delta_real t76 = t75 * t40;
-    const delta_real t77 = r1 * t34;
-    const delta_real t78 = 0.50605494f * c[2];
-    const delta_real t79 = t78 * t48;
-    const delta_real t80 = t77 + t79;
-    const delta_real t81 = t14 * t37;
-    const delta_real t82 = t80 + t81;
-    const delta_real t83 = 0.25302747f * t82;
-    const delta_real t84 = t76 + t83;
-    const delta_real t85 = 0.1280458f * c[2];
-    const delta_real t86 = t75 * t61;
-    const delta_real t87 = t85 - t86;
-    const delta_real t88 = t87 * t65;
-    const delta_real t89 = t59 * t88;
-    const delta_real t90 = t84 + t89;
-    rates[0] = t68;
-    rates[1] = t74;
-    rates[2] = t90;
-    return (d1 > 0.000619f) ? DELTA_OK : DELTA_SINGULAR;
+    delta_status status = DELTA_SINGULAR;
+    if (d1 > 0.000619f) {
+        const delta_real t19 = t1 + t1;
+        const delta_real t20 = t2 * r1;
+        const delta_real t21 = t4 * t14;
+        const delta_real t22 = t20 - t21;
+        const delta_real t23 = 1.0f / t6;
+        const delta_real t24 = t22 * t23;
+        const delta_real t25 = t24 * t24;
+        const delta_real t26 = t2 * t14;
+        const delta_real t27 = t4 * r1;
+        const delta_real t28 = t26 + t27;
+        const delta_real t29 = t28 * t23;
+        const delta_real t30 = t29 * t29;
+        const delta_real t31 = t25 + t30;
+        const delta_real t32 = 1.0f / t31;
+        const delta_real t33 = t24 * t32;
+        const delta_real t34 = t33 * t23;
+        const delta_real t35 = t2 * t34;
+        const delta_real t36 = t29 * t32;
+        const delta_real t37 = t36 * t23;
+        const delta_real t38 = t4 * t37;
+        const delta_real t39 = t35 + t38;
+        const delta_real t40 = 0.001129587f * t39;
+        const delta_real t41 = t19 * t40;
+        const delta_real t42 = t14 * t34;
+        const delta_real t43 = -0.50605494f * t1;
+        const delta_real t44 = t24 * t23;
+        const delta_real t45 = t44 * t36;
+        const delta_real t46 = t29 * t23;
+        const delta_real t47 = t46 * t33;
+        const delta_real t48 = t45 - t47;
+        const delta_real t49 = t43 * t48;
+        const delta_real t50 = t42 + t49;
+        const delta_real t51 = r1 * t37;
+        const delta_real t52 = t50 - t51;
+        const delta_real t53 = -0.25302747f * t52;
+        const delta_real t54 = t41 + t53;
+        const delta_real t55 = t4 * t23;
+        const delta_real t56 = t33 * t55;
+        const delta_real t57 = t2 * t23;
+        const delta_real t58 = t36 * t57;
+        const delta_real t59 = t56 - t58;
+        const delta_real t60 = 0.1280458f * t1;
+        const delta_real t61 = 2.5519332e-06f * t13;
+        const delta_real t62 = t19 * t61;
+        const delta_real t63 = t60 - t62;
+        const delta_real t64 = r1 + r1;
+        const delta_real t65 = 1.0f / t64;
+        const delta_real t66 = t63 * t65;
+        const delta_real t67 = t59 * t66;
+        const delta_real t68 = t54 + t67;
+        const delta_real t69 = c[1] + c[1];
+        const delta_real t70 = t69 * t40;
+        const delta_real t71 = t69 * t61;
+        const delta_real t72 = t71 * t65;
+        const delta_real t73 = t59 * t72;
+        const delta_real t74 = t70 - t73;
+        const delta_real t75 = c[2] + c[2];
+        const delta_real t76 = t75 * t40;
+        const delta_real t77 = r1 * t34;
+        const delta_real t78 = 0.50605494f * c[2];
+        const delta_real t79 = t78 * t48;
+        const delta_real t80 = t77 + t79;
+        const delta_real t81 = t14 * t37;
+        const delta_real t82 = t80 + t81;
+        const delta_real t83 = 0.25302747f * t82;
+        const delta_real t84 = t76 + t83;
+        const delta_real t85 = 0.1280458f * c[2];
+        const delta_real t86 = t75 * t61;
+        const delta_real t87 = t85 - t86;
+        const delta_real t88 = t87 * t65;
+        const delta_real t89 = t59 * t88;
+        const delta_real t90 = t84 + t89;
+        rates[0] = t68;
+        rates[1] = t74;
+        rates[2] = t90;
+        status = DELTA_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+    }
+    return status;
 }
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
@@ -260,19 +296,25 @@ static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
     const delta_real t21 = t11 - t20;
     const delta_real d1 = t21; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 2.1e-09f) ? sqrtf(d1) : 1.0f;
-    const delta_real t24 = t7 * r1;
-    const delta_real t25 = t9 * t19;
-    const delta_real t26 = t24 - t25;
-    const delta_real t27 = 1.0f / t11;
-    const delta_real t28 = t26 * t27;
-    const delta_real t29 = t7 * t19;
-    const delta_real t30 = t9 * r1;
-    const delta_real t31 = t29 + t30;
-    const delta_real t32 = t31 * t27;
-    const delta_real t33 = -t32;
-    const delta_real t34 = atan2f(t28, t33);
-    x[0] = t34;
-    return (d1 > 2.1e-09f) ? DELTA_OK : DELTA_OUT_OF_RANGE;
+    delta_status status = DELTA_OUT_OF_RANGE;
+    if (d1 > 2.1e-09f) {
+        const delta_real t24 = t7 * r1;
+        const delta_real t25 = t9 * t19;
+        const delta_real t26 = t24 - t25;
+        const delta_real t27 = 1.0f / t11;
+        const delta_real t28 = t26 * t27;
+        const delta_real t29 = t7 * t19;
+        const delta_real t30 = t9 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t27;
+        const delta_real t33 = -t32;
+        const delta_real t34 = atan2f(t28, t33);
+        x[0] = t34;
+        status = DELTA_OK;
+    } else {
+        x[0] = 0.0f;
+    }
+    return status;
 }
 
 /* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
@@ -302,86 +344,94 @@ static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3]
     const delta_real t21 = t11 - t20;
     const delta_real d1 = t21; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 0.000576f) ? sqrtf(d1) : 1.0f;
-    const delta_real t24 = t1 + t1;
-    const delta_real t25 = t7 * r1;
-    const delta_real t26 = t9 * t19;
-    const delta_real t27 = t25 - t26;
-    const delta_real t28 = 1.0f / t11;
-    const delta_real t29 = t27 * t28;
-    const delta_real t30 = t29 * t29;
-    const delta_real t31 = t7 * t19;
-    const delta_real t32 = t9 * r1;
-    const delta_real t33 = t31 + t32;
-    const delta_real t34 = t33 * t28;
-    const delta_real t35 = t34 * t34;
-    const delta_real t36 = t30 + t35;
-    const delta_real t37 = 1.0f / t36;
-    const delta_real t38 = t29 * t37;
-    const delta_real t39 = t38 * t28;
-    const delta_real t40 = t7 * t39;
-    const delta_real t41 = t34 * t37;
-    const delta_real t42 = t41 * t28;
-    const delta_real t43 = t9 * t42;
-    const delta_real t44 = t40 + t43;
-    const delta_real t45 = 0.001129587f * t44;
-    const delta_real t46 = t24 * t45;
-    const delta_real t47 = t19 * t39;
-    const delta_real t48 = 0.002259174f * t6;
-    const delta_real t49 = t29 * t28;
-    const delta_real t50 = t49 * t41;
-    const delta_real t51 = t34 * t28;
-    const delta_real t52 = t51 * t38;
-    const delta_real t53 = t50 - t52;
-    const delta_real t54 = t48 * t53;
-    const delta_real t55 = t47 + t54;
-    const delta_real t56 = r1 * t42;
-    const delta_real t57 = t55 - t56;
-    const delta_real t58 = 0.12651373f * t57;
-    const delta_real t59 = t46 + t58;
-    const delta_real t60 = t9 * t28;
-    const delta_real t61 = t38 * t60;
-    const delta_real t62 = t7 * t28;
-    const delta_real t63 = t41 * t62;
-    const delta_real t64 = t61 - t63;
-    const delta_real t65 = 0.00028581652f * t6;
-    const delta_real t66 = 2.5519332e-06f * t18;
-    const delta_real t67 = t24 * t66;
-    const delta_real t68 = t65 - t67;
-    const delta_real t69 = r1 + r1;
-    const delta_real t70 = 1.0f / t69;
-    const delta_real t71 = t68 * t70;
-    const delta_real t72 = t64 * t71;
-    const delta_real t73 = t59 + t72;
-    const delta_real t74 = t4 + t4;
-    const delta_real t75 = t74 * t45;
-    const delta_real t76 = -0.21912822f * t57;
-    const delta_real t77 = t75 + t76;
-    const delta_real t78 = -0.0004950487f * t6;
-    const delta_real t79 = t74 * t66;
-    const delta_real t80 = t78 - t79;
-    const delta_real t81 = t80 * t70;
-    const delta_real t82 = t64 * t81;
-    const delta_real t83 = t77 + t82;
-    const delta_real t84 = c[2] + c[2];
-    const delta_real t85 = t84 * t45;
-    const delta_real t86 = r1 * t39;
-    const delta_real t87 = 0.50605494f * c[2];
-    const delta_real t88 = t87 * t53;
-    const delta_real t89 = t86 + t88;
-    const delta_real t90 = t19 * t42;
-    const delta_real t91 = t89 + t90;
-    const delta_real t92 = 0.25302747f * t91;
-    const delta_real t93 = t85 + t92;
-    const delta_real t94 = 0.1280458f * c[2];
-    const delta_real t95 = t84 * t66;
-    const delta_real t96 = t94 - t95;
-    const delta_real t97 = t96 * t70;
-    const delta_real t98 = t64 * t97;
-    const delta_real t99 = t93 + t98;
-    rates[0] = t73;
-    rates[1] = t83;
-    rates[2] = t99;
-    return (d1 > 0.000576f) ? DELTA_OK : DELTA_SINGULAR;
+    delta_status status = DELTA_SINGULAR;
+    if (d1 > 0.000576f) {
+        const delta_real t24 = t1 + t1;
+        const delta_real t25 = t7 * r1;
+        const delta_real t26 = t9 * t19;
+        const delta_real t27 = t25 - t26;
+        const delta_real t28 = 1.0f / t11;
+        const delta_real t29 = t27 * t28;
+        const delta_real t30 = t29 * t29;
+        const delta_real t31 = t7 * t19;
+        const delta_real t32 = t9 * r1;
+        const delta_real t33 = t31 + t32;
+        const delta_real t34 = t33 * t28;
+        const delta_real t35 = t34 * t34;
+        const delta_real t36 = t30 + t35;
+        const delta_real t37 = 1.0f / t36;
+        const delta_real t38 = t29 * t37;
+        const delta_real t39 = t38 * t28;
+        const delta_real t40 = t7 * t39;
+        const delta_real t41 = t34 * t37;
+        const delta_real t42 = t41 * t28;
+        const delta_real t43 = t9 * t42;
+        const delta_real t44 = t40 + t43;
+        const delta_real t45 = 0.001129587f * t44;
+        const delta_real t46 = t24 * t45;
+        const delta_real t47 = t19 * t39;
+        const delta_real t48 = 0.002259174f * t6;
+        const delta_real t49 = t29 * t28;
+        const delta_real t50 = t49 * t41;
+        const delta_real t51 = t34 * t28;
+        const delta_real t52 = t51 * t38;
+        const delta_real t53 = t50 - t52;
+        const delta_real t54 = t48 * t53;
+        const delta_real t55 = t47 + t54;
+        const delta_real t56 = r1 * t42;
+        const delta_real t57 = t55 - t56;
+        const delta_real t58 = 0.12651373f * t57;
+        const delta_real t59 = t46 + t58;
+        const delta_real t60 = t9 * t28;
+        const delta_real t61 = t38 * t60;
+        const delta_real t62 = t7 * t28;
+        const delta_real t63 = t41 * t62;
+        const delta_real t64 = t61 - t63;
+        const delta_real t65 = 0.00028581652f * t6;
+        const delta_real t66 = 2.5519332e-06f * t18;
+        const delta_real t67 = t24 * t66;
+        const delta_real t68 = t65 - t67;
+        const delta_real t69 = r1 + r1;
+        const delta_real t70 = 1.0f / t69;
+        const delta_real t71 = t68 * t70;
+        const delta_real t72 = t64 * t71;
+        const delta_real t73 = t59 + t72;
+        const delta_real t74 = t4 + t4;
+        const delta_real t75 = t74 * t45;
+        const delta_real t76 = -0.21912822f * t57;
+        const delta_real t77 = t75 + t76;
+        const delta_real t78 = -0.0004950487f * t6;
+        const delta_real t79 = t74 * t66;
+        const delta_real t80 = t78 - t79;
+        const delta_real t81 = t80 * t70;
+        const delta_real t82 = t64 * t81;
+        const delta_real t83 = t77 + t82;
+        const delta_real t84 = c[2] + c[2];
+        const delta_real t85 = t84 * t45;
+        const delta_real t86 = r1 * t39;
+        const delta_real t87 = 0.50605494f * c[2];
+        const delta_real t88 = t87 * t53;
+        const delta_real t89 = t86 + t88;
+        const delta_real t90 = t19 * t42;
+        const delta_real t91 = t89 + t90;
+        const delta_real t92 = 0.25302747f * t91;
+        const delta_real t93 = t85 + t92;
+        const delta_real t94 = 0.1280458f * c[2];
+        const delta_real t95 = t84 * t66;
+        const delta_real t96 = t94 - t95;
+        const delta_real t97 = t96 * t70;
+        const delta_real t98 = t64 * t97;
+        const delta_real t99 = t93 + t98;
+        rates[0] = t73;
+        rates[1] = t83;
+        rates[2] = t99;
+        status = DELTA_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+    }
+    return status;
 }
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
@@ -411,19 +461,25 @@ static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
     const delta_real t21 = t11 - t20;
     const delta_real d1 = t21; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 2.39e-09f) ? sqrtf(d1) : 1.0f;
-    const delta_real t24 = t7 * r1;
-    const delta_real t25 = t9 * t19;
-    const delta_real t26 = t24 - t25;
-    const delta_real t27 = 1.0f / t11;
-    const delta_real t28 = t26 * t27;
-    const delta_real t29 = t7 * t19;
-    const delta_real t30 = t9 * r1;
-    const delta_real t31 = t29 + t30;
-    const delta_real t32 = t31 * t27;
-    const delta_real t33 = -t32;
-    const delta_real t34 = atan2f(t28, t33);
-    x[0] = t34;
-    return (d1 > 2.39e-09f) ? DELTA_OK : DELTA_OUT_OF_RANGE;
+    delta_status status = DELTA_OUT_OF_RANGE;
+    if (d1 > 2.39e-09f) {
+        const delta_real t24 = t7 * r1;
+        const delta_real t25 = t9 * t19;
+        const delta_real t26 = t24 - t25;
+        const delta_real t27 = 1.0f / t11;
+        const delta_real t28 = t26 * t27;
+        const delta_real t29 = t7 * t19;
+        const delta_real t30 = t9 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t27;
+        const delta_real t33 = -t32;
+        const delta_real t34 = atan2f(t28, t33);
+        x[0] = t34;
+        status = DELTA_OK;
+    } else {
+        x[0] = 0.0f;
+    }
+    return status;
 }
 
 /* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
@@ -453,86 +509,94 @@ static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3]
     const delta_real t21 = t11 - t20;
     const delta_real d1 = t21; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 0.000658f) ? sqrtf(d1) : 1.0f;
-    const delta_real t24 = t1 + t1;
-    const delta_real t25 = t7 * r1;
-    const delta_real t26 = t9 * t19;
-    const delta_real t27 = t25 - t26;
-    const delta_real t28 = 1.0f / t11;
-    const delta_real t29 = t27 * t28;
-    const delta_real t30 = t29 * t29;
-    const delta_real t31 = t7 * t19;
-    const delta_real t32 = t9 * r1;
-    const delta_real t33 = t31 + t32;
-    const delta_real t34 = t33 * t28;
-    const delta_real t35 = t34 * t34;
-    const delta_real t36 = t30 + t35;
-    const delta_real t37 = 1.0f / t36;
-    const delta_real t38 = t29 * t37;
-    const delta_real t39 = t38 * t28;
-    const delta_real t40 = t7 * t39;
-    const delta_real t41 = t34 * t37;
-    const delta_real t42 = t41 * t28;
-    const delta_real t43 = t9 * t42;
-    const delta_real t44 = t40 + t43;
-    const delta_real t45 = 0.001129587f * t44;
-    const delta_real t46 = t24 * t45;
-    const delta_real t47 = t19 * t39;
-    const delta_real t48 = 0.002259174f * t6;
-    const delta_real t49 = t29 * t28;
-    const delta_real t50 = t49 * t41;
-    const delta_real t51 = t34 * t28;
-    const delta_real t52 = t51 * t38;
-    const delta_real t53 = t50 - t52;
-    const delta_real t54 = t48 * t53;
-    const delta_real t55 = t47 + t54;
-    const delta_real t56 = r1 * t42;
-    const delta_real t57 = t55 - t56;
-    const delta_real t58 = 0.12651373f * t57;
-    const delta_real t59 = t46 + t58;
-    const delta_real t60 = t9 * t28;
-    const delta_real t61 = t38 * t60;
-    const delta_real t62 = t7 * t28;
-    const delta_real t63 = t41 * t62;
-    const delta_real t64 = t61 - t63;
-    const delta_real t65 = 0.00028581652f * t6;
-    const delta_real t66 = 2.5519332e-06f * t18;
-    const delta_real t67 = t24 * t66;
-    const delta_real t68 = t65 - t67;
-    const delta_real t69 = r1 + r1;
-    const delta_real t70 = 1.0f / t69;
-    const delta_real t71 = t68 * t70;
-    const delta_real t72 = t64 * t71;
-    const delta_real t73 = t59 + t72;
-    const delta_real t74 = t4 + t4;
-    const delta_real t75 = t74 * t45;
-    const delta_real t76 = 0.21912822f * t57;
-    const delta_real t77 = t75 + t76;
-    const delta_real t78 = 0.0004950487f * t6;
-    const delta_real t79 = t74 * t66;
-    const delta_real t80 = t78 - t79;
-    const delta_real t81 = t80 * t70;
-    const delta_real t82 = t64 * t81;
-    const delta_real t83 = t77 + t82;
-    const delta_real t84 = c[2] + c[2];
-    const delta_real t85 = t84 * t45;
-    const delta_real t86 = r1 * t39;
-    const delta_real t87 = 0.50605494f * c[2];
-    const delta_real t88 = t87 * t53;
-    const delta_real t89 = t86 + t88;
-    const delta_real t90 = t19 * t42;
-    const delta_real t91 = t89 + t90;
-    const delta_real t92 = 0.25302747f * t91;
-    const delta_real t93 = t85 + t92;
-    const delta_real t94 = 0.1280458f * c[2];
-    const delta_real t95 = t84 * t66;
-    const delta_real t96 = t94 - t95;
-    const delta_real t97 = t96 * t70;
-    const delta_real t98 = t64 * t97;
-    const delta_real t99 = t93 + t98;
-    rates[0] = t73;
-    rates[1] = t83;
-    rates[2] = t99;
-    return (d1 > 0.000658f) ? DELTA_OK : DELTA_SINGULAR;
+    delta_status status = DELTA_SINGULAR;
+    if (d1 > 0.000658f) {
+        const delta_real t24 = t1 + t1;
+        const delta_real t25 = t7 * r1;
+        const delta_real t26 = t9 * t19;
+        const delta_real t27 = t25 - t26;
+        const delta_real t28 = 1.0f / t11;
+        const delta_real t29 = t27 * t28;
+        const delta_real t30 = t29 * t29;
+        const delta_real t31 = t7 * t19;
+        const delta_real t32 = t9 * r1;
+        const delta_real t33 = t31 + t32;
+        const delta_real t34 = t33 * t28;
+        const delta_real t35 = t34 * t34;
+        const delta_real t36 = t30 + t35;
+        const delta_real t37 = 1.0f / t36;
+        const delta_real t38 = t29 * t37;
+        const delta_real t39 = t38 * t28;
+        const delta_real t40 = t7 * t39;
+        const delta_real t41 = t34 * t37;
+        const delta_real t42 = t41 * t28;
+        const delta_real t43 = t9 * t42;
+        const delta_real t44 = t40 + t43;
+        const delta_real t45 = 0.001129587f * t44;
+        const delta_real t46 = t24 * t45;
+        const delta_real t47 = t19 * t39;
+        const delta_real t48 = 0.002259174f * t6;
+        const delta_real t49 = t29 * t28;
+        const delta_real t50 = t49 * t41;
+        const delta_real t51 = t34 * t28;
+        const delta_real t52 = t51 * t38;
+        const delta_real t53 = t50 - t52;
+        const delta_real t54 = t48 * t53;
+        const delta_real t55 = t47 + t54;
+        const delta_real t56 = r1 * t42;
+        const delta_real t57 = t55 - t56;
+        const delta_real t58 = 0.12651373f * t57;
+        const delta_real t59 = t46 + t58;
+        const delta_real t60 = t9 * t28;
+        const delta_real t61 = t38 * t60;
+        const delta_real t62 = t7 * t28;
+        const delta_real t63 = t41 * t62;
+        const delta_real t64 = t61 - t63;
+        const delta_real t65 = 0.00028581652f * t6;
+        const delta_real t66 = 2.5519332e-06f * t18;
+        const delta_real t67 = t24 * t66;
+        const delta_real t68 = t65 - t67;
+        const delta_real t69 = r1 + r1;
+        const delta_real t70 = 1.0f / t69;
+        const delta_real t71 = t68 * t70;
+        const delta_real t72 = t64 * t71;
+        const delta_real t73 = t59 + t72;
+        const delta_real t74 = t4 + t4;
+        const delta_real t75 = t74 * t45;
+        const delta_real t76 = 0.21912822f * t57;
+        const delta_real t77 = t75 + t76;
+        const delta_real t78 = 0.0004950487f * t6;
+        const delta_real t79 = t74 * t66;
+        const delta_real t80 = t78 - t79;
+        const delta_real t81 = t80 * t70;
+        const delta_real t82 = t64 * t81;
+        const delta_real t83 = t77 + t82;
+        const delta_real t84 = c[2] + c[2];
+        const delta_real t85 = t84 * t45;
+        const delta_real t86 = r1 * t39;
+        const delta_real t87 = 0.50605494f * c[2];
+        const delta_real t88 = t87 * t53;
+        const delta_real t89 = t86 + t88;
+        const delta_real t90 = t19 * t42;
+        const delta_real t91 = t89 + t90;
+        const delta_real t92 = 0.25302747f * t91;
+        const delta_real t93 = t85 + t92;
+        const delta_real t94 = 0.1280458f * c[2];
+        const delta_real t95 = t84 * t66;
+        const delta_real t96 = t94 - t95;
+        const delta_real t97 = t96 * t70;
+        const delta_real t98 = t64 * t97;
+        const delta_real t99 = t93 + t98;
+        rates[0] = t73;
+        rates[1] = t83;
+        rates[2] = t99;
+        status = DELTA_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+    }
+    return status;
 }
 
 /* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
@@ -573,6 +637,16 @@ static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[
             const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
             given[i] = joints[i] - 6.2831855f * (delta_real)whole;
         }
+    }
+}
+
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real joints[3])
+{
+    delta_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (info != NULL) {
+        info->joint = delta_first_beyond(joints);
     }
 }
 
@@ -1249,6 +1323,7 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
 /* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
 static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess, delta_pose *pose, const delta_config *config, delta_info *info)
 {
+    static const delta_config usual = { DELTA_TOLERANCE, DELTA_MAX_STEPS, DELTA_MAX_STEP };
     delta_direct_work w;
     unsigned int count = 0U;
     delta_real residual = HUGE_VALF;
@@ -1258,6 +1333,11 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     /* NaN or infinity anywhere comes first */
     if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
         status = limits;
+    }
+    if (config == NULL) {
+        config = &usual;
+    } else {
+        status = delta_check_config(config, status);
     }
     if (status == DELTA_OK) {
         const unsigned int most = config->max_iterations;
@@ -1293,14 +1373,17 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
             status = delta_direct_answer(&w, config->tolerance, pose, &residual);
         }
     }
-    delta_write_info(info, count, residual, 0.0f, w.share);
+    if (count > 0U) {
+        delta_write_info(info, count, residual, 0.0f, w.share);
+    } else {
+        delta_write_no_step(info, joints);
+    }
     return status;
 }
 
 delta_status delta_direct(const delta_config *config, const delta_real joints[3], const delta_pose *guess, delta_pose *pose, delta_info *info)
 {
-    static const delta_config usual = { DELTA_TOLERANCE, DELTA_MAX_STEPS, DELTA_MAX_STEP };
-    return delta_direct_reach(joints, guess, pose, (config != NULL) ? config : &usual, info);
+    return delta_direct_reach(joints, guess, pose, config, info);
 }
 
 delta_status delta_track(const delta_real joints[3], delta_pose *pose, delta_info *info)
@@ -1376,6 +1459,108 @@ delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
             status = DELTA_OUT_OF_RANGE;
         } else {
             /* singular */
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static delta_status delta_check_speeds(const delta_real speeds[], int count, delta_status status)
+{
+    delta_status found = delta_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == DELTA_OK) && (fabsf(speeds[i]) > 4e+08f)) {
+            found = DELTA_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delta_real rates[3])
+{
+    delta_real jacobian[3 * 6];
+    const delta_status status = delta_check_speeds(twist, 6, delta_jacobian(pose, jacobian));
+    if (status == DELTA_OK) {
+        for (int i = 0; i < 3; ++i) {
+            delta_real sum = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const delta_real rate_limits[3], delta_real *feed)
+{
+    delta_real rates[3];
+    delta_status status = delta_check_finite(rate_limits, 3, delta_rates(pose, twist, rates));
+    delta_real most = 1.0f;
+    for (int i = 0; (i < 3) && (status == DELTA_OK); ++i) {
+        const delta_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = DELTA_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == DELTA_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delta_real twist[6])
+{
+    static const delta_real row_scale[3] = { 442.63968f, 442.63968f, 442.63968f };
+    static const delta_real column_scale[3] = { 1.0f, 1.0f, 1.0f };
+    static const uint8_t column[3] = { 0U, 1U, 2U };
+    delta_real jacobian[3 * 6];
+    delta_real a[3][3 + 1];
+    delta_status status = delta_check_speeds(rates, 3, delta_jacobian(pose, jacobian));
+    if (status == DELTA_OK) {
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][3] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 3) && (status == DELTA_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 3; ++i) {
+                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
+            }
+            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
+                status = DELTA_SINGULAR;
+            } else {
+                for (int j = c; j <= 3; ++j) {
+                    const delta_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 3; ++i) {
+                    const delta_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 3); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == DELTA_OK) {
+        twist[3] = 0.0f;
+        twist[4] = 0.0f;
+        twist[5] = 0.0f;
+        for (int i = 0; i < 3; ++i) {
+            twist[column[i]] = a[i][3] / a[i][i] * column_scale[i];
         }
     }
     return status;

@@ -47,7 +47,9 @@ typedef struct {
 } delta_pose;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 443000.0f (a thousand sizes), else the status is DELTA_OUT_OF_RANGE, of NaN and infinity DELTA_NONFINITE;
+ * 0 iterations are DELTA_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     delta_real tolerance;
     uint8_t max_iterations;
@@ -62,12 +64,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: 0; min_pivot: smallest root of the answer's formulas over its usual size,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, DELTA_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     delta_real residual;
     delta_real step;
     delta_real min_pivot;
+    uint8_t joint;
 } delta_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
@@ -87,6 +91,17 @@ delta_status delta_inverse(const delta_pose *pose, delta_real joints[DELTA_JOINT
 
 /* Row-major 3 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
 delta_status delta_jacobian(const delta_pose *pose, delta_real jacobian[DELTA_JOINTS * 6]);
+
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 4e+08 are
+ * DELTA_OUT_OF_RANGE. */
+delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delta_real rates[DELTA_JOINTS]);
+
+/* The twist of joint rates at a pose; DELTA_SINGULAR where they do not decide it. */
+delta_status delta_twist(const delta_pose *pose, const delta_real rates[DELTA_JOINTS], delta_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in mm or radians for each unit
+ * of time). */
+delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const delta_real rate_limits[DELTA_JOINTS], delta_real *feed);
 #ifdef __cplusplus
 }
 #endif

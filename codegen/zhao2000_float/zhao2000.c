@@ -61,7 +61,21 @@ static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int 
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 4U;
     }
+}
+
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config *config, zhao2000_status before)
+{
+    const zhao2000_real tolerance = config->tolerance;
+    const zhao2000_real longest = config->max_step;
+    zhao2000_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 240000.0f - longest)) && (before != ZHAO2000_NONFINITE)) {
+        const zhao2000_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_NONFINITE;
+    }
+    return status;
 }
 
 
@@ -107,14 +121,26 @@ static void zhao2000_pose_from_coordinates(const zhao2000_real c[4], zhao2000_po
     pose->quaternion[3] = t2;
 }
 
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static ZHAO2000_SHARED uint8_t zhao2000_first_beyond(const zhao2000_real joints[4])
+{
+    static const zhao2000_real low[4] = { -1000.0f, -1000.0f, -1000.0f, 1.1118164e-05f };
+    static const zhao2000_real high[4] = { 1000.0f, 1000.0f, 1000.0f, 240000.0f };
+    uint8_t joint = 0U;
+    while ((joint < 4U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
+        ++joint;
+    }
+    return joint;
+}
+
 /* Checks whether joint values are within their ranges. */
 static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real joints[4])
 {
     zhao2000_status status = ZHAO2000_OK;
-    if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
-        && (joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)
-        && (joints[2] >= -1000.0f) && (joints[2] <= 1000.0f)
-        && (joints[3] >= 1.1118164e-05f) && (joints[3] <= 240000.0f))) {
+    if (!(((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f))
+        && ((joints[1] >= -1000.0f) && (joints[1] <= 1000.0f))
+        && ((joints[2] >= -1000.0f) && (joints[2] <= 1000.0f))
+        && ((joints[3] >= 1.1118164e-05f) && (joints[3] <= 240000.0f)))) {
         status = zhao2000_check_finite(joints, 4, ZHAO2000_OUT_OF_RANGE);
     }
     return status;
@@ -142,19 +168,27 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t16 = t8 + t15;
     const zhao2000_real d1 = t16; /* above 0 where radial1 has two values */
     const zhao2000_real r1 = (d1 > 1.89e-08f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_real t19 = r1 * t7;
-    const zhao2000_real t20 = r1 * r1;
-    const zhao2000_real t21 = 1.0f / t20;
-    const zhao2000_real t22 = t19 * t21;
-    const zhao2000_real t23 = -t22;
-    const zhao2000_real t24 = r1 * t14;
-    const zhao2000_real t25 = t24 * t21;
-    const zhao2000_real t26 = atan2f(t23, t25);
-    const zhao2000_real t27 = t26 + 1.5707964f;
-    x[0] = t27;
-    x[1] = r1;
-    x[2] = c[2];
-    return (d1 > 1.89e-08f) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
+    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
+    if (d1 > 1.89e-08f) {
+        const zhao2000_real t19 = r1 * t7;
+        const zhao2000_real t20 = r1 * r1;
+        const zhao2000_real t21 = 1.0f / t20;
+        const zhao2000_real t22 = t19 * t21;
+        const zhao2000_real t23 = -t22;
+        const zhao2000_real t24 = r1 * t14;
+        const zhao2000_real t25 = t24 * t21;
+        const zhao2000_real t26 = atan2f(t23, t25);
+        const zhao2000_real t27 = t26 + 1.5707964f;
+        x[0] = t27;
+        x[1] = r1;
+        x[2] = c[2];
+        status = ZHAO2000_OK;
+    } else {
+        x[0] = 0.0f;
+        x[1] = 0.0f;
+        x[2] = 0.0f;
+    }
+    return status;
 }
 
 /* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
@@ -179,76 +213,85 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t16 = t8 + t15;
     const zhao2000_real d1 = t16; /* above 0 where radial1 has two values */
     const zhao2000_real r1 = (d1 > 0.00519f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_real t19 = r1 * t7;
-    const zhao2000_real t20 = r1 * r1;
-    const zhao2000_real t21 = 1.0f / t20;
-    const zhao2000_real t22 = t19 * t21;
-    const zhao2000_real t23 = t22 * t22;
-    const zhao2000_real t24 = r1 * t14;
-    const zhao2000_real t25 = t24 * t21;
-    const zhao2000_real t26 = t25 * t25;
-    const zhao2000_real t27 = t23 + t26;
-    const zhao2000_real t28 = 1.0f / t27;
-    const zhao2000_real t29 = t22 * t28;
-    const zhao2000_real t30 = t14 * t21;
-    const zhao2000_real t31 = t25 * t21;
-    const zhao2000_real t32 = r1 + r1;
-    const zhao2000_real t33 = t31 * t32;
-    const zhao2000_real t34 = t30 - t33;
-    const zhao2000_real t35 = t29 * t34;
-    const zhao2000_real t36 = t25 * t28;
-    const zhao2000_real t37 = t7 * t21;
-    const zhao2000_real t38 = t22 * t21;
-    const zhao2000_real t39 = t38 * t32;
-    const zhao2000_real t40 = t37 - t39;
-    const zhao2000_real t41 = t36 * t40;
-    const zhao2000_real t42 = t35 - t41;
-    const zhao2000_real t43 = 1.0f / r1;
-    const zhao2000_real t44 = t7 * t43;
-    const zhao2000_real t45 = t42 * t44;
-    const zhao2000_real t46 = t36 * t21;
-    const zhao2000_real t47 = r1 * t46;
-    const zhao2000_real t48 = t45 - t47;
-    const zhao2000_real t49 = t29 * t21;
-    const zhao2000_real t50 = r1 * t49;
-    const zhao2000_real t51 = t14 * t43;
-    const zhao2000_real t52 = t42 * t51;
-    const zhao2000_real t53 = t50 + t52;
-    const zhao2000_real t54 = -t47;
-    const zhao2000_real t55 = t54 + t54;
-    const zhao2000_real t56 = t3 * t55;
-    const zhao2000_real t57 = t2 * t56;
-    const zhao2000_real t58 = t50 + t50;
-    const zhao2000_real t59 = t3 * t58;
-    const zhao2000_real t60 = t2 * t58;
-    const zhao2000_real t61 = t1 * t55;
-    const zhao2000_real t62 = t60 + t61;
-    const zhao2000_real t63 = -69.282036f * t62;
-    const zhao2000_real t64 = t59 + t63;
-    const zhao2000_real t65 = t1 * t64;
-    const zhao2000_real t66 = t57 - t65;
-    const zhao2000_real t67 = 0.5f * t66;
-    const zhao2000_real t68 = 4.0f * t7;
-    const zhao2000_real t69 = t3 * t68;
-    const zhao2000_real t70 = t2 * t69;
-    const zhao2000_real t71 = 4.0f * t14;
-    const zhao2000_real t72 = t3 * t71;
-    const zhao2000_real t73 = t2 * t71;
-    const zhao2000_real t74 = t1 * t68;
-    const zhao2000_real t75 = t73 + t74;
-    const zhao2000_real t76 = -69.282036f * t75;
-    const zhao2000_real t77 = t72 + t76;
-    const zhao2000_real t78 = t1 * t77;
-    const zhao2000_real t79 = t70 - t78;
-    const zhao2000_real t80 = 0.5f * t79;
-    const zhao2000_real t81 = t80 / t32;
-    const zhao2000_real t82 = t42 * t81;
-    const zhao2000_real t83 = t67 + t82;
-    rates[0] = t48;
-    rates[1] = t53;
-    rates[2] = 0.0f;
-    rates[3] = t83;
-    return (d1 > 0.00519f) ? ZHAO2000_OK : ZHAO2000_SINGULAR;
+    zhao2000_status status = ZHAO2000_SINGULAR;
+    if (d1 > 0.00519f) {
+        const zhao2000_real t19 = r1 * t7;
+        const zhao2000_real t20 = r1 * r1;
+        const zhao2000_real t21 = 1.0f / t20;
+        const zhao2000_real t22 = t19 * t21;
+        const zhao2000_real t23 = t22 * t22;
+        const zhao2000_real t24 = r1 * t14;
+        const zhao2000_real t25 = t24 * t21;
+        const zhao2000_real t26 = t25 * t25;
+        const zhao2000_real t27 = t23 + t26;
+        const zhao2000_real t28 = 1.0f / t27;
+        const zhao2000_real t29 = t22 * t28;
+        const zhao2000_real t30 = t14 * t21;
+        const zhao2000_real t31 = t25 * t21;
+        const zhao2000_real t32 = r1 + r1;
+        const zhao2000_real t33 = t31 * t32;
+        const zhao2000_real t34 = t30 - t33;
+        const zhao2000_real t35 = t29 * t34;
+        const zhao2000_real t36 = t25 * t28;
+        const zhao2000_real t37 = t7 * t21;
+        const zhao2000_real t38 = t22 * t21;
+        const zhao2000_real t39 = t38 * t32;
+        const zhao2000_real t40 = t37 - t39;
+        const zhao2000_real t41 = t36 * t40;
+        const zhao2000_real t42 = t35 - t41;
+        const zhao2000_real t43 = 1.0f / r1;
+        const zhao2000_real t44 = t7 * t43;
+        const zhao2000_real t45 = t42 * t44;
+        const zhao2000_real t46 = t36 * t21;
+        const zhao2000_real t47 = r1 * t46;
+        const zhao2000_real t48 = t45 - t47;
+        const zhao2000_real t49 = t29 * t21;
+        const zhao2000_real t50 = r1 * t49;
+        const zhao2000_real t51 = t14 * t43;
+        const zhao2000_real t52 = t42 * t51;
+        const zhao2000_real t53 = t50 + t52;
+        const zhao2000_real t54 = -t47;
+        const zhao2000_real t55 = t54 + t54;
+        const zhao2000_real t56 = t3 * t55;
+        const zhao2000_real t57 = t2 * t56;
+        const zhao2000_real t58 = t50 + t50;
+        const zhao2000_real t59 = t3 * t58;
+        const zhao2000_real t60 = t2 * t58;
+        const zhao2000_real t61 = t1 * t55;
+        const zhao2000_real t62 = t60 + t61;
+        const zhao2000_real t63 = -69.282036f * t62;
+        const zhao2000_real t64 = t59 + t63;
+        const zhao2000_real t65 = t1 * t64;
+        const zhao2000_real t66 = t57 - t65;
+        const zhao2000_real t67 = 0.5f * t66;
+        const zhao2000_real t68 = 4.0f * t7;
+        const zhao2000_real t69 = t3 * t68;
+        const zhao2000_real t70 = t2 * t69;
+        const zhao2000_real t71 = 4.0f * t14;
+        const zhao2000_real t72 = t3 * t71;
+        const zhao2000_real t73 = t2 * t71;
+        const zhao2000_real t74 = t1 * t68;
+        const zhao2000_real t75 = t73 + t74;
+        const zhao2000_real t76 = -69.282036f * t75;
+        const zhao2000_real t77 = t72 + t76;
+        const zhao2000_real t78 = t1 * t77;
+        const zhao2000_real t79 = t70 - t78;
+        const zhao2000_real t80 = 0.5f * t79;
+        const zhao2000_real t81 = t80 / t32;
+        const zhao2000_real t82 = t42 * t81;
+        const zhao2000_real t83 = t67 + t82;
+        rates[0] = t48;
+        rates[1] = t53;
+        rates[2] = 0.0f;
+        rates[3] = t83;
+        status = ZHAO2000_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+        rates[3] = 0.0f;
+    }
+    return status;
 }
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
@@ -279,20 +322,28 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
     const zhao2000_real r1 = (d1 > 1.72e-08f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_real t25 = r1 * t20;
-    const zhao2000_real t26 = r1 * r1;
-    const zhao2000_real t27 = 1.0f / t26;
-    const zhao2000_real t28 = t25 * t27;
-    const zhao2000_real t29 = -t28;
-    const zhao2000_real t30 = r1 * t12;
-    const zhao2000_real t31 = t30 * t27;
-    const zhao2000_real t32 = -t31;
-    const zhao2000_real t33 = atan2f(t29, t32);
-    const zhao2000_real t34 = t33 + 3.1415927f;
-    x[0] = t34;
-    x[1] = r1;
-    x[2] = c[2];
-    return (d1 > 1.72e-08f) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
+    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
+    if (d1 > 1.72e-08f) {
+        const zhao2000_real t25 = r1 * t20;
+        const zhao2000_real t26 = r1 * r1;
+        const zhao2000_real t27 = 1.0f / t26;
+        const zhao2000_real t28 = t25 * t27;
+        const zhao2000_real t29 = -t28;
+        const zhao2000_real t30 = r1 * t12;
+        const zhao2000_real t31 = t30 * t27;
+        const zhao2000_real t32 = -t31;
+        const zhao2000_real t33 = atan2f(t29, t32);
+        const zhao2000_real t34 = t33 + 3.1415927f;
+        x[0] = t34;
+        x[1] = r1;
+        x[2] = c[2];
+        status = ZHAO2000_OK;
+    } else {
+        x[0] = 0.0f;
+        x[1] = 0.0f;
+        x[2] = 0.0f;
+    }
+    return status;
 }
 
 /* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
@@ -323,94 +374,103 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
     const zhao2000_real r1 = (d1 > 0.00473f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_real t25 = r1 * t12;
-    const zhao2000_real t26 = r1 * r1;
-    const zhao2000_real t27 = 1.0f / t26;
-    const zhao2000_real t28 = t25 * t27;
-    const zhao2000_real t29 = r1 * t20;
-    const zhao2000_real t30 = t29 * t27;
-    const zhao2000_real t31 = t30 * t30;
-    const zhao2000_real t32 = t28 * t28;
-    const zhao2000_real t33 = t31 + t32;
-    const zhao2000_real t34 = 1.0f / t33;
-    const zhao2000_real t35 = t28 * t34;
-    const zhao2000_real t36 = t20 * t27;
-    const zhao2000_real t37 = t30 * t27;
-    const zhao2000_real t38 = r1 + r1;
-    const zhao2000_real t39 = t37 * t38;
-    const zhao2000_real t40 = t36 - t39;
-    const zhao2000_real t41 = t35 * t40;
-    const zhao2000_real t42 = t30 * t34;
-    const zhao2000_real t43 = t12 * t27;
-    const zhao2000_real t44 = t28 * t27;
-    const zhao2000_real t45 = t44 * t38;
-    const zhao2000_real t46 = t43 - t45;
-    const zhao2000_real t47 = t42 * t46;
-    const zhao2000_real t48 = t41 - t47;
-    const zhao2000_real t49 = 1.0f / r1;
-    const zhao2000_real t50 = t12 * t49;
-    const zhao2000_real t51 = t48 * t50;
-    const zhao2000_real t52 = t42 * t27;
-    const zhao2000_real t53 = r1 * t52;
-    const zhao2000_real t54 = t51 - t53;
-    const zhao2000_real t55 = t35 * t27;
-    const zhao2000_real t56 = r1 * t55;
-    const zhao2000_real t57 = t20 * t49;
-    const zhao2000_real t58 = t48 * t57;
-    const zhao2000_real t59 = t56 + t58;
-    const zhao2000_real t60 = t56 + t56;
-    const zhao2000_real t61 = t1 * t60;
-    const zhao2000_real t62 = -t53;
-    const zhao2000_real t63 = t62 + t62;
-    const zhao2000_real t64 = t2 * t63;
-    const zhao2000_real t65 = t61 - t64;
-    const zhao2000_real t66 = 60.0f * t65;
-    const zhao2000_real t67 = t5 * t63;
-    const zhao2000_real t68 = t3 * t60;
-    const zhao2000_real t69 = t67 + t68;
-    const zhao2000_real t70 = t1 * t63;
-    const zhao2000_real t71 = t2 * t60;
-    const zhao2000_real t72 = t70 + t71;
-    const zhao2000_real t73 = 34.641018f * t72;
-    const zhao2000_real t74 = t69 + t73;
-    const zhao2000_real t75 = t66 - t74;
-    const zhao2000_real t76 = t1 * t75;
-    const zhao2000_real t77 = t5 * t60;
-    const zhao2000_real t78 = t3 * t63;
-    const zhao2000_real t79 = t77 - t78;
-    const zhao2000_real t80 = t2 * t79;
-    const zhao2000_real t81 = t76 - t80;
-    const zhao2000_real t82 = 0.5f * t81;
-    const zhao2000_real t83 = 4.0f * t20;
-    const zhao2000_real t84 = t1 * t83;
-    const zhao2000_real t85 = 4.0f * t12;
-    const zhao2000_real t86 = t2 * t85;
-    const zhao2000_real t87 = t84 - t86;
-    const zhao2000_real t88 = 60.0f * t87;
-    const zhao2000_real t89 = t3 * t83;
-    const zhao2000_real t90 = t5 * t85;
-    const zhao2000_real t91 = t89 + t90;
-    const zhao2000_real t92 = t88 - t91;
-    const zhao2000_real t93 = t2 * t83;
-    const zhao2000_real t94 = t1 * t85;
-    const zhao2000_real t95 = t93 + t94;
-    const zhao2000_real t96 = 34.641018f * t95;
-    const zhao2000_real t97 = t92 - t96;
-    const zhao2000_real t98 = t1 * t97;
-    const zhao2000_real t99 = t5 * t83;
-    const zhao2000_real t100 = t3 * t85;
-    const zhao2000_real t101 = t99 - t100;
-    const zhao2000_real t102 = t2 * t101;
-    const zhao2000_real t103 = t98 - t102;
-    const zhao2000_real t104 = 0.5f * t103;
-    const zhao2000_real t105 = t104 / t38;
-    const zhao2000_real t106 = t48 * t105;
-    const zhao2000_real t107 = t82 + t106;
-    rates[0] = t54;
-    rates[1] = t59;
-    rates[2] = 0.0f;
-    rates[3] = t107;
-    return (d1 > 0.00473f) ? ZHAO2000_OK : ZHAO2000_SINGULAR;
+    zhao2000_status status = ZHAO2000_SINGULAR;
+    if (d1 > 0.00473f) {
+        const zhao2000_real t25 = r1 * t12;
+        const zhao2000_real t26 = r1 * r1;
+        const zhao2000_real t27 = 1.0f / t26;
+        const zhao2000_real t28 = t25 * t27;
+        const zhao2000_real t29 = r1 * t20;
+        const zhao2000_real t30 = t29 * t27;
+        const zhao2000_real t31 = t30 * t30;
+        const zhao2000_real t32 = t28 * t28;
+        const zhao2000_real t33 = t31 + t32;
+        const zhao2000_real t34 = 1.0f / t33;
+        const zhao2000_real t35 = t28 * t34;
+        const zhao2000_real t36 = t20 * t27;
+        const zhao2000_real t37 = t30 * t27;
+        const zhao2000_real t38 = r1 + r1;
+        const zhao2000_real t39 = t37 * t38;
+        const zhao2000_real t40 = t36 - t39;
+        const zhao2000_real t41 = t35 * t40;
+        const zhao2000_real t42 = t30 * t34;
+        const zhao2000_real t43 = t12 * t27;
+        const zhao2000_real t44 = t28 * t27;
+        const zhao2000_real t45 = t44 * t38;
+        const zhao2000_real t46 = t43 - t45;
+        const zhao2000_real t47 = t42 * t46;
+        const zhao2000_real t48 = t41 - t47;
+        const zhao2000_real t49 = 1.0f / r1;
+        const zhao2000_real t50 = t12 * t49;
+        const zhao2000_real t51 = t48 * t50;
+        const zhao2000_real t52 = t42 * t27;
+        const zhao2000_real t53 = r1 * t52;
+        const zhao2000_real t54 = t51 - t53;
+        const zhao2000_real t55 = t35 * t27;
+        const zhao2000_real t56 = r1 * t55;
+        const zhao2000_real t57 = t20 * t49;
+        const zhao2000_real t58 = t48 * t57;
+        const zhao2000_real t59 = t56 + t58;
+        const zhao2000_real t60 = t56 + t56;
+        const zhao2000_real t61 = t1 * t60;
+        const zhao2000_real t62 = -t53;
+        const zhao2000_real t63 = t62 + t62;
+        const zhao2000_real t64 = t2 * t63;
+        const zhao2000_real t65 = t61 - t64;
+        const zhao2000_real t66 = 60.0f * t65;
+        const zhao2000_real t67 = t5 * t63;
+        const zhao2000_real t68 = t3 * t60;
+        const zhao2000_real t69 = t67 + t68;
+        const zhao2000_real t70 = t1 * t63;
+        const zhao2000_real t71 = t2 * t60;
+        const zhao2000_real t72 = t70 + t71;
+        const zhao2000_real t73 = 34.641018f * t72;
+        const zhao2000_real t74 = t69 + t73;
+        const zhao2000_real t75 = t66 - t74;
+        const zhao2000_real t76 = t1 * t75;
+        const zhao2000_real t77 = t5 * t60;
+        const zhao2000_real t78 = t3 * t63;
+        const zhao2000_real t79 = t77 - t78;
+        const zhao2000_real t80 = t2 * t79;
+        const zhao2000_real t81 = t76 - t80;
+        const zhao2000_real t82 = 0.5f * t81;
+        const zhao2000_real t83 = 4.0f * t20;
+        const zhao2000_real t84 = t1 * t83;
+        const zhao2000_real t85 = 4.0f * t12;
+        const zhao2000_real t86 = t2 * t85;
+        const zhao2000_real t87 = t84 - t86;
+        const zhao2000_real t88 = 60.0f * t87;
+        const zhao2000_real t89 = t3 * t83;
+        const zhao2000_real t90 = t5 * t85;
+        const zhao2000_real t91 = t89 + t90;
+        const zhao2000_real t92 = t88 - t91;
+        const zhao2000_real t93 = t2 * t83;
+        const zhao2000_real t94 = t1 * t85;
+        const zhao2000_real t95 = t93 + t94;
+        const zhao2000_real t96 = 34.641018f * t95;
+        const zhao2000_real t97 = t92 - t96;
+        const zhao2000_real t98 = t1 * t97;
+        const zhao2000_real t99 = t5 * t83;
+        const zhao2000_real t100 = t3 * t85;
+        const zhao2000_real t101 = t99 - t100;
+        const zhao2000_real t102 = t2 * t101;
+        const zhao2000_real t103 = t98 - t102;
+        const zhao2000_real t104 = 0.5f * t103;
+        const zhao2000_real t105 = t104 / t38;
+        const zhao2000_real t106 = t48 * t105;
+        const zhao2000_real t107 = t82 + t106;
+        rates[0] = t54;
+        rates[1] = t59;
+        rates[2] = 0.0f;
+        rates[3] = t107;
+        status = ZHAO2000_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+        rates[3] = 0.0f;
+    }
+    return status;
 }
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
@@ -441,18 +501,26 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
     const zhao2000_real r1 = (d1 > 1.84e-08f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_real t25 = r1 * t20;
-    const zhao2000_real t26 = r1 * r1;
-    const zhao2000_real t27 = 1.0f / t26;
-    const zhao2000_real t28 = t25 * t27;
-    const zhao2000_real t29 = r1 * t12;
-    const zhao2000_real t30 = t29 * t27;
-    const zhao2000_real t31 = atan2f(t28, t30);
-    const zhao2000_real t32 = t31 + 6.2831855f;
-    x[0] = t32;
-    x[1] = r1;
-    x[2] = c[2];
-    return (d1 > 1.84e-08f) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
+    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
+    if (d1 > 1.84e-08f) {
+        const zhao2000_real t25 = r1 * t20;
+        const zhao2000_real t26 = r1 * r1;
+        const zhao2000_real t27 = 1.0f / t26;
+        const zhao2000_real t28 = t25 * t27;
+        const zhao2000_real t29 = r1 * t12;
+        const zhao2000_real t30 = t29 * t27;
+        const zhao2000_real t31 = atan2f(t28, t30);
+        const zhao2000_real t32 = t31 + 6.2831855f;
+        x[0] = t32;
+        x[1] = r1;
+        x[2] = c[2];
+        status = ZHAO2000_OK;
+    } else {
+        x[0] = 0.0f;
+        x[1] = 0.0f;
+        x[2] = 0.0f;
+    }
+    return status;
 }
 
 /* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
@@ -483,94 +551,103 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
     const zhao2000_real r1 = (d1 > 0.00507f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_real t25 = r1 * t12;
-    const zhao2000_real t26 = r1 * r1;
-    const zhao2000_real t27 = 1.0f / t26;
-    const zhao2000_real t28 = t25 * t27;
-    const zhao2000_real t29 = r1 * t20;
-    const zhao2000_real t30 = t29 * t27;
-    const zhao2000_real t31 = t30 * t30;
-    const zhao2000_real t32 = t28 * t28;
-    const zhao2000_real t33 = t31 + t32;
-    const zhao2000_real t34 = 1.0f / t33;
-    const zhao2000_real t35 = t28 * t34;
-    const zhao2000_real t36 = t20 * t27;
-    const zhao2000_real t37 = t30 * t27;
-    const zhao2000_real t38 = r1 + r1;
-    const zhao2000_real t39 = t37 * t38;
-    const zhao2000_real t40 = t36 - t39;
-    const zhao2000_real t41 = t35 * t40;
-    const zhao2000_real t42 = t30 * t34;
-    const zhao2000_real t43 = t12 * t27;
-    const zhao2000_real t44 = t28 * t27;
-    const zhao2000_real t45 = t44 * t38;
-    const zhao2000_real t46 = t43 - t45;
-    const zhao2000_real t47 = t42 * t46;
-    const zhao2000_real t48 = t41 - t47;
-    const zhao2000_real t49 = 1.0f / r1;
-    const zhao2000_real t50 = t12 * t49;
-    const zhao2000_real t51 = t48 * t50;
-    const zhao2000_real t52 = t42 * t27;
-    const zhao2000_real t53 = r1 * t52;
-    const zhao2000_real t54 = t51 - t53;
-    const zhao2000_real t55 = t35 * t27;
-    const zhao2000_real t56 = r1 * t55;
-    const zhao2000_real t57 = t20 * t49;
-    const zhao2000_real t58 = t48 * t57;
-    const zhao2000_real t59 = t56 + t58;
-    const zhao2000_real t60 = t56 + t56;
-    const zhao2000_real t61 = t1 * t60;
-    const zhao2000_real t62 = -t53;
-    const zhao2000_real t63 = t62 + t62;
-    const zhao2000_real t64 = t2 * t63;
-    const zhao2000_real t65 = t61 - t64;
-    const zhao2000_real t66 = -60.0f * t65;
-    const zhao2000_real t67 = t5 * t63;
-    const zhao2000_real t68 = t3 * t60;
-    const zhao2000_real t69 = t67 + t68;
-    const zhao2000_real t70 = t1 * t63;
-    const zhao2000_real t71 = t2 * t60;
-    const zhao2000_real t72 = t70 + t71;
-    const zhao2000_real t73 = 34.641018f * t72;
-    const zhao2000_real t74 = t69 + t73;
-    const zhao2000_real t75 = t66 - t74;
-    const zhao2000_real t76 = t1 * t75;
-    const zhao2000_real t77 = t5 * t60;
-    const zhao2000_real t78 = t3 * t63;
-    const zhao2000_real t79 = t77 - t78;
-    const zhao2000_real t80 = t2 * t79;
-    const zhao2000_real t81 = t76 - t80;
-    const zhao2000_real t82 = 0.5f * t81;
-    const zhao2000_real t83 = 4.0f * t20;
-    const zhao2000_real t84 = t1 * t83;
-    const zhao2000_real t85 = 4.0f * t12;
-    const zhao2000_real t86 = t2 * t85;
-    const zhao2000_real t87 = t84 - t86;
-    const zhao2000_real t88 = -60.0f * t87;
-    const zhao2000_real t89 = t3 * t83;
-    const zhao2000_real t90 = t5 * t85;
-    const zhao2000_real t91 = t89 + t90;
-    const zhao2000_real t92 = t88 - t91;
-    const zhao2000_real t93 = t2 * t83;
-    const zhao2000_real t94 = t1 * t85;
-    const zhao2000_real t95 = t93 + t94;
-    const zhao2000_real t96 = 34.641018f * t95;
-    const zhao2000_real t97 = t92 - t96;
-    const zhao2000_real t98 = t1 * t97;
-    const zhao2000_real t99 = t5 * t83;
-    const zhao2000_real t100 = t3 * t85;
-    const zhao2000_real t101 = t99 - t100;
-    const zhao2000_real t102 = t2 * t101;
-    const zhao2000_real t103 = t98 - t102;
-    const zhao2000_real t104 = 0.5f * t103;
-    const zhao2000_real t105 = t104 / t38;
-    const zhao2000_real t106 = t48 * t105;
-    const zhao2000_real t107 = t82 + t106;
-    rates[0] = t54;
-    rates[1] = t59;
-    rates[2] = 0.0f;
-    rates[3] = t107;
-    return (d1 > 0.00507f) ? ZHAO2000_OK : ZHAO2000_SINGULAR;
+    zhao2000_status status = ZHAO2000_SINGULAR;
+    if (d1 > 0.00507f) {
+        const zhao2000_real t25 = r1 * t12;
+        const zhao2000_real t26 = r1 * r1;
+        const zhao2000_real t27 = 1.0f / t26;
+        const zhao2000_real t28 = t25 * t27;
+        const zhao2000_real t29 = r1 * t20;
+        const zhao2000_real t30 = t29 * t27;
+        const zhao2000_real t31 = t30 * t30;
+        const zhao2000_real t32 = t28 * t28;
+        const zhao2000_real t33 = t31 + t32;
+        const zhao2000_real t34 = 1.0f / t33;
+        const zhao2000_real t35 = t28 * t34;
+        const zhao2000_real t36 = t20 * t27;
+        const zhao2000_real t37 = t30 * t27;
+        const zhao2000_real t38 = r1 + r1;
+        const zhao2000_real t39 = t37 * t38;
+        const zhao2000_real t40 = t36 - t39;
+        const zhao2000_real t41 = t35 * t40;
+        const zhao2000_real t42 = t30 * t34;
+        const zhao2000_real t43 = t12 * t27;
+        const zhao2000_real t44 = t28 * t27;
+        const zhao2000_real t45 = t44 * t38;
+        const zhao2000_real t46 = t43 - t45;
+        const zhao2000_real t47 = t42 * t46;
+        const zhao2000_real t48 = t41 - t47;
+        const zhao2000_real t49 = 1.0f / r1;
+        const zhao2000_real t50 = t12 * t49;
+        const zhao2000_real t51 = t48 * t50;
+        const zhao2000_real t52 = t42 * t27;
+        const zhao2000_real t53 = r1 * t52;
+        const zhao2000_real t54 = t51 - t53;
+        const zhao2000_real t55 = t35 * t27;
+        const zhao2000_real t56 = r1 * t55;
+        const zhao2000_real t57 = t20 * t49;
+        const zhao2000_real t58 = t48 * t57;
+        const zhao2000_real t59 = t56 + t58;
+        const zhao2000_real t60 = t56 + t56;
+        const zhao2000_real t61 = t1 * t60;
+        const zhao2000_real t62 = -t53;
+        const zhao2000_real t63 = t62 + t62;
+        const zhao2000_real t64 = t2 * t63;
+        const zhao2000_real t65 = t61 - t64;
+        const zhao2000_real t66 = -60.0f * t65;
+        const zhao2000_real t67 = t5 * t63;
+        const zhao2000_real t68 = t3 * t60;
+        const zhao2000_real t69 = t67 + t68;
+        const zhao2000_real t70 = t1 * t63;
+        const zhao2000_real t71 = t2 * t60;
+        const zhao2000_real t72 = t70 + t71;
+        const zhao2000_real t73 = 34.641018f * t72;
+        const zhao2000_real t74 = t69 + t73;
+        const zhao2000_real t75 = t66 - t74;
+        const zhao2000_real t76 = t1 * t75;
+        const zhao2000_real t77 = t5 * t60;
+        const zhao2000_real t78 = t3 * t63;
+        const zhao2000_real t79 = t77 - t78;
+        const zhao2000_real t80 = t2 * t79;
+        const zhao2000_real t81 = t76 - t80;
+        const zhao2000_real t82 = 0.5f * t81;
+        const zhao2000_real t83 = 4.0f * t20;
+        const zhao2000_real t84 = t1 * t83;
+        const zhao2000_real t85 = 4.0f * t12;
+        const zhao2000_real t86 = t2 * t85;
+        const zhao2000_real t87 = t84 - t86;
+        const zhao2000_real t88 = -60.0f * t87;
+        const zhao2000_real t89 = t3 * t83;
+        const zhao2000_real t90 = t5 * t85;
+        const zhao2000_real t91 = t89 + t90;
+        const zhao2000_real t92 = t88 - t91;
+        const zhao2000_real t93 = t2 * t83;
+        const zhao2000_real t94 = t1 * t85;
+        const zhao2000_real t95 = t93 + t94;
+        const zhao2000_real t96 = 34.641018f * t95;
+        const zhao2000_real t97 = t92 - t96;
+        const zhao2000_real t98 = t1 * t97;
+        const zhao2000_real t99 = t5 * t83;
+        const zhao2000_real t100 = t3 * t85;
+        const zhao2000_real t101 = t99 - t100;
+        const zhao2000_real t102 = t2 * t101;
+        const zhao2000_real t103 = t98 - t102;
+        const zhao2000_real t104 = 0.5f * t103;
+        const zhao2000_real t105 = t104 / t38;
+        const zhao2000_real t106 = t48 * t105;
+        const zhao2000_real t107 = t82 + t106;
+        rates[0] = t54;
+        rates[1] = t59;
+        rates[2] = 0.0f;
+        rates[3] = t107;
+        status = ZHAO2000_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+        rates[3] = 0.0f;
+    }
+    return status;
 }
 
 /* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
@@ -1247,11 +1324,11 @@ static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zha
                 zhao2000_real gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh && (before > still2)) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
@@ -1331,6 +1408,16 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_branch(const zhao2000_real x
     return status;
 }
 
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao2000_real joints[4])
+{
+    zhao2000_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (info != NULL) {
+        info->joint = zhao2000_first_beyond(joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHAO2000_SHARED zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
 {
@@ -1368,6 +1455,9 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
     static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
     zhao2000_direct_work w;
     zhao2000_status status = zhao2000_read_guess(&w, joints, guess);
+    if (config != NULL) {
+        status = zhao2000_check_config(config, status);
+    }
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
         zhao2000_unwrap_joints(w.at, joints, given);
@@ -1379,7 +1469,7 @@ zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_re
             zhao2000_write_pose(&w, pose);
         }
     } else {
-        zhao2000_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        zhao2000_write_no_step(info, joints);
     }
     return status;
 }
@@ -1388,6 +1478,7 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
 {
     zhao2000_direct_work w;
     zhao2000_status status = zhao2000_read_guess(&w, joints, pose);
+    bool stepped = false;
     if (status == ZHAO2000_OK) {
         zhao2000_real given[4];
         zhao2000_unwrap_joints(w.at, joints, given);
@@ -1395,9 +1486,9 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
         zhao2000_direct_set_target(&w, given, 1.0f);
         zhao2000_direct_rows(&w);
         if (zhao2000_direct_pivoted(&w) == 0) {
-            zhao2000_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
             status = ZHAO2000_SINGULAR;
         } else {
+            stepped = true;
             zhao2000_direct_solve(&w);
             const zhao2000_real size = zhao2000_direct_apply_step(&w);
             zhao2000_write_info(info, 1U, 0.00428f * size, size, w.spread);
@@ -1407,8 +1498,9 @@ zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pos
                 status = ZHAO2000_WRONG_BRANCH;
             }
         }
-    } else {
-        zhao2000_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    }
+    if (!stepped) {
+        zhao2000_write_no_step(info, joints);
     }
     return status;
 }
@@ -1478,14 +1570,18 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
         const zhao2000_real op_3 = c[2] * c[2];
         const zhao2000_real op_4 = op_2 + op_3;
         const zhao2000_real op_5 = sqrtf(op_4);
-        const zhao2000_real op_6 = 1.0f / op_5;
-        const zhao2000_real op_7 = c[0] * op_6;
-        const zhao2000_real op_8 = c[1] * op_6;
-        const zhao2000_real op_9 = c[2] * op_6;
-        jacobian[18] = op_7;
-        jacobian[19] = op_8;
-        jacobian[20] = op_9;
-        jacobian[23] = 0.0f;
+        if (op_5 > 0.0f) {
+            const zhao2000_real op_6 = 1.0f / op_5;
+            const zhao2000_real op_7 = c[0] * op_6;
+            const zhao2000_real op_8 = c[1] * op_6;
+            const zhao2000_real op_9 = c[2] * op_6;
+            jacobian[18] = op_7;
+            jacobian[19] = op_8;
+            jacobian[20] = op_9;
+            jacobian[23] = 0.0f;
+        } else {
+            status = ZHAO2000_SINGULAR;
+        }
         if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6, ZHAO2000_OK) != ZHAO2000_OK)) {
             status = ZHAO2000_SINGULAR;
         }
@@ -1497,6 +1593,107 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
             status = ZHAO2000_OUT_OF_RANGE;
         } else {
             /* singular */
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count, zhao2000_status status)
+{
+    zhao2000_status found = zhao2000_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == ZHAO2000_OK) && (fabsf(speeds[i]) > 2e+08f)) {
+            found = ZHAO2000_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6], zhao2000_real rates[4])
+{
+    zhao2000_real jacobian[4 * 6];
+    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose, jacobian));
+    if (status == ZHAO2000_OK) {
+        for (int i = 0; i < 4; ++i) {
+            zhao2000_real sum = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6], const zhao2000_real rate_limits[4], zhao2000_real *feed)
+{
+    zhao2000_real rates[4];
+    zhao2000_status status = zhao2000_check_finite(rate_limits, 4, zhao2000_rates(pose, twist, rates));
+    zhao2000_real most = 1.0f;
+    for (int i = 0; (i < 4) && (status == ZHAO2000_OK); ++i) {
+        const zhao2000_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = ZHAO2000_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == ZHAO2000_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4], zhao2000_real twist[6])
+{
+    static const zhao2000_real row_scale[4] = { 240.0f, 240.0f, 240.0f, 1.0f };
+    static const zhao2000_real column_scale[4] = { 1.0f, 1.0f, 1.0f, 0.004166667f };
+    static const uint8_t column[4] = { 0U, 1U, 2U, 5U };
+    zhao2000_real jacobian[4 * 6];
+    zhao2000_real a[4][4 + 1];
+    zhao2000_status status = zhao2000_check_speeds(rates, 4, zhao2000_jacobian(pose, jacobian));
+    if (status == ZHAO2000_OK) {
+        for (int i = 0; i < 4; ++i) {
+            for (int j = 0; j < 4; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][4] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 4) && (status == ZHAO2000_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 4; ++i) {
+                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
+            }
+            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
+                status = ZHAO2000_SINGULAR;
+            } else {
+                for (int j = c; j <= 4; ++j) {
+                    const zhao2000_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 4; ++i) {
+                    const zhao2000_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 4); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == ZHAO2000_OK) {
+        twist[3] = 0.0f;
+        twist[4] = 0.0f;
+        for (int i = 0; i < 4; ++i) {
+            twist[column[i]] = a[i][4] / a[i][i] * column_scale[i];
         }
     }
     return status;

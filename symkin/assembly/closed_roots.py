@@ -11,14 +11,13 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
-from symkin.assembly.arm_formulas import ArmFormulas
 from symkin.assembly.block_proofs import BlockProver, block_prover
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
-from symkin.closed.plan import plan_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import Solutions, closed_form, samples_about
 from symkin.homotopy.systems import system_of
 from symkin.numeric.system import System
+from symkin.position.arm_formulas import arm_formulas
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 
@@ -119,10 +118,8 @@ class ClosedBlock:
 @lru_cache(maxsize=256)
 def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     """One of a problem's blocks with the formulas that solve it; None where there are none."""
-    block = problem.blocks[number]
-    plan = plan_of(problem.mechanism) if problem.kind == "inverse" and len(problem.blocks) == 1 else None
-    if plan is not None and {c.name for c in block.unknowns} == {screw.name for screw in plan.arm.screws}:
-        arm = ArmFormulas(problem, block, plan)
+    block, arm = problem.blocks[number], arm_formulas(problem)
+    if arm is not None:
         return ClosedBlock(problem, block, arm, arm.random_known())
     if problem.is_explicit or (problem.kind == "given" and is_linear(problem)):
         return None

@@ -117,13 +117,18 @@ class LimbFormulas:
             )
             lines.append(f"const {real} r{k + 1} = (d{k + 1} > {limits[k]}) ? {sqrt}(d{k + 1}) : {one};")
             tests.append(f"(d{k + 1} > {limits[k]})")
+        made = len(lines)
         stores = [f"{array}[{i}] = {emitter.value(1, i)};" for i in range(int(results.shape[0]))]
-        name = self.made.name
-        status = f"{name.upper()}_OK"
-        if tests:
-            condition = tests[0] if len(tests) == 1 else "(" + " && ".join(tests) + ")"
-            status = f"{condition} ? {name.upper()}_OK : {name.upper()}_{refused}"
-        return [*lines, *stores, f"return {status};"]
+        name, given = self.made.name.upper(), [*lines[made:], *stores]
+        if not tests:
+            return [*lines[:made], *given, f"return {name}_OK;"]
+        # only where the roots are there: then nothing that is divided by vanishes with them
+        condition = tests[0] if len(tests) == 1 else "(" + " && ".join(tests) + ")"
+        return [
+            *lines[:made], f"{self.made.name}_status status = {name}_{refused};", f"if {condition} {{", *("    " + line for line in given),
+            f"    status = {name}_OK;", "} else {",
+            *(f"    {array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))), "}", "return status;",
+        ]  # fmt: skip
 
 
 def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: float) -> str:

@@ -151,6 +151,7 @@ def _test_values(program: Program) -> dict[str, object]:
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
         **_one_step_values(program),
+        "speed_bound": "1e-3" if real.name == "float" else "1e-9",
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
         "closed_test": "", "closed_call": "",
     }  # fmt: skip

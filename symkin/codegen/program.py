@@ -16,6 +16,7 @@ from symkin.codegen.limb_platform_source import LimbPlatformSource
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.options import Options
+from symkin.codegen.platform_rates import fastest
 from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
@@ -65,6 +66,8 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     if not isinstance(kind, RodPlatform):
         kind.geometry.check(kind.real)
     values = source.values | _header_values(kind, source.code)
+    if not mechanism.serial:
+        values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
         kind=kind,

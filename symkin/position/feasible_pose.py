@@ -15,6 +15,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION
+from symkin.position.arm_formulas import arm_formulas
 from symkin.position.closed_configurations import closed_configurations
 from symkin.position.problem import Problem, build_problem
 
@@ -58,7 +59,7 @@ def ties_poses(mechanism: Mechanism) -> bool:
 def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
     """The feasible pose nearest to pose coordinates; None where the joints do not tie them, the pose closes all loops already,
     or no feasible one was found."""
-    if not ties_poses(mechanism):
+    if not ties_poses(mechanism) or closing_poses(mechanism, pose[None])[0]:
         return None
     problem = build_problem(mechanism, "inverse")
     joints = _nearest_joints(problem, pose)
@@ -76,6 +77,18 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
         return None
     found = z[len(joints) :]
     return NearestPose(found, float(np.max(np.abs(_difference(problem, found, pose)), initial=0.0)))
+
+
+def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
+    """Which pose coordinates (n, numbers) formulas show to close all loops (n,); those not shown may close them all the same."""
+    problem = build_problem(mechanism, "inverse")
+    arm, shown = arm_formulas(problem), np.zeros(len(poses), dtype=bool)
+    if arm is not None:
+        found = arm.solutions(poses)
+        owner, branch = np.nonzero(found.real)
+        errors = problem.system.residuals(found.values[owner, branch], poses[owner])
+        shown[owner[errors <= _CLOSED * problem.closure.characteristic_length]] = True
+    return shown
 
 
 def _nearest_joints(problem: Problem, pose: np.ndarray) -> np.ndarray:

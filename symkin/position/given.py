@@ -13,7 +13,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.position.feasible_pose import PROJECTED, nearest_pose, ties_poses
+from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
@@ -229,7 +229,7 @@ def feasible_poses(mechanism: Mechanism, position: np.ndarray, quaternion: np.nd
     values, off = poses_coordinates(mechanism, position, quaternion)
     off = np.where(off < _ON_MOTION * mechanism.characteristic_length, 0.0, off)
     if ties_poses(mechanism):
-        for i in np.flatnonzero(off == 0.0):
+        for i in np.flatnonzero((off == 0.0) & ~closing_poses(mechanism, values)):
             values[i], off[i], _ = _feasible(mechanism, values[i])
     return values, off
 

@@ -105,6 +105,7 @@ static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} j
 /* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
 static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, const @{p}_config *config, @{p}_info *info)
 {
+    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
     @{p}_direct_work w;
     unsigned int count = 0U;
     @{real} residual = @{huge};
@@ -114,6 +115,11 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
     /* NaN or infinity anywhere comes first */
     if ((status == @{P}_OK) || (limits == @{P}_NONFINITE)) {
         status = limits;
+    }
+    if (config == NULL) {
+        config = &usual;
+    } else {
+        status = @{p}_check_config(config, status);
     }
 @{span_lines}
     if (status == @{P}_OK) {
@@ -136,14 +142,17 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
             status = @{p}_direct_answer(&w, config->tolerance, pose, &residual);
         }
     }
-    @{p}_write_info(info, count, residual, @{zero}, w.share);
+    if (count > 0U) {
+        @{p}_write_info(info, count, residual, @{zero}, w.share);
+    } else {
+        @{p}_write_no_step(info, joints);
+    }
     return status;
 }
 
 @{p}_status @{p}_direct(const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
 {
-    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
-    return @{p}_direct_reach(joints, guess, pose, (config != NULL) ? config : &usual, info);
+    return @{p}_direct_reach(joints, guess, pose, config, info);
 }
 
 @{p}_status @{p}_track(const @{real} joints[@{nq}], @{p}_pose *pose, @{p}_info *info)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.closed.plan import Plan, forward
-from symkin.computed_once import cached_property
+from symkin.closed.plan import Plan, forward, plan_of
+from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import Solutions
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System
@@ -60,6 +60,17 @@ class ArmFormulas:
         order = [places[c.name] for c in self.block.unknowns]
         joints = ca.vertcat(*(branch.joints[order] for branch in found))
         return Mapped.of([known], [joints, ca.vertcat(*(ca.vertcat(b.discriminants, b.strengths) for b in found))])
+
+
+@lru_cache(maxsize=128)
+def arm_formulas(problem: Problem) -> ArmFormulas | None:
+    """The formulas of an arm's inverse problem; None of any other problem, and where the axes do not allow any."""
+    if problem.kind != "inverse" or len(problem.blocks) != 1:
+        return None
+    (block,), plan = problem.blocks, plan_of(problem.mechanism)
+    if plan is None or {c.name for c in block.unknowns} != {screw.name for screw in plan.arm.screws}:
+        return None
+    return ArmFormulas(problem, block, plan)
 
 
 def judged(discriminants: np.ndarray, strengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
