@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_limb import RESOLVED, LimbFormulas
 from symkin.codegen.closed_source import arctangent, horner
 from symkin.codegen.direct_formulas import DirectFormulas
+from symkin.codegen.gathered import gathered
 from symkin.codegen.lifted import Generators, lifted
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
@@ -143,7 +143,7 @@ class ClosedDirectSource:
 
     def _read(self, x: ca.SX, roots: ca.SX, parts: Sequence[ca.SX], limits: Sequence[float]) -> list[str]:
         real, name = self.real, self.made.name.upper()
-        outputs = [snapped_expression(ca.densify(part), [x, roots]) for part in parts]
+        outputs = gathered(parts, [x, roots], [])
         function = ca.Function("guess", [x, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
         emitter = Emitter(function, [indexed("x", 7), [f"r{k + 1}" for k in range(count)]], real)
@@ -215,6 +215,11 @@ class ClosedDirectSource:
         return found
 
     @property
+    def _turns(self) -> list[tuple[ca.SX, ca.SX]]:
+        """The joints' symbols that are cosine and sine of one angle."""
+        return [(self._u[p[0]], self._u[p[1]]) for p in self._joint_places.values() if len(p) == 2]
+
+    @property
     def _formula_lines(self) -> list[str]:
         """Statements of roots, unknowns and guards."""
         formulas, real = self.found.formulas, self.real
@@ -226,7 +231,7 @@ class ClosedDirectSource:
         ]
         guards = [guard.of(discriminants, divisors) for guard in self.found.guards]
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
-        outputs = [snapped_expression(ca.densify(e), [self._u, formulas.roots]) for e in outputs]
+        outputs = gathered(outputs, [self._u, formulas.roots], self._turns)
         function = ca.Function("formulas", [self._u, formulas.roots], outputs, {"cse": True})
         count = int(formulas.roots.shape[0])
         emitter = Emitter(function, [indexed("w->u", self._count), [f"r{k + 1}" for k in range(count)]], real)
@@ -279,18 +284,28 @@ class ClosedDirectSource:
 
     @property
     def _span_lines(self) -> list[str]:
-        """Statements that refuse slides outside the ranges over which guards are bounded."""
-        tests, real = [], self.real
+        """Statements that choose the part of the slides' ranges that holds the line, and refuse what is outside."""
+        real, largest = self.real, []
         for i, (c, span) in enumerate(zip(self.made.actuated, self.found.spans, strict=True)):
             if not span.angular:
-                place, half = self._joint_places[c.name][0], real.literal(span.half * (1 + 1e-6))
+                place, per = self._joint_places[c.name][0], real.literal(1.0 / span.half)
                 for value in (f"w.at[{place}]", f"joints[{i}]"):
-                    tests.append(f"({real.call('fabs')}({value} - {real.literal(span.middle)}) <= {half})")
-        if not tests:
+                    largest.append(f"{per} * {real.call('fabs')}({value} - {real.literal(span.middle)})")
+        if not largest:
             return []
         p = self.made.name.upper()
-        return ["/* slides are looked at within these ranges */", f"if ((status == {p}_OK) && !({' && '.join(tests)})) {{",
-                f"    status = {p}_WRONG_BRANCH;", "}"]  # fmt: skip
+        lines = [f"if (status == {p}_OK) {{", "    /* which part of the slides' ranges holds both ends of the line */",
+                 f"    {real.type} excursion = {largest[0]};"]  # fmt: skip
+        for text in largest[1:]:
+            lines += [
+                "    {",
+                f"        const {real.type} other = {text};",
+                "        excursion = (other > excursion) ? other : excursion;",
+                "    }",
+            ]
+        for reach in self.found.reaches[:-1]:
+            lines += [f"    w.reach += (excursion > {real.literal(reach)}) ? 1U : 0U;"]
+        return [*lines, f"    if (!(excursion <= {real.literal(1.0)})) {{", f"        status = {p}_WRONG_BRANCH;", "    }", "}"]
 
     @property
     def _at_lines(self) -> list[str]:
@@ -355,7 +370,7 @@ class ClosedDirectSource:
         real, name = self.real, self.made.name.upper()
         rows, sides, pose = self._answer
         symbols = [self._u, self._y, self._half]
-        outputs = [snapped_expression(ca.densify(e), symbols) for e in (rows, sides, pose)]
+        outputs = gathered([rows, sides, pose], symbols, self._turns)
         function = ca.Function("answer", symbols, outputs, {"cse": True})
         names = [indexed("w->u", self._count), indexed("w->y", int(self._y.shape[0])), indexed("h", 2)]
         emitter = Emitter(function, names, real)
@@ -406,13 +421,12 @@ class ClosedDirectSource:
     @cached_property
     def _least(self) -> list[str]:
         """Values of the guards that are nothing but rounding."""
-        return [self.real.literal(rounded(_NOISE * self.real.epsilon * guard.bend.size)) for guard in self.found.guards]
+        return [self.real.literal(rounded(_NOISE * self.real.epsilon * guard.size)) for guard in self.found.guards]
 
     @property
     def text(self) -> str:
         """All functions of the direct problem."""
         real, made, literal = self.real, self.made, self.real.literal
-        weights = [", ".join(literal(rounded(float(0.5001 * v))) for v in guard.bend.weights) for guard in self.found.guards]
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
         angle = fill("closed_angle.c", dict(self.common) | arctangent(real)) if polynomial else ""
@@ -421,7 +435,7 @@ class ClosedDirectSource:
         values = dict(self.common) | {
             "nu": self._count, "nk": max(1, len(self.found.formulas.names)), "ng": len(self.found.guards), "ny": int(self._y.shape[0]),
             "guess_lines": indent(self._guess_lines, 2), "formula_lines": indent(self._formula_lines), "set_lines": indent(self._set_lines),
-            "weights": ",\n".join(f"        {{ {row} }}" for row in weights), "least": ", ".join(self._least),
+            **self._weight_values, "nr": len(self.found.reaches), "reach_member": self._reach_member, "no_reach": "    w.reach = 0U;" if self._reach_member else "", "least": ", ".join(self._least),
             "p_angle": angle, "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(self._at_lines),
             "span_lines": indent(self._span_lines), "change_lines": indent(self._change_lines, 3), "near": "false" if any(wide) else "true",
             "half_lines": indent(self._half_lines), "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
@@ -433,6 +447,45 @@ class ClosedDirectSource:
         return turn + whole[:begin] + answer + whole[begin:]
 
     @property
+    def _reach_member(self) -> str:
+        return "    unsigned int reach;" if len(self.found.reaches) > 1 else ""
+
+    @property
+    def _weight_values(self) -> dict[str, str]:
+        """The tables of weights, by reach and guard, and what a guard that holds another's root adds."""
+        literal, guards, several = self.real.literal, self.found.guards, len(self.found.reaches) > 1
+
+        def row(values: np.ndarray) -> str:
+            return "{ " + ", ".join(literal(rounded(float(1.0001 * v))) for v in values) + " }"
+
+        def table(rows: Sequence[Sequence[str]]) -> str:
+            texts = ["{ " + ", ".join(part) + " }" for part in rows]
+            return ", ".join(texts) if several else texts[0][2:-2]
+
+        count = len(self.made.actuated)
+        reach, dimension = ("[w->reach]", f"[{len(self.found.reaches)}]") if several else ("", "")
+        plain = table([[row(g.weights[r].plain) for g in guards] for r in range(len(self.found.reaches))])
+        lines, static = [], f"static const {self.real.type}"
+        for j, guard in enumerate(guards):
+            if guard.root is None:
+                continue
+            for array, part in (("by_root", "by_root"), ("by_cube", "by_cube")):
+                texts = [row(getattr(guard.weights[r], part)) for r in range(len(self.found.reaches))]
+                inner = ", ".join(texts) if several else texts[0][2:-2]
+                lines.append(f"{static} {array}{j}{dimension}[{count}] = {{ {inner} }};")
+            lines += [
+                f"if (kept && (j == {j})) {{", f"    /* it holds the root of guard {guard.root}, which is at least this on the way */",
+                f"    const {self.real.type} under = lowest[{guard.root}];", f"    const {self.real.type} per = {literal(1.0)} / {self.real.call('sqrt')}(under);",
+                f"    for (int i = 0; i < {count}; ++i) {{", f"        bend += per * (by_root{j}{reach}[i] + by_cube{j}{reach}[i] / under) * change[i];", "    }", "}",
+            ]  # fmt: skip
+        return {
+            "weights": "        " + plain,
+            "weights_of": f"weights{reach}",
+            "weights_size": f"{dimension}[{len(guards)}][{count}]",
+            **_nested_values(lines, self.real, len(guards)),
+        }
+
+    @property
     def _turn(self) -> str:
         literal = self.real.literal
         quarter = 0.5 * np.pi
@@ -442,3 +495,14 @@ class ClosedDirectSource:
             "per_quarter": literal(2.0 / np.pi), "quarter1": literal(first), "quarter2": literal(second),
             "quarter3": literal(quarter - first - second), "sine": horner(_SINE, self.real), "cosine": horner(_COSINE, self.real),
         })  # fmt: skip
+
+
+def _nested_values(lines: list[str], real: Real, count: int) -> dict[str, str]:
+    """Statements of guards that hold another's root: the tables before the loop, the rest within it, and the least values kept for them."""
+    if not lines:
+        return {"nested_tables": "", "nested": "", "lowest_array": "", "keep_lowest": ""}
+    tables = [line for line in lines if line.startswith("static")]
+    return {
+        "nested_tables": indent(tables), "nested": indent([line for line in lines if line not in tables], 2), "lowest_array": f"    {real.type} lowest[{count}];",
+        "keep_lowest": indent([f"lowest[j] = lesser - {real.literal(0.25)} * bend;", f"kept = kept && (lowest[j] > {real.literal(0.0)});"], 2),
+    }  # fmt: skip

@@ -29,31 +29,54 @@ _POWERS = 3
 """How often a divisor may multiply a discriminant, less one."""
 _NOISE = 1e-9
 """Share of the largest weight below which another is rounding."""
+_REACHES = (1.0 / 16, 1.0 / 4, 1.0)
+"""Parts of a slide's range for which bounds are made: a line takes those of the first that holds it."""
+_FREE_RANGE = 2.0
+"""How far a slide without limits is looked at, in sizes about the reference."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Bounds K of half a guard's second derivative along a line by the squares of the given values' changes: `plain`, and, of a guard that
+    holds the root of another's value m, what is multiplied by m^(-1/2) and m^(-3/2)."""
+
+    plain: np.ndarray
+    by_root: np.ndarray
+    by_cube: np.ndarray
 
 
 @dataclass(frozen=True)
 class Guard:
     """A function of the given values that has to stay above zero: discriminant `choice` (None: no discriminant) times divisors to some
-    `powers`, times `sign`."""
+    `powers`, times `sign`. `size` bounds it; `weights` are one for each part of the slides' ranges; `root` is the guard whose root it
+    holds (None: it is a polynomial)."""
 
     name: str
     choice: int | None
     powers: tuple[int, ...]
     sign: float
-    bend: Bend
+    root: int | None
+    size: float
+    weights: tuple[Weights, ...]
 
     def of(self, discriminants: ca.SX, divisors: ca.SX) -> ca.SX:
         """Its expression, by those of discriminants and divisors."""
-        whole = prod((divisors[j] ** e for j, e in enumerate(self.powers)), start=ca.SX(self.sign))
+        whole = _times(divisors, self.powers) * self.sign
         return whole if self.choice is None else whole * discriminants[self.choice]
+
+
+def _times(divisors: ca.SX, powers: Sequence[int]) -> ca.SX:
+    return prod((divisors[j] ** e for j, e in enumerate(powers)), start=ca.SX(1))
 
 
 @dataclass(frozen=True, eq=False)
 class DirectFormulas:
-    """The closed form of a direct problem with its guards, and how large roots are at sampled configurations."""
+    """The closed form of a direct problem with its guards, and how large roots are at sampled configurations. `reaches` are the parts of
+    the slides' ranges `spans` for which guards have weights."""
 
     formulas: ClosedForm
     spans: tuple[Span, ...]
+    reaches: tuple[float, ...]
     guards: tuple[Guard, ...]
     usual_roots: np.ndarray
 
@@ -65,74 +88,131 @@ def direct_formulas(problem: Problem, samples: Sequence[Configuration]) -> Direc
         return None
     given = np.array([sample.known for sample in samples])
     found = closed_form(problem.system, given[:_COMPARED])
-    if found is None or ca.depends_on(ca.vertcat(found.discriminants, found.divisors), found.roots):
+    if found is None:
         return None
     spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
-    guards = _guards(found, spans, given)
+    reaches = (1.0,) if all(span.angular for span in spans) else _REACHES
+    guards = _Guarding(found, spans, reaches, given).guards()
     if guards is None:
         return None
-    usual = np.sqrt(np.median(np.abs(found.discriminants_at(given, found.choices[0])), axis=0))
-    return DirectFormulas(found, spans, guards, usual)
+    usual = np.sqrt(np.median(np.abs(found.discriminants_at(given, found.signs_at(samples[0].unknown, given[0]))), axis=0))
+    return DirectFormulas(found, spans, reaches, guards, usual)
 
 
 def _span(coordinate: Coordinate, size: float) -> Span:
-    """All angles; a slide's limits, or the machine's size about the reference."""
+    """All angles; a slide's limits, or some sizes about the reference."""
     if coordinate.is_angular:
         return Span(True)
     if coordinate.limits is not None:
         low, high = coordinate.limits
         return Span(False, 0.5 * (low + high), 0.5 * (high - low))
-    return Span(False, float(coordinate.reference[0]), size)
+    return Span(False, float(coordinate.reference[0]), _FREE_RANGE * size)
 
 
-def _guards(found: ClosedForm, spans: Sequence[Span], given: np.ndarray) -> tuple[Guard, ...] | None:
-    """A guard for each discriminant and each divisor that no other one implies."""
-    divisors = [found.divisors[j] for j in range(int(found.divisors.shape[0]))]
-    guards: list[Guard] = []
-    for k, name in enumerate(found.names):
-        for powers in sorted(product(range(_POWERS), repeat=len(divisors)), key=sum):
-            guard = _guard(found, name, k, powers, spans, given)
-            if guard is not None:
-                guards.append(guard)
-                break
-        else:
+@dataclass(frozen=True, eq=False)
+class _Guarding:
+    """How guards of a closed form are found."""
+
+    found: ClosedForm
+    spans: Sequence[Span]
+    reaches: Sequence[float]
+    given: np.ndarray
+
+    def guards(self) -> tuple[Guard, ...] | None:
+        """A guard for each discriminant, and for each divisor that is no multiple of another; None where one has no bounds."""
+        found, roots = self.found, self.found.roots
+        divisors = [found.divisors[j] for j in range(int(found.divisors.shape[0]))]
+        discriminants = ca.substitute(found.discriminants, found.signs, ca.SX.ones(*found.signs.shape))
+        if ca.depends_on(found.divisors, roots):
             return None
-    kept: list[ca.SX] = []
-    for j, divisor in enumerate(divisors):
-        powers = tuple(int(i == j) for i in range(len(divisors)))
-        guard = _guard(found, f"divisor {j + 1}", None, powers, spans, given)
-        if guard is None:
-            return None
-        if not any(_proportional(found, divisor, other, given) for other in kept):
-            kept.append(divisor)
+        guards: list[Guard] = []
+        for k, name in enumerate(found.names):
+            guard = self._of_discriminant(name, k, discriminants, guards)
+            if guard is None:
+                return None
             guards.append(guard)
-    return tuple(guards)
+        kept: list[ca.SX] = []
+        for j, divisor in enumerate(divisors):
+            if any(self._proportional(divisor, other) for other in kept):
+                continue
+            bends = self._bends(divisor)
+            if bends is None:
+                return None
+            powers = tuple(int(i == j) for i in range(len(divisors)))
+            kept.append(divisor)
+            sign = float(np.sign(np.median(self._values(divisor)(self.given))))
+            guards.append(Guard(f"divisor {j + 1}", None, powers, sign, None, bends[-1].size, tuple(map(_plain, bends))))
+        return tuple(guards)
 
-
-def _guard(
-    found: ClosedForm, name: str, choice: int | None, powers: tuple[int, ...], spans: Sequence[Span], given: np.ndarray
-) -> Guard | None:
-    """The guard of these powers, None where it is no polynomial or has no sign of its own."""
-    bare = Guard(name, choice, powers, 1.0, Bend(0.0, np.zeros(0), np.zeros(0), 0.0, 0.0))
-    values = _evaluated(bare.of(found.discriminants, found.divisors), found.system.known)
-    bend = bend_of(values, spans)
-    if bend is None:
+    def _of_discriminant(self, name: str, k: int, discriminants: ca.SX, before: Sequence[Guard]) -> Guard | None:
+        """The guard of a discriminant by the least powers of divisors that make it a polynomial P, or P + Q root."""
+        roots, count = self.found.roots, int(self.found.divisors.shape[0])
+        read = [j for j in range(k) if ca.depends_on(discriminants[k], roots[j])]
+        if len(read) > 1 or any(any(before[j].powers) or before[j].root is not None for j in read):
+            return None
+        root = read[0] if read else None
+        parts = [discriminants[k]] if root is None else _by_root(discriminants[k], roots[root], discriminants[root])
+        for powers in sorted(product(range(_POWERS), repeat=count), key=sum):
+            factor = _times(self.found.divisors, powers)
+            bends = [self._bends(part * factor) for part in parts]
+            if any(bend is None for bend in bends):
+                continue
+            plain = [bend for bend in bends if bend is not None]
+            if root is None:
+                return Guard(name, k, powers, 1.0, None, plain[0][-1].size, tuple(map(_plain, plain[0])))
+            inner = self._bends(discriminants[root])
+            assert inner is not None  # noqa: S101 - its own guard was found
+            weights = tuple(_with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True))
+            size = plain[0][-1].size + plain[1][-1].size * float(np.sqrt(inner[-1].size))
+            return Guard(name, k, powers, 1.0, root, size, weights)
         return None
-    sign = float(np.sign(np.median(values(given))))
-    weights = np.where(bend.weights > _NOISE * np.max(bend.weights), bend.weights, 0.0)
-    return Guard(name, choice, powers, sign, Bend(bend.size, bend.slopes, weights, bend.least, bend.most))
+
+    def _bends(self, expression: ca.SX) -> list[Bend] | None:
+        """Bounds of an expression over each part of the slides' ranges; None where it is no polynomial."""
+        values, found = self._values(expression), list[Bend]()
+        for reach in reversed(self.reaches):
+            spans = [span if span.angular else Span(False, span.middle, reach * span.half) for span in self.spans]
+            bend = bend_of(values, spans)
+            if bend is None:
+                return None
+            found.append(bend)
+        return found[::-1]
+
+    def _proportional(self, first: ca.SX, second: ca.SX) -> bool:
+        ratio = self._values(first)(self.given) / self._values(second)(self.given)
+        return bool(np.ptp(ratio) <= _NOISE * np.max(np.abs(ratio)))
+
+    def _values(self, expression: ca.SX) -> Callable[[np.ndarray], np.ndarray]:
+        function = ca.Function("guard", [self.found.system.known], [expression], {"cse": True})
+
+        def values(given: np.ndarray) -> np.ndarray:
+            return np.asarray(function.map(len(given))(given.T)).ravel()
+
+        return values
 
 
-def _proportional(found: ClosedForm, first: ca.SX, second: ca.SX, given: np.ndarray) -> bool:
-    known = found.system.known
-    ratio = _evaluated(first, known)(given) / _evaluated(second, known)(given)
-    return bool(np.ptp(ratio) <= _NOISE * np.max(np.abs(ratio)))
+def _by_root(expression: ca.SX, root: ca.SX, discriminant: ca.SX) -> list[ca.SX]:
+    """P and Q of an expression P + Q root that is a quadratic in a discriminant's root."""
+    slope = ca.jacobian(expression, root)
+    square = 0.5 * ca.jacobian(slope, root)
+    at_zero = [ca.substitute(part, root, ca.SX(0)) for part in (expression, slope, square)]
+    return [at_zero[0] + at_zero[2] * discriminant, at_zero[1]]
 
 
-def _evaluated(expression: ca.SX, known: ca.SX) -> Callable[[np.ndarray], np.ndarray]:
-    function = ca.Function("guard", [known], [expression], {"cse": True})
+def _plain(bend: Bend) -> Weights:
+    zero = np.zeros(len(bend.weights))
+    return Weights(0.5 * _cleaned(bend.weights), zero, zero)
 
-    def values(given: np.ndarray) -> np.ndarray:
-        return np.asarray(function.map(len(given))(given.T)).ravel()
 
-    return values
+def _with_root(p: Bend, q: Bend, d: Bend) -> Weights:
+    """Bounds of P + Q r, r^2 = D and D at least m: P'' + Q'' r + 2 Q' r' + Q r'' with r' = D' / (2 r), r'' = D'' / (2 r) - D'^2 / (4 r^3)."""
+    both = 0.5 * (q.slopes * np.sum(d.slopes) + d.slopes * np.sum(q.slopes))
+    return Weights(
+        plain=0.5 * _cleaned(p.weights + np.sqrt(d.size) * q.weights),
+        by_root=0.5 * _cleaned(both + 0.5 * q.size * d.weights),
+        by_cube=0.5 * _cleaned(0.25 * q.size * d.slopes * np.sum(d.slopes)),
+    )
+
+
+def _cleaned(weights: np.ndarray) -> np.ndarray:
+    return np.where(weights > _NOISE * np.max(weights, initial=0.0), weights, 0.0)

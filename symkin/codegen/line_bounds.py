@@ -20,6 +20,8 @@ import numpy as np
 _DEGREE = 4
 """Highest wave, and degree in a length, that is looked for."""
 _POINTS = 2 * _DEGREE + 2
+_SHIFT = 0.0711
+"""By how much more each angle's samples are shifted than those of the one before (rad): equal angles are special."""
 _MISFIT = 1e-9
 """Share of the largest value by which the sum may be off at points that it was not made from."""
 _CHECKED = 64
@@ -81,7 +83,9 @@ def bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span]) -
 
 def _placed(angles: np.ndarray, spans: Sequence[Span]) -> np.ndarray:
     """Given values for angles of the waves: a length is middle + half cos, whose waves are Chebyshev polynomials."""
-    columns = [angles[:, i] if s.angular else s.middle + s.half * np.cos(angles[:, i]) for i, s in enumerate(spans)]
+    columns = [
+        angles[:, i] + _SHIFT * (i + 1) if s.angular else s.middle + s.half * np.cos(angles[:, i]) for i, s in enumerate(spans)
+    ]
     return np.stack(columns, axis=-1)
 
 

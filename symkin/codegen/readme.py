@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symkin.codegen.direct_formulas import DirectFormulas
+from symkin.codegen.direct_formulas import DirectFormulas, Guard
 from symkin.codegen.latex import equations
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.program import Program, is_closed
@@ -140,7 +140,15 @@ is above zero for all $t$ where $K < (\sqrt{g_0} + \sqrt{g_1})^2$. **Proved**: t
 which is not more; the whole line is tried first, what is refused is halved. A point at which some $g$ is not above its rounding is a point
 without a configuration or a singular one, and parts shorter than 1/4096 pass too near to one: the status is then `WRONG_BRANCH`.
 (An angle between two unit vectors is at most $\pi / \sqrt 8$ times their distance, up to a right angle: no angle is formed before a
-line has to be cut.) Slides without limits are looked at within one size of the machine about the reference; beyond it nothing is assured.
+line has to be cut.) Slides without limits are looked at within two sizes of the machine about the reference; beyond them nothing is assured. Lines within
+a sixteenth or a quarter of the slides' ranges have bounds of their own, which are smaller.
+
+A discriminant that holds the root $r$ of another one, $D$, is $P + Q r$ with polynomials $P$ and $Q$; where $D \ge m$ on a part of the
+line, $r' = D' / (2 r)$ and $r'' = D'' / (2 r) - D'^2 / (4 r^3)$ give
+
+$$|(P + Q r)''| \le |P''| + |Q''| \, r + |Q'| \, |D'| \, m^{-1/2} + |Q| \, (\tfrac12 |D''| \, m^{-1/2} + \tfrac14 D'^2 \, m^{-3/2}),$$
+
+each by its amplitudes; $m$ is the bound of $D$ from below by its own $K$, $\min(g_0, g_1) - K / 4$.
 
 The amplitudes are those of exact trigonometric interpolation of $g$, compared with it at points of their own when the code was
 generated. Values of $g$ below 64 roundings of the sum of its amplitudes count as zero."""
@@ -164,15 +172,20 @@ Two rows that are linear in $\cos t$ and $\sin t$ give both by Cramer's rule. Jo
 formulas, with $\mathrm{d} \sqrt{D} = \mathrm{d} D / (2 \sqrt{D})$; `jacobian` is `SINGULAR` where a root is a thousandth of its usual size."""
 
 
+def _guard_row(guard: Guard) -> str:
+    """A guard's line in the table: its bound of K over the widest ranges, and that of itself."""
+    last = guard.weights[-1]
+    parts = [(last.plain, ""), (last.by_root, r" m^{-1/2}"), (last.by_cube, r" m^{-3/2}")]
+    sums = [" + ".join(f"{v[i]:.3g}{factor}" for v, factor in parts if v[i] > 0) or "0" for i in range(len(last.plain))]
+    return f"| {guard.name} | {', '.join(f'${text}$' for text in sums)} | {guard.size:.3g} |"
+
+
 def _by_formulas(kind: LimbPlatform, found: DirectFormulas) -> list[str]:
     """The sections on a direct problem that formulas solve: derivation, and what is proved of the line."""
     steps = "\n".join(f"{k}. {step}." for k, step in enumerate(found.formulas.steps, start=1))
     joints = ", ".join(f"`{c.name}`" for c in kind.actuated)
-    rows = [
-        f"| {guard.name} | {', '.join(f'{v:.3g}' for v in guard.bend.weights)} | {guard.bend.size:.3g} |"
-        for guard in found.guards
-    ]
-    table = "\n".join([f"| $g$ of | $W$ for {joints} | sum of amplitudes |", "|---|---|---|", *rows])
+    rows = [_guard_row(guard) for guard in found.guards]
+    table = "\n".join([f"| $g$ of | $W / 2$ for {joints} | sum of amplitudes |", "|---|---|---|", *rows])
     return [_DIRECT_BY_FORMULAS, steps, _LINE, table, _LINE_SIDE]
 
 

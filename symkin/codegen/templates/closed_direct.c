@@ -9,6 +9,7 @@ typedef struct {
     @{real} guard[@{ng}];
     @{real} y[@{ny}];
     @{real} share;
+@{reach_member}
 } @{p}_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -38,20 +39,24 @@ static void @{p}_direct_set(@{p}_direct_work *w, const @{real} joints[@{nq}])
  * changes: a guard bends by no more than its weights times these allow (README.md). */
 static bool @{p}_line_keeps(const @{p}_direct_work *w, const @{real} change[@{nq}])
 {
-    static const @{real} weights[@{ng}][@{nq}] = {
+    static const @{real} weights@{weights_size} = {
 @{weights}
     };
+@{nested_tables}
     static const @{real} least[@{ng}] = { @{least} };
     bool kept = true;
+@{lowest_array}
     for (int j = 0; j < @{ng}; ++j) {
         const @{real} a = w->left[j] - least[j];
         const @{real} b = w->guard[j] - least[j];
         const @{real} lesser = (a < b) ? a : b;
         @{real} bend = @{zero};
         for (int i = 0; i < @{nq}; ++i) {
-            bend += weights[j][i] * change[i];
+            bend += @{weights_of}[j][i] * change[i];
         }
+@{nested}
         kept = kept && (lesser > @{zero}) && (bend < a + b + lesser + lesser);
+@{keep_lowest}
     }
     return kept;
 }
@@ -112,6 +117,7 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
     @{p}_status status = @{p}_read_guess(&w, guess);
     const @{p}_status limits = @{p}_check_limits(joints);
     w.share = @{zero};
+@{no_reach}
     /* NaN or infinity anywhere comes first */
     if ((status == @{P}_OK) || (limits == @{P}_NONFINITE)) {
         status = limits;
