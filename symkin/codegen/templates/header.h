@@ -43,8 +43,7 @@ typedef struct {
 #define @{P}_JOINTS (@{nq})
 
 /* iterations: steps taken; residual: largest closure error of the answer@{of_track}, in
- * @{unit}; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, @{P}_JOINTS where it is none
+ * @{unit}; step: @{pivot_words}; joint: the first joint, from 0, whose value is outside its range or not finite, @{P}_JOINTS where it is none
  * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
