@@ -39,6 +39,9 @@ def firmware(
         str | None,
         typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="Pose about which pivots are chosen (platforms on six rods)."),
     ] = None,
+    package: Annotated[bool, typer.Option("--package", help="Also files for PlatformIO, Arduino and Zephyr.")] = False,
+    linuxcnc: Annotated[bool, typer.Option("--linuxcnc", help="Also a LinuxCNC kinematics component.")] = False,
+    cpp: Annotated[bool, typer.Option("--cpp", help="Also a header for C++17 and later.")] = False,
 ) -> None:
     """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files."""
     from symkin.codegen.folder import write_firmware
@@ -46,8 +49,9 @@ def firmware(
 
     mechanism = load(mech, read)
     pose = numbers_from(home, "home", mechanism.angle_unit)
+    also = [name for name, given in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp)) if given]
     files = write_firmware(
-        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose
+        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose, also=also,  # type: ignore[arg-type]
     )  # fmt: skip
     for path in files:
         print(path)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import re
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -13,7 +14,10 @@ import numpy as np
 from symkin._version import __version__
 from symkin.codegen.c_emitter import Real, indent
 from symkin.codegen.c_templates import fill
+from symkin.codegen.cpp_header import cpp_text
+from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options
+from symkin.codegen.package import package_files
 from symkin.codegen.program import Program, build_program
 from symkin.codegen.readme import readme
 from symkin.codegen.serial_arm import SerialArm
@@ -35,12 +39,14 @@ def write_firmware(
     home_relative: bool = False,
     geometry: Literal["fixed", "struct"] = "fixed",
     home: Sequence[float] | None = None,
+    also: Collection[Literal["package", "linuxcnc", "cpp"]] = (),
 ) -> list[Path]:
     """Write C99 for controllers into a folder and return its files: direct and inverse kinematics, Jacobian, test, build files.
 
     `real` is the C type of numbers; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
     gives the numbers of the geometry with each call in place of the code; `home` is the pose x, y, z, qw, qx, qy, qz (length
-    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. Raises InputError for a
+    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `also` asks for more files: "package"
+    (PlatformIO, Arduino, Zephyr), "linuxcnc" (a kinematics component), "cpp" (a header for C++17). Raises InputError for a
     mechanism that no code can be written for, options that do not fit it, and a folder that holds files of somebody else.
 
     >>> import symkin, tempfile
@@ -49,7 +55,7 @@ def write_firmware(
     ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
     """
     require_limbs(mechanism, "firmware", "describe the machine by limbs")
-    options = Options(real, home_relative, geometry, None if home is None else tuple(float(v) for v in home))
+    options = Options(real, home_relative, geometry, None if home is None else tuple(float(v) for v in home), tuple(also))
     return write_folder(mechanism, Path(directory), options)
 
 
@@ -62,6 +68,7 @@ def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[P
         _check_files(folder, files)
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
             write_output(folder / name, text)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
@@ -103,6 +110,9 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
     }
+    files |= package_files(mechanism, values) if options.package else {}
+    files |= {f"{name}_kins.c": linuxcnc_text(program, vectors.home)} if options.linuxcnc else {}
+    files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
     files[MANIFEST] = manifest(program, files)
     return files
 
@@ -120,6 +130,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "home_relative": options.home_relative,
             "geometry": options.geometry,
             "home": options.home,
+            **{str(name): True for name in options.also},
         },
         "operations_per_iteration": program.main.operations,
         **_closed_manifest(program),
@@ -150,6 +161,9 @@ def _test_values(program: Program) -> dict[str, object]:
         "angle_bound": _angle_bound(program),
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
+        "gpe": f"const {name}_geometry *geometry, " if struct else "",
+        "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
+        "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
         "speed_bound": "1e-3" if real.name == "float" else "1e-9",
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
         "closed_test": "", "closed_call": "",

@@ -14,18 +14,36 @@ from symkin.model.mechanism import Mechanism
 class Options:
     """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from home. `geometry`:
     numbers in the code, or a struct that is given with each call. `home`: the platform's pose about which the order
-    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz)."""
+    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `also`: more files, for package managers, LinuxCNC
+    or C++."""
 
     real: Literal["float", "double"] = "double"
     home_relative: bool = False
     geometry: Literal["fixed", "struct"] = "fixed"
     home: tuple[float, ...] | None = None
+    also: tuple[Literal["package", "linuxcnc", "cpp"], ...] = ()
+
+    @property
+    def package(self) -> bool:
+        return "package" in self.also
+
+    @property
+    def linuxcnc(self) -> bool:
+        return "linuxcnc" in self.also
+
+    @property
+    def cpp(self) -> bool:
+        return "cpp" in self.also
 
     def check(self, mechanism: Mechanism) -> None:
         if self.home_relative and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home-relative is made for platforms on six rods with a spatial pose")
         if self.home is not None and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
+        if self.linuxcnc and (self.real != "double" or self.home_relative):
+            raise InputError(
+                f"{mechanism.name}: --linuxcnc needs --real double and no --home-relative: LinuxCNC's numbers are doubles"
+            )
 
     @property
     def arguments(self) -> str:
@@ -37,4 +55,4 @@ class Options:
             parts.append(f"--geometry {self.geometry}")
         if self.home is not None:
             parts.append("--home " + ",".join(f"{v:g}" for v in self.home))
-        return " ".join(parts)
+        return " ".join([*parts, *(f"--{name}" for name in self.also)])
