@@ -15,6 +15,7 @@ from symkin._version import __version__
 from symkin.codegen.c_emitter import Real, indent
 from symkin.codegen.c_templates import fill
 from symkin.codegen.cpp_header import cpp_text
+from symkin.codegen.line_width import narrowed
 from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options
 from symkin.codegen.package import package_files
@@ -113,6 +114,7 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
     files |= package_files(mechanism, values) if options.package else {}
     files |= {f"{name}_kins.c": linuxcnc_text(program, vectors.home)} if options.linuxcnc else {}
     files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
+    files = {file: narrowed(text) if file.endswith((".c", ".h", ".hpp")) else text for file, text in files.items()}
     files[MANIFEST] = manifest(program, files)
     return files
 
