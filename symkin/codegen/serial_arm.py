@@ -16,7 +16,7 @@ from symkin.closed.plan import Plan, plan_of
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.arm_speeds import arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
+from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_functions, ranges_of
@@ -220,7 +220,7 @@ class ArmSource:
             "out": indent(copy("joints", "w.x", nq), 3),
         })  # fmt: skip
         return "".join([
-            fill("pose.c", values), fill("info.c", values), range_functions(ranges, arm.real, values),
+            normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
             fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
             self._speeds, "" if self.closed is None else self.closed.text,
         ])  # fmt: skip
