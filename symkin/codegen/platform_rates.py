@@ -30,7 +30,8 @@ def fastest(size: float) -> float:
 
 def rates_functions(mechanism: Mechanism, real: Real, values: Mapping[str, object]) -> str:
     """NAME_rates and NAME_feed."""
-    return fill("platform_rates.c", {**values, "fastest": real.literal(fastest(mechanism.characteristic_length))})
+    shown = {**values, "fastest": real.literal(fastest(mechanism.characteristic_length))}
+    return fill("check_speeds.c", shown) + fill("platform_rates.c", shown)
 
 
 def decides_twist(mechanism: Mechanism) -> bool:
@@ -51,8 +52,8 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
     return fill("square_twist.c", {**values, **shown})
 
 
-def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel) -> str:
-    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure, else one of its own."""
+def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
+    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure, else one of its own (None: no driver)."""
     kernel, text = made.direct_kernel, ""
     if made.core is not None:
         return core_twist(made, made.core.direct, values, driver)
