@@ -95,6 +95,7 @@ class LimbPlatformSource:
             target_lines=line_target(self.real, nq, None) if made.core is None else core_target(made.core.direct, self.real),
             known_count=nq,
             first_turn=_FIRST_TURN,
+            measured=made.core is not None,
         )
 
     @cached_property
