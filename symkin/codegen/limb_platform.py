@@ -105,7 +105,7 @@ class LimbPlatform:
     def core(self) -> PoseCore | None:
         """The direct problem over the pose alone, where all passive joints are taken out of the limbs' rows and a limb's branch is told by
         the pose and its actuated joint."""
-        if self.geometry.at_run_time or not self.samples:
+        if self.geometry.at_run_time or not self.samples or self.direct_formulas is not None:
             return None
         known = self.inverse.known_coordinates
         poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples[:_COMPARED]])
@@ -131,7 +131,7 @@ class LimbPlatform:
     @cached_property
     def direct_formulas(self) -> DirectFormulas | None:
         """The closed form of the direct problem, where the geometry is constant and all limbs have one too."""
-        if self.geometry.at_run_time or not self.tells_branch:
+        if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
         return direct_formulas(self.direct, self.samples)
 
@@ -148,7 +148,7 @@ class LimbPlatform:
     @property
     def tells_branch(self) -> bool:
         """Whether signs tell every limb's branch: all are rods or have closed forms."""
-        return all(block.rod is not None or block.formulas is not None for block in self.blocks)
+        return _tells_branch(self.blocks)
 
     @cached_property
     def conditions(self) -> System:
@@ -158,7 +158,14 @@ class LimbPlatform:
     @cached_property
     def blocks(self) -> tuple[LimbBlock, ...]:
         """Limbs, each a system of its own once the pose is given."""
-        systems = split_blocks(self.geometry.system(self.inverse)) if self.core is None else self.core.limbs
+        if self.core is None:
+            return self._closure_blocks
+        return tuple(self._block(number, system) for number, system in enumerate(self.core.limbs, start=1))
+
+    @cached_property
+    def _closure_blocks(self) -> tuple[LimbBlock, ...]:
+        """Limbs with their passive joints."""
+        systems = split_blocks(self.geometry.system(self.inverse))
         return tuple(self._block(number, system) for number, system in enumerate(systems, start=1))
 
     def _block(self, number: int, system: System) -> LimbBlock:
@@ -266,6 +273,10 @@ class LimbPlatform:
                     f"{self.name}: the platform's pose does not fix joints of one limb ({names}), so that there is no inverse; "
                     "nothing to generate"
                 )
+
+
+def _tells_branch(blocks: Sequence[LimbBlock]) -> bool:
+    return all(block.rod is not None or block.formulas is not None for block in blocks)
 
 
 def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Problem) -> bool:

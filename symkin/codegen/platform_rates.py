@@ -73,7 +73,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     return text + fill("closure_twist.c", {**values, **shown})
 
 
-def core_twist(made: LimbPlatform, core: PoseKernel, values: Mapping[str, object], driver: Kernel) -> str:
+def core_twist(made: LimbPlatform, core: PoseKernel, values: Mapping[str, object], driver: Kernel | None) -> str:
     """NAME_twist by the rows over the pose."""
     kernel, nq = core.kernel, len(made.actuated)
     k, text, rates = f"{made.name}_{kernel.name}", "", ca.SX.sym("v", nq)
