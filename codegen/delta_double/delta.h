@@ -13,7 +13,8 @@
  * there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:
  * where a limb has passed one, the direct problem answers with the status of a wrong branch.
  *
- * One step of Newton's method: 100 additions, 6 cos, 128 multiplications, 6 sin (rows, matrix, factors, step).
+ * Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of the line. Of a
+ * config max_step is not read; tolerance is what the closure's rows of the answer may leave beside rounding.
  * Predicted error of an answer: DELTA_TOLERANCE and the rounding of the type, about
  * 3.93143e-13 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
@@ -61,8 +62,8 @@ typedef struct {
 #define DELTA_MAX_STEP ((delta_real)442.63969044771426) /* mm */
 #define DELTA_JOINTS (3)
 
-/* iterations: steps taken; residual: largest closure error of the answer (delta_track: predicted error of the pose), in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
+/* iterations: steps taken; residual: largest closure error of the answer, in
+ * mm; step: 0; min_pivot: smallest root of the answer's formulas over its usual size,
  * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, DELTA_JOINTS where it is none
  * of them. Written by every call, whatever its status. */
 typedef struct {
@@ -80,8 +81,8 @@ typedef struct {
 delta_status delta_direct(const delta_config *config, const delta_real joints[DELTA_JOINTS], const delta_pose *guess, delta_pose *pose,
     delta_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to DELTA_TRACK_LIMIT another call
- * with the same joints brings it below the tolerance; beyond it, call delta_direct. */
+/* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
+ * delta_direct. info->residual is the answer's closure error, beyond DELTA_TRACK_LIMIT near a singularity. */
 #define DELTA_TRACK_LIMIT ((delta_real)0.00031) /* mm */
 delta_status delta_track(const delta_real joints[DELTA_JOINTS], delta_pose *pose, delta_info *info);
 

@@ -122,7 +122,6 @@ static void refuse_configs(const delta_real joints[DELTA_JOINTS], const delta_po
 static void refuse_all(void)
 {
     const delta_pose home = pose_from(delta_vector_home);
-    const delta_config one_step = { DELTA_TOLERANCE, 1U, DELTA_MAX_STEP };
     const delta_config none = { DELTA_TOLERANCE, 0U, DELTA_MAX_STEP };
     delta_pose wrong = home;
     delta_pose pose = home;
@@ -132,7 +131,6 @@ static void refuse_all(void)
     for (int i = 0; i < DELTA_JOINTS; ++i) {
         joints[i] = delta_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == DELTA_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
     expect(refused(&none, joints, &home, "no step is not enough") == DELTA_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
     refuse_configs(joints, &home);
     joints[DELTA_JOINTS - 1] = (delta_real)NAN;
