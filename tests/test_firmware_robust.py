@@ -27,7 +27,8 @@ def _called(folder: Path, tmp_path: Path, *flags: str) -> str:
     """What helpers/firmware_calls.c prints of a folder; it must end with status 0."""
     manifest = json.loads((folder / "manifest.json").read_text())
     name, options = manifest["mechanism"], manifest["options"]
-    kind = "PARALLEL" if "_track(" in (folder / f"{name}.h").read_text() else "SERIAL"
+    is_arm = re.search(rf"{name}_inverse\([^)]*guess", (folder / f"{name}.h").read_text()) is not None
+    kind = "SERIAL" if is_arm else "PARALLEL"
     macros = [f"-D{kind}", f"-DNAME={name}", f"-DUPPER={name.upper()}", f'-DHEADER="{name}.h"', f'-DVECTORS="{name}_vectors.h"']
     macros += ["-DSTRUCT"] if options["geometry"] == "struct" else []
     macros += [f"-DHUGE_FINITE={'3e38' if options['real'] == 'float' else '1e200'}"]
