@@ -14,7 +14,8 @@
  * there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:
  * where a limb has passed one, the direct problem answers with the status of a wrong branch.
  *
- * One step of Newton's method: 102 additions, 8 cos, 426 multiplications, 8 sin (rows, matrix, factors, step).
+ * Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of the line. Of a
+ * config max_step is not read; tolerance is what the closure's rows of the answer may leave beside rounding.
  * Predicted error of an answer: ZHAO2000_TOLERANCE and the rounding of the type, about
  * 0.000114441 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
@@ -62,8 +63,8 @@ typedef struct {
 #define ZHAO2000_MAX_STEP ((zhao2000_real)240.0f) /* mm */
 #define ZHAO2000_JOINTS (4)
 
-/* iterations: steps taken; residual: largest closure error of the answer (zhao2000_track: predicted error of the pose), in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
+/* iterations: steps taken; residual: largest closure error of the answer, in
+ * mm; step: 0; min_pivot: smallest root of the answer's formulas over its usual size,
  * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, ZHAO2000_JOINTS where it is none
  * of them. Written by every call, whatever its status. */
 typedef struct {
@@ -81,8 +82,8 @@ typedef struct {
 zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *guess, zhao2000_pose *pose,
     zhao2000_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to ZHAO2000_TRACK_LIMIT another call
- * with the same joints brings it below the tolerance; beyond it, call zhao2000_direct. */
+/* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
+ * zhao2000_direct. info->residual is the answer's closure error, beyond ZHAO2000_TRACK_LIMIT near a singularity. */
 #define ZHAO2000_TRACK_LIMIT ((zhao2000_real)0.0578f) /* mm */
 zhao2000_status zhao2000_track(const zhao2000_real joints[ZHAO2000_JOINTS], zhao2000_pose *pose, zhao2000_info *info);
 

@@ -39,15 +39,33 @@ def firmware(
         str | None,
         typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="Pose about which pivots are chosen (platforms on six rods)."),
     ] = None,
+    given: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B,...", help="Joint coordinates of which a map is written, as many as the mobility; needs --find."
+        ),
+    ] = None,
+    find: Annotated[
+        str | None, typer.Option(metavar="C,D,...", help="Joint coordinates that the map finds, and from which it leads back.")
+    ] = None,
 ) -> None:
-    """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files."""
+    """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files.
+
+    With --given and --find: the map between joints of any mechanism, both ways, with Jacobian, rates and torques.
+    """
     from symkin.codegen.folder import write_firmware
     from symkin.formats.load import load
 
     mechanism = load(mech, read)
     pose = numbers_from(home, "home", mechanism.angle_unit)
+    names = {"given": names_from(given), "find": names_from(find)}
     files = write_firmware(
-        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose
+        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose, **names
     )  # fmt: skip
     for path in files:
         print(path)
+
+
+def names_from(text: str | None) -> tuple[str, ...]:
+    """Names that commas part."""
+    return tuple(name.strip() for name in text.split(",") if name.strip()) if text else ()

@@ -157,23 +157,32 @@ class ClosedDirectSource:
                 f"const {real.type} r{k + 1} = (d{k + 1} > {limit}) ? {real.call('sqrt')}(d{k + 1}) : {real.literal(1.0)};"
             )
             tests.append(f"(d{k + 1} > {limit})")
-        lines = emitter.lines
-        lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(int(parts[1].shape[0]))]
-        near = []
-        for k in range(int(parts[2].shape[0])):
-            lines.append(
-                f"w->sign[{k}] = ({emitter.value(2, k)} < {real.literal(0.0)}) ? {real.literal(-1.0)} : {real.literal(1.0)};"
-            )
-        for j in range(int(parts[3].shape[0])):
-            lines.append(f"w->left[{j}] = {emitter.value(3, j)};")
-            near.append(f"(w->left[{j}] > {self._least[j]})")
         limit = real.literal(off_motion(self.made.geometry, real))
         tests += [f"({real.call('fabs')}({emitter.value(4, i)}) <= {limit})" for i in range(int(parts[4].shape[0]))]
-        if tests:
-            lines += [f"if (!({' && '.join(tests)})) {{", f"    status = {name}_OUT_OF_RANGE;", "}"]
-        if near:
-            lines += [f"if ((status == {name}_OK) && !({' && '.join(near)})) {{", f"    status = {name}_SINGULAR;", "}"]
-        return lines
+        begun, lines = len(emitter.lines), emitter.lines
+        lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(int(parts[1].shape[0]))]
+        self._store_guards(emitter, 3, "left", of_divisors=True)
+        middle, zero, one = len(lines), real.literal(0.0), real.literal(1.0)
+        for k in range(int(parts[2].shape[0])):
+            lines.append(f"w->sign[{k}] = ({emitter.value(2, k)} < {zero}) ? -{one} : {one};")
+        self._store_guards(emitter, 3, "left", of_divisors=False)
+        near = self._above("left", of_divisors=False)
+        last = [*lines[middle:], *([f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"] if near else [])]
+        rest = [*lines[begun:middle], *_refused(self._above("left", of_divisors=True), last, f"{name}_SINGULAR")]
+        return [*lines[:begun], *_refused(" && ".join(tests), rest, f"{name}_OUT_OF_RANGE")]
+
+    def _store_guards(self, emitter: Emitter, output: int, array: str, *, of_divisors: bool) -> None:
+        """Add statements of guards: those of divisors, by which formulas divide, or those of discriminants."""
+        for j, guard in enumerate(self.found.guards):
+            if (guard.choice is None) == of_divisors:
+                emitter.lines.append(f"w->{array}[{j}] = {emitter.value(output, j)};")
+
+    def _above(self, array: str, *, of_divisors: bool) -> str:
+        """C condition: these guards are more than rounding."""
+        tests = [
+            f"(w->{array}[{j}] > {self._least[j]})" for j, g in enumerate(self.found.guards) if (g.choice is None) == of_divisors
+        ]
+        return " && ".join(tests)
 
     def _pose_generators(self, lengths: Sequence[ca.SX], half: tuple[ca.SX, ca.SX] | None) -> dict[str, Generators]:
         pose, found, left = self.made.closure.role("pose"), {}, list(lengths)
@@ -237,7 +246,8 @@ class ClosedDirectSource:
         function = ca.Function("formulas", [self._u, formulas.roots], outputs, {"cse": True})
         count = int(formulas.roots.shape[0])
         emitter = Emitter(function, [indexed("w->u", self._count), [f"r{k + 1}" for k in range(count)]], real)
-        lines, zero = emitter.lines, real.literal(0.0)
+        self._store_guards(emitter, 2, "guard", of_divisors=True)
+        lines, zero, begun = emitter.lines, real.literal(0.0), len(emitter.lines)
         for k in range(count):
             text = emitter.value(0, k)
             lines.append(
@@ -246,8 +256,7 @@ class ClosedDirectSource:
             lines.append(
                 f"const {real.type} r{k + 1} = w->sign[{k}] * {real.call('sqrt')}((d{k + 1} > {zero}) ? d{k + 1} : {zero});"
             )
-        for j in range(len(self.found.guards)):
-            lines.append(f"w->guard[{j}] = {emitter.value(2, j)};")
+        self._store_guards(emitter, 2, "guard", of_divisors=False)
         for i in range(len(unknowns)):
             if i in self._needed:
                 lines.append(f"w->y[{i}] = {emitter.value(1, i)};")
@@ -259,7 +268,13 @@ class ClosedDirectSource:
         for k, share in enumerate(shares[1:], start=2):
             lines.append(f"const {real.type} share{k} = {share};")
             lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
-        return lines
+        none = [f"w->guard[{j}] = {zero};" for j, guard in enumerate(self.found.guards) if guard.choice is not None]
+        condition = self._above("guard", of_divisors=True)
+        if not condition:
+            return lines
+        return [*lines[:begun], f"if ({condition}) {{", *("    " + line for line in lines[begun:]), "} else {",
+                "    /* what formulas divide by vanishes: no guard is above zero */", *("    " + line for line in none),
+                f"    w->share = {zero};", "}"]  # fmt: skip
 
     @property
     def _set_lines(self) -> list[str]:
@@ -515,3 +530,10 @@ class ClosedDirectSource:
             "per_quarter": literal(2.0 / np.pi), "quarter1": literal(first), "quarter2": literal(second),
             "quarter3": literal(quarter - first - second), "sine": horner(_SINE, self.real), "cosine": horner(_COSINE, self.real),
         })  # fmt: skip
+
+
+def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:
+    """Statements under a condition, without which a status is set."""
+    if not condition:
+        return list(lines)
+    return [f"if (!({condition})) {{", f"    status = {status};", "} else {", *("    " + line for line in lines), "}"]

@@ -13,6 +13,8 @@ import numpy as np
 from symkin._version import __version__
 from symkin.codegen.c_emitter import Real, indent
 from symkin.codegen.c_templates import fill
+from symkin.codegen.joint_map import JointMap
+from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program, is_closed
 from symkin.codegen.readme import readme
@@ -21,7 +23,7 @@ from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
 from symkin.files.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism, require_limbs, require_mechanism
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
@@ -35,12 +37,16 @@ def write_firmware(
     home_relative: bool = False,
     geometry: Literal["fixed", "struct"] = "fixed",
     home: Sequence[float] | None = None,
+    given: Sequence[str] = (),
+    find: Sequence[str] = (),
 ) -> list[Path]:
     """Write C99 for controllers into a folder and return its files: direct and inverse kinematics, Jacobian, test, build files.
 
     `real` is the C type of numbers; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
     gives the numbers of the geometry with each call in place of the code; `home` is the pose x, y, z, qw, qx, qy, qz (length
-    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. Raises InputError for a
+    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `given` and `find` name joint
+    coordinates, as many of each as the mobility: the code is then the map from one to the other and back, of any mechanism, graphs
+    and files of robots too, with Jacobian, rates and torques. Raises InputError for a
     mechanism that no code can be written for, options that do not fit it, and a folder that holds files of somebody else.
 
     >>> import symkin, tempfile
@@ -48,8 +54,13 @@ def write_firmware(
     ...     [path.name for path in symkin.write_firmware(symkin.load("gluon_6l3"), folder, real="float")][:3]
     ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
     """
-    require_limbs(mechanism, "firmware", "describe the machine by limbs")
-    options = Options(real, home_relative, geometry, None if home is None else tuple(float(v) for v in home))
+    options = Options(
+        real, home_relative, geometry, None if home is None else tuple(float(v) for v in home), tuple(given), tuple(find)
+    )
+    require_mechanism(mechanism)
+    if not options.is_map:
+        remedy = "describe the machine by limbs, or map joints to joints by --given and --find (given and find in Python)"
+        require_limbs(mechanism, "firmware", remedy)
     return write_folder(mechanism, Path(directory), options)
 
 
@@ -88,7 +99,8 @@ def _check_files(folder: Path, files: dict[str, str]) -> None:
 def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
     """Text of each file by its name."""
     program = build_program(mechanism, options)
-    vectors = build_vectors(program.kind)
+    kind = program.kind
+    vectors = MapVectors(kind).text() if isinstance(kind, JointMap) else vectors_text(program, build_vectors(kind))
     name = mechanism.name
     values = program.values | _test_values(program)
     values |= _closed_values(program, values)
@@ -97,7 +109,7 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
         f"{name}.h": program.header,
         f"{name}.c": program.source,
         f"{name}_test.c": fill(f"{templates}_test.c", values),
-        f"{name}_vectors.h": vectors_text(program, vectors),
+        f"{name}_vectors.h": vectors,
         "example_main.c": fill(f"{templates}_example.c", values),
         "CMakeLists.txt": fill("CMakeLists.txt", values),
         "Makefile": fill("Makefile", values),
@@ -120,6 +132,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "home_relative": options.home_relative,
             "geometry": options.geometry,
             "home": options.home,
+            **({"given": options.given, "find": options.find} if options.is_map else {}),
         },
         "operations_per_iteration": program.main.operations,
         **_closed_manifest(program),
@@ -145,7 +158,7 @@ def _test_values(program: Program) -> dict[str, object]:
         if struct
         else ""
     )
-    return _redundant_values(program) | {
+    return _redundant_values(program) | _map_values(program) | {
         "far": real.literal(1e4 * max(mechanism.characteristic_length, 1.0)),
         "angle_bound": _angle_bound(program),
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
@@ -183,6 +196,15 @@ def _closed_values(program: Program, values: dict[str, object]) -> dict[str, obj
         "closed_test": fill("closed_test.c", values | own),
         "closed_call": "    closed_form();\n    closed_refusals();",
     }
+
+
+def _map_values(program: Program) -> dict[str, object]:
+    """What makes differences of a map's values lengths."""
+    kind = program.kind
+    if not isinstance(kind, JointMap):
+        return {}
+    parts = {"joint_weights": kind.given, "found_weights": kind.found}
+    return {key: ", ".join(f"{kind.size if c.is_angular else 1.0!r}" for c in part) for key, part in parts.items()}
 
 
 def _angle_bound(program: Program) -> str:

@@ -57,7 +57,7 @@ class LimbPlatformSource:
         made, real, values = self.made, self.real, self.values
         ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
         return "".join([
-            fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values),
+            fill("pose.c", values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values),
             "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
             range_functions(ranges, real, values), *(self._limb_text(block) for block in made.blocks),
             self._solve_limbs, *self._direct, "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,

@@ -14,18 +14,27 @@ from symkin.model.mechanism import Mechanism
 class Options:
     """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from home. `geometry`:
     numbers in the code, or a struct that is given with each call. `home`: the platform's pose about which the order
-    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz)."""
+    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `given`, `find`: names of the coordinates of a map between joints."""
 
     real: Literal["float", "double"] = "double"
     home_relative: bool = False
     geometry: Literal["fixed", "struct"] = "fixed"
     home: tuple[float, ...] | None = None
+    given: tuple[str, ...] = ()
+    find: tuple[str, ...] = ()
+
+    @property
+    def is_map(self) -> bool:
+        """Whether joints are mapped to joints."""
+        return bool(self.given or self.find)
 
     def check(self, mechanism: Mechanism) -> None:
         if self.home_relative and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home-relative is made for platforms on six rods with a spatial pose")
         if self.home is not None and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
+        if self.is_map and self.geometry != "fixed":
+            raise InputError(f"{mechanism.name}: a map between joints has its geometry in the code; leave --geometry struct out")
 
     @property
     def arguments(self) -> str:
@@ -37,4 +46,6 @@ class Options:
             parts.append(f"--geometry {self.geometry}")
         if self.home is not None:
             parts.append("--home " + ",".join(f"{v:g}" for v in self.home))
+        if self.is_map:
+            parts += [f"--given {','.join(self.given)}", f"--find {','.join(self.find)}"]
         return " ".join(parts)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from symkin.codegen.direct_formulas import DirectFormulas, Guard
+from symkin.codegen.joint_map import JointMap
+from symkin.codegen.joint_map_readme import map_branch, map_chapter
 from symkin.codegen.latex import equations
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.program import Program, is_closed
@@ -217,7 +219,8 @@ def _branch(program: Program) -> str:
     pieces = _RULE.split("@@")
     rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + _dead_centres(program) + pieces[2]
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
-    return "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
+    found = "\n\n".join([_BRANCH, f"{ground}\n{rule}"])
+    return map_branch(program.kind, found) if isinstance(program.kind, JointMap) else found
 
 
 _CLOSED_FORM = r"""## Closed form
@@ -268,7 +271,10 @@ def readme(program: Program) -> str:
     mechanism, options = program.mechanism, program.options
     name = mechanism.name
     solved = _SOLVED if is_closed(program.kind) else _ITERATED
-    kind = _EQUATIONS[type(program.kind)].replace("@@", solved) + (_RELATIVE if options.home_relative else "")
+    text = (
+        map_chapter(program.kind) if isinstance(program.kind, JointMap) else _EQUATIONS[type(program.kind)].replace("@@", solved)
+    )
+    kind = text + (_RELATIVE if options.home_relative else "")
     kind += "\n" + _REDUNDANT if program.kind.is_redundant else ""
     closure = equations(mechanism)
     chapters = "\n\n".join([kind, *_formulas(program), _branch(program), *_closed_form(program)])

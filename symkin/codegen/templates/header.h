@@ -24,12 +24,7 @@ typedef enum {
     @{P}_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
     @{P}_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
 } @{p}_status;
-
-/* Position in @{unit}, unit quaternion (w, x, y, z), both of the @{frame} frame in the base frame@{relative}. */
-typedef struct {
-    @{p}_real position[3];
-    @{p}_real quaternion[4];
-} @{p}_pose;
+@{pose_type}
 
 /* tolerance: predicted error of the answer (@{unit}, angles times the size); max_iterations: steps of any kind;
  * max_step: longest single step (@{unit}, angles times the size). Both are above 0 and
