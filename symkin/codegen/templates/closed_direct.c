@@ -1,6 +1,6 @@
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
  * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: largest square of a usual root over a root's. */
+ * and at u; y: the unknowns; share: the smallest root over its usual size. */
 typedef struct {
     @{real} at[@{nu}];
     @{real} u[@{nu}];
@@ -39,25 +39,7 @@ static void @{p}_direct_set(@{p}_direct_work *w, const @{real} joints[@{nq}])
  * changes: a guard bends by no more than its weights times these allow (README.md). */
 static bool @{p}_line_keeps(const @{p}_direct_work *w, const @{real} change[@{nq}])
 {
-    static const @{real} weights@{weights_size} = {
-@{weights}
-    };
-@{nested_tables}
-    static const @{real} least[@{ng}] = { @{least} };
-    bool kept = true;
-@{lowest_array}
-    for (int j = 0; j < @{ng}; ++j) {
-        const @{real} a = w->left[j] - least[j];
-        const @{real} b = w->guard[j] - least[j];
-        const @{real} lesser = (a < b) ? a : b;
-        @{real} bend = @{zero};
-        for (int i = 0; i < @{nq}; ++i) {
-            bend += @{weights_of}[j][i] * change[i];
-        }
-@{nested}
-        kept = kept && (lesser > @{zero}) && (bend < a + b + lesser + lesser);
-@{keep_lowest}
-    }
+@{keep_lines}
     return kept;
 }
 
@@ -149,7 +131,13 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
         }
     }
     if (count > 0U) {
-        @{p}_write_info(info, count, residual, @{zero}, w.share);
+        if (info != NULL) {
+            info->iterations = (uint8_t)count;
+            info->residual = (residual >= @{zero}) ? residual : @{huge};
+            info->step = @{zero};
+            info->min_pivot = (w.share >= @{zero}) ? w.share : @{zero};
+            info->joint = @{nq}U;
+        }
     } else {
         @{p}_write_no_step(info, joints);
     }
