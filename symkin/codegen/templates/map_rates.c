@@ -1,7 +1,8 @@
 /* Derivatives of the rows by the joints, row by row. */
-static void @{p}_joint_columns(const @{p}_direct_work *w, @{real} sides[@{nsides}])
+static void @{p}_joint_columns(const @{p}_direct_work *w, const @{real} numbers[@{nn}], @{real} sides[@{nsides}])
 {
     (void)w;
+    (void)numbers;
 @{sides}
 }
 
@@ -12,8 +13,8 @@ static void @{p}_joint_columns(const @{p}_direct_work *w, @{real} sides[@{nsides
     @{real} sides[@{nsides}];
     @{real} rates[@{nj}];
 @{y}
-    @{p}_status status = @{p}_check_range(@{P}_OK, joints, @{p}_low_joints, @{p}_high_joints, @{nq});
-    status = @{p}_check_range(status, found, @{p}_low_found, @{p}_high_found, @{nq});
+    @{p}_status status = @{p}_limit_joints(@{P}_OK, joints);
+    status = @{p}_limit_found(status, found);
 @{state}
     if (status == @{P}_OK) {
         @{p}_direct_rows(&w);
@@ -22,7 +23,7 @@ static void @{p}_joint_columns(const @{p}_direct_work *w, @{real} sides[@{nsides
         } else if (@{singular}) {
             status = @{P}_SINGULAR;
         } else {
-            @{p}_joint_columns(&w, sides);
+            @{p}_joint_columns(&w, numbers, sides);
             for (int j = 0; j < @{nq}; ++j) {
                 for (int i = 0; i < @{m}; ++i) {
                     w.f[i] = sides[@{nq} * i + j];
