@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from symkin.codegen.options import Options
 CODEGEN = Path(__file__).parent.parent / "codegen"
 
 FOLDERS = sorted(path.parent.name for path in CODEGEN.glob("*/manifest.json"))
+TRAPS = "division"
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 
@@ -41,15 +43,40 @@ def test_one_status_for_what_is_not_finite(folder, tmp_path):
     _called(CODEGEN / folder, tmp_path)
 
 
-@pytest.mark.long
+def _fuzzed(folder: Path, count: int) -> str:
+    """What codegen/bench/fuzz.c prints of a folder; it must find nothing."""
+    tools.compiler("gcc")
+    clean, said = tools.bench_module("fuzz").fuzzed(folder, count, mode=TRAPS)
+    assert clean, said
+    return str(said)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_fuzz_under_sanitizers(folder, tmp_path):
-    """NaN, infinity, zero, huge, tiny and ordinary inputs: a status, finite results when it is OK, no undefined behaviour.
-    SYMKIN_FUZZ sets the count of inputs."""
-    count = int(os.environ.get("SYMKIN_FUZZ", 1000 if folder.startswith("zhao2000_links") else 10000))
-    scale = 3 if folder.startswith(("gluon", "yao")) else 200
-    assert int(_called(CODEGEN / folder, tmp_path, f"-DFUZZ={count}", f"-DSCALE={scale}.0")) > 0
+def test_fuzz_under_sanitizers_and_traps(folder):
+    """NaN, infinity, zero, huge, tiny, singular and ordinary inputs: a status, finite results when it is OK, no undefined behaviour, no
+    division by zero, and of finite inputs no invalid operation. SYMKIN_FUZZ sets the count of inputs."""
+    said = _fuzzed(CODEGEN / folder, int(os.environ.get("SYMKIN_FUZZ", 1000)))
+    assert re.search(r"[1-9]\d* answered", said)
+
+
+def test_a_trap_is_told(tmp_path):
+    """Code that divides by zero is found, with its place."""
+    folder = tmp_path / "folder"
+    write_folder(load("scara"), folder, Options("double"))
+    source = folder / "scara.c"
+    source.write_text(
+        source.read_text().replace(
+            "scara_status status = scara_check_limits(joints);",
+            "scara_status status = (1.0 / (joints[0] - joints[0]) > 2.0) ? SCARA_OK : SCARA_SINGULAR;",
+            1,
+        )
+    )
+    tools.compiler("gcc")
+    clean, said = tools.bench_module("fuzz").fuzzed(folder, 100)
+    assert not clean
+    assert "FPE" in said
+    assert "scara.c" in said
 
 
 @pytest.mark.slow
@@ -59,7 +86,7 @@ def test_fresh_code_is_as_careful(made, real, tmp_path):
     """The same of kinds that no committed folder has: deltas, planar and redundant closures, cranks, another arm."""
     write_folder(made(), tmp_path / "folder", Options(real))
     _called(tmp_path / "folder", tmp_path)
-    _called(tmp_path / "folder", tmp_path, "-DFUZZ=1000", "-DSCALE=3.0")
+    _fuzzed(tmp_path / "folder", 1000)
 
 
 WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("zhao2000", 150, "double", 50.0)]

@@ -11,7 +11,7 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * ANKLE_OK only; `info` always. config and info may be NULL, guess and result the same object.
  *
- * One step of Newton's method: 80 additions, 4 divisions, 120 multiplications, 2 sqrt (rows, matrix, factors, step).
+ * One step of Newton's method: 48 additions, 4 divisions, 78 multiplications, 2 sqrt (rows, matrix, factors, step).
  * Predicted error of an answer: ANKLE_TOLERANCE and the rounding of the type, about
  * 0.000124937 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
@@ -38,7 +38,9 @@ typedef enum {
 } ankle_status;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 262000.0f (a thousand sizes), else the status is ANKLE_OUT_OF_RANGE, of NaN and infinity ANKLE_NONFINITE;
+ * 0 iterations are ANKLE_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     ankle_real tolerance;
     uint8_t max_iterations;
@@ -53,12 +55,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer (ankle_track: predicted error of a step of Newton's method), in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, ANKLE_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     ankle_real residual;
     ankle_real step;
     ankle_real min_pivot;
+    uint8_t joint;
 } ankle_info;
 
 #define ANKLE_FOUND (2)

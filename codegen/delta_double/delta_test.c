@@ -86,6 +86,7 @@ static void solve_all(void)
         expect(difference(&pose, delta_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
+        expect(info.joint == DELTA_JOINTS, "no joint to blame", k);
         pose = guess;
         expect(delta_direct(NULL, delta_vector_joints[k], &guess, &pose, NULL) == DELTA_OK, "direct without info", k);
         expect(delta_track(delta_vector_joints[k], &pose, &info) == DELTA_OK, "track", k);
@@ -107,10 +108,20 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const delta_real joints[DELTA_JOINTS], const delta_pose *home)
+{
+    const delta_real wrong[4] = { 0.0, -1.0, (delta_real)NAN, (delta_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const delta_real other = wrong[i % 4];
+        const delta_config config = { (i < 4) ? other : DELTA_TOLERANCE, DELTA_MAX_STEPS, (i < 4) ? DELTA_MAX_STEP : other };
+        const delta_status wanted = (i % 4 < 2) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
+        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const delta_pose home = pose_from(delta_vector_home);
-    const delta_config one_step = { DELTA_TOLERANCE, 1U, DELTA_MAX_STEP };
     const delta_config none = { DELTA_TOLERANCE, 0U, DELTA_MAX_STEP };
     delta_pose wrong = home;
     delta_pose pose = home;
@@ -120,8 +131,18 @@ static void refuse_all(void)
     for (int i = 0; i < DELTA_JOINTS; ++i) {
         joints[i] = delta_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == DELTA_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
     expect(refused(&none, joints, &home, "no step is not enough") == DELTA_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    refuse_configs(joints, &home);
+    joints[DELTA_JOINTS - 1] = (delta_real)NAN;
+    (void)delta_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == DELTA_JOINTS - 1U, "joint of a NaN", 0);
+    joints[DELTA_JOINTS - 1] = -4426396.904477143;
+    (void)delta_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == DELTA_JOINTS - 1U, "joint out of range", 0);
+    (void)delta_track(joints, &pose, &info);
+    expect(info.joint == DELTA_JOINTS - 1U, "joint out of range of track", 0);
+    joints[DELTA_JOINTS - 1] = delta_vector_joints[0][DELTA_JOINTS - 1];
+    pose = home;
     joints[0] = (delta_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == DELTA_NONFINITE, "NONFINITE", 0);
     joints[0] = (delta_real)INFINITY;
@@ -156,9 +177,52 @@ static void refuse_all(void)
 #endif
 }
 
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+static void speeds_of(const delta_pose *pose, int k)
+{
+    delta_real rates[DELTA_JOINTS];
+    delta_real again[DELTA_JOINTS];
+    delta_real limits[DELTA_JOINTS];
+    delta_real twist[6] = { 0.0 };
+    delta_real feed = 0.0;
+    double largest = 0.0;
+    for (int i = 0; i < DELTA_JOINTS; ++i) {
+        rates[i] = (delta_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+    }
+    expect(delta_twist(pose, rates, twist) == DELTA_OK, "twist", k);
+    expect(delta_rates(pose, twist, again) == DELTA_OK, "rates", k);
+    for (int i = 0; i < DELTA_JOINTS; ++i) {
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-9, "rates of the twist of rates", i);
+        limits[i] = (delta_real)0.125;
+    }
+    expect(delta_feed(pose, twist, limits, &feed) == DELTA_OK, "feed", k);
+    for (int i = 0; i < DELTA_JOINTS; ++i) {
+        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+    }
+    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
+    for (int i = 0; i < DELTA_JOINTS; ++i) {
+        limits[i] = 4.0;
+    }
+    expect((delta_feed(pose, twist, limits, &feed) == DELTA_OK) && (feed == 1.0), "no need for a feed", k);
+    limits[0] = -1.0;
+    expect(delta_feed(pose, twist, limits, &feed) == DELTA_OUT_OF_RANGE, "a limit below 0", k);
+    limits[0] = (delta_real)NAN;
+    expect(delta_feed(pose, twist, limits, &feed) == DELTA_NONFINITE, "a limit that is not a number", k);
+    twist[5] = (delta_real)INFINITY;
+    expect(delta_rates(pose, twist, again) == DELTA_NONFINITE, "infinite twist", k);
+    rates[0] = (delta_real)NAN;
+    expect(delta_twist(pose, rates, twist) == DELTA_NONFINITE, "NaN among rates", k);
+    rates[0] = (delta_real)1e30;
+    expect(delta_twist(pose, rates, twist) == DELTA_OUT_OF_RANGE, "rates beyond all bounds", k);
+}
+
 int main(void)
 {
     solve_all();
+    for (int k = 0; k < DELTA_VECTOR_JACOBIANS; ++k) {
+        const delta_pose pose = pose_from(delta_vector_poses[k]);
+        speeds_of(&pose, k);
+    }
     refuse_all();
     (void)printf("delta: %d cases, %d failures\n", DELTA_VECTORS, failures);
     return (failures == 0) ? 0 : 1;

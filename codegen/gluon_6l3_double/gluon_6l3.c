@@ -61,20 +61,44 @@ static GLUON_6L3_COLD void gluon_6l3_write_info(gluon_6l3_info *info, unsigned i
         info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
         info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
         info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_config(const gluon_6l3_config *config, gluon_6l3_status before)
+{
+    const gluon_6l3_real tolerance = config->tolerance;
+    const gluon_6l3_real longest = config->max_step;
+    gluon_6l3_status status = before;
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 540000.0 - longest)) && (before != GLUON_6L3_NONFINITE)) {
+        const gluon_6l3_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0) ? GLUON_6L3_OUT_OF_RANGE : GLUON_6L3_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static GLUON_6L3_SHARED uint8_t gluon_6l3_first_beyond(const gluon_6l3_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= -1000.000000001) && (joints[joint] <= 1000.000000001))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges. */
 static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_check_limits(const gluon_6l3_real joints[6])
 {
     gluon_6l3_status status = GLUON_6L3_OK;
-    if (!((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001)
-        && (joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001)
-        && (joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001)
-        && (joints[3] >= -1000.000000001) && (joints[3] <= 1000.000000001)
-        && (joints[4] >= -1000.000000001) && (joints[4] <= 1000.000000001)
-        && (joints[5] >= -1000.000000001) && (joints[5] <= 1000.000000001))) {
+    if (!(((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001))
+        && ((joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001))
+        && ((joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001))
+        && ((joints[3] >= -1000.000000001) && (joints[3] <= 1000.000000001))
+        && ((joints[4] >= -1000.000000001) && (joints[4] <= 1000.000000001))
+        && ((joints[5] >= -1000.000000001) && (joints[5] <= 1000.000000001)))) {
         status = gluon_6l3_check_finite(joints, 6, GLUON_6L3_OUT_OF_RANGE);
     }
     return status;
@@ -1377,7 +1401,8 @@ static GLUON_6L3_COLD void gluon_6l3_inverse_pivoted_solve(gluon_6l3_inverse_wor
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to gluon_6l3_inverse_pivoted. */
+ * pivot is far below its usual size, which is left to gluon_6l3_inverse_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
 {
     gluon_6l3_real det;
@@ -1738,7 +1763,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t352 = t350 + t351;
     const gluon_6l3_real t353 = t347 - t352;
     const gluon_6l3_real t354 = t353 + t353;
-    const gluon_6l3_real t355 = 1.0 / t91;
+    const gluon_6l3_real t355 = 1.0 / (t91 + 2.17e-20);
     w->a[0] = t355;
     const gluon_6l3_real t357 = t355 * 1.29438;
     w->a[1] = t153;
@@ -1935,7 +1960,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t548 = t502 - t544 * t245;
     const gluon_6l3_real t549 = t526 - t544 * t308;
     const gluon_6l3_real t550 = t543 - t544 * t354;
-    const gluon_6l3_real t551 = 1.0 / t546;
+    const gluon_6l3_real t551 = 1.0 / (t546 + 2.17e-20);
     w->a[7] = t551;
     const gluon_6l3_real t553 = t551 * 0.728574;
     w->a[8] = t547;
@@ -2004,7 +2029,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t616 = t610 - t613 * t548;
     const gluon_6l3_real t617 = t611 - t613 * t549;
     const gluon_6l3_real t618 = t612 - t613 * t550;
-    const gluon_6l3_real t619 = 1.0 / t615;
+    const gluon_6l3_real t619 = 1.0 / (t615 + 2.17e-20);
     w->a[14] = t619;
     const gluon_6l3_real t621 = t619 * 2.03;
     w->a[15] = t616;
@@ -2070,7 +2095,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t681 = t676 - t679 * t616;
     const gluon_6l3_real t682 = t677 - t679 * t617;
     const gluon_6l3_real t683 = t678 - t679 * t618;
-    const gluon_6l3_real t684 = 1.0 / t681;
+    const gluon_6l3_real t684 = 1.0 / (t681 + 2.17e-20);
     w->a[21] = t684;
     const gluon_6l3_real t686 = t684 * 0.391677;
     w->a[23] = t683;
@@ -2147,7 +2172,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     w->a[27] = t756;
     const gluon_6l3_real t758 = t755 - t756 * t683;
     const gluon_6l3_real t759 = t754 - t756 * t682;
-    const gluon_6l3_real t760 = 1.0 / t759;
+    const gluon_6l3_real t760 = 1.0 / (t759 + 2.17e-20);
     w->a[28] = t760;
     const gluon_6l3_real t762 = t760 * 0.93386;
     w->a[29] = t758;
@@ -2198,7 +2223,7 @@ static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t807 = t806 * t760;
     w->a[34] = t807;
     const gluon_6l3_real t809 = t805 - t807 * t758;
-    const gluon_6l3_real t810 = 1.0 / t809;
+    const gluon_6l3_real t810 = 1.0 / (t809 + 1.52e-20);
     w->a[35] = t810;
     const gluon_6l3_real t812 = t810 * 0.49393300000000007;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -2370,11 +2395,11 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, cons
                 gluon_6l3_real gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh && (before > still2)) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0 * ((fresh || !(before > 0.0)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
@@ -2447,12 +2472,18 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
     gluon_6l3_inverse_work w;
     gluon_6l3_real to[7];
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, gluon_6l3_normalise_pose(pose, to));
-    for (int i = 0; i < 6; ++i) {
-        if ((status == GLUON_6L3_OK) && (fabs(guess[i]) > 539293.720712563)) {
-            status = GLUON_6L3_OUT_OF_RANGE;
+    gluon_6l3_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    for (int i = 6 - 1; i >= 0; --i) {
+        if (!(fabs(guess[i]) <= 539293.720712563)) {
+            status = (status == GLUON_6L3_OK) ? GLUON_6L3_OUT_OF_RANGE : status;
+            if (info != NULL) {
+                info->joint = (uint8_t)i;
+            }
         }
     }
-    gluon_6l3_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (config != NULL) {
+        status = gluon_6l3_check_config(config, status);
+    }
     if (status == GLUON_6L3_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -2464,6 +2495,9 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
         status = gluon_6l3_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == GLUON_6L3_OK) {
             status = gluon_6l3_check_limits(w.x);
+            if (info != NULL) {
+                info->joint = gluon_6l3_first_beyond(w.x);
+            }
         }
         if (status == GLUON_6L3_OK) {
             joints[0] = w.x[0];

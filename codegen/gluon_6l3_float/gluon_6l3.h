@@ -13,7 +13,7 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * GLUON_6L3_OK only; `info` always. config and info may be NULL, guess and pose the same object.
  *
- * One step of Newton's method: 376 additions, 24 cos, 6 divisions, 601 multiplications, 24 sin (rows, matrix, factors, step).
+ * One step of Newton's method: 382 additions, 24 cos, 6 divisions, 601 multiplications, 24 sin (rows, matrix, factors, step).
  * Predicted error of an answer: GLUON_6L3_TOLERANCE and the rounding of the type, about
  * 0.000257155 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
@@ -46,7 +46,9 @@ typedef struct {
 } gluon_6l3_pose;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 540000.0f (a thousand sizes), else the status is GLUON_6L3_OUT_OF_RANGE, of NaN and infinity GLUON_6L3_NONFINITE;
+ * 0 iterations are GLUON_6L3_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     gluon_6l3_real tolerance;
     uint8_t max_iterations;
@@ -61,12 +63,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, GLUON_6L3_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     gluon_6l3_real residual;
     gluon_6l3_real step;
     gluon_6l3_real min_pivot;
+    uint8_t joint;
 } gluon_6l3_info;
 
 /* Tool pose of joint values; its quaternion has w >= 0. */

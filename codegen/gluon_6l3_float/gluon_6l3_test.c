@@ -80,16 +80,35 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS])
+{
+    const gluon_6l3_real wrong[4] = { 0.0f, -1.0f, (gluon_6l3_real)NAN, (gluon_6l3_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const gluon_6l3_real other = wrong[i % 4];
+        const gluon_6l3_config config = { (i < 4) ? other : GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS, (i < 4) ? GLUON_6L3_MAX_STEP : other };
+        const gluon_6l3_status wanted = (i % 4 < 2) ? GLUON_6L3_OUT_OF_RANGE : GLUON_6L3_NONFINITE;
+        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const gluon_6l3_config none = { GLUON_6L3_TOLERANCE, 0U, GLUON_6L3_MAX_STEP };
     gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[0]);
     gluon_6l3_pose wrong = pose;
     gluon_6l3_real joints[GLUON_6L3_JOINTS];
+    gluon_6l3_real other[GLUON_6L3_JOINTS];
+    gluon_6l3_info info;
     for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
         joints[i] = gluon_6l3_vector_guesses[0][i];
     }
     expect(refused(&none, &pose, joints, "no step is not enough") == GLUON_6L3_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    refuse_configs(&pose, joints);
+    joints[GLUON_6L3_JOINTS - 1] = (gluon_6l3_real)NAN;
+    (void)gluon_6l3_inverse(NULL, &pose, joints, other, &info);
+    expect(info.joint == GLUON_6L3_JOINTS - 1U, "joint of a NaN guess", 0);
+    joints[GLUON_6L3_JOINTS - 1] = gluon_6l3_vector_guesses[0][GLUON_6L3_JOINTS - 1];
+    expect((gluon_6l3_inverse(NULL, &pose, joints, other, &info) == GLUON_6L3_OK) && (info.joint == GLUON_6L3_JOINTS), "no joint to blame", 0);
     joints[0] = (gluon_6l3_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == GLUON_6L3_NONFINITE, "NONFINITE", 0);
     expect(gluon_6l3_direct(joints, &wrong) == GLUON_6L3_NONFINITE, "NONFINITE of direct", 0);

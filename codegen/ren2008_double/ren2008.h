@@ -13,7 +13,7 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * REN2008_OK only; `info` always. config and info may be NULL, guess and pose the same object.
  *
- * One step of Newton's method: 126 additions, 7 divisions, 152 multiplications, 1 sqrt (rows, matrix, factors, step).
+ * One step of Newton's method: 132 additions, 7 divisions, 152 multiplications, 1 sqrt (rows, matrix, factors, step).
  * Predicted error of an answer: REN2008_TOLERANCE and the rounding of the type, about
  * 1.50117e-15 m (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 9f2e30e7ae7dd83493e6d6b3933b246841b4e4c5cab87d201ec31f4db62108d1
@@ -46,7 +46,9 @@ typedef struct {
 } ren2008_pose;
 
 /* tolerance: predicted error of the answer (m, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (m, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (m, angles times the size). Both are above 0 and
+ * their sum at most 1690.0 (a thousand sizes), else the status is REN2008_OUT_OF_RANGE, of NaN and infinity REN2008_NONFINITE;
+ * 0 iterations are REN2008_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     ren2008_real tolerance;
     uint8_t max_iterations;
@@ -61,12 +63,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer (ren2008_track: predicted error of the pose), in
  * m; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, REN2008_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     ren2008_real residual;
     ren2008_real step;
     ren2008_real min_pivot;
+    uint8_t joint;
 } ren2008_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
@@ -85,6 +89,17 @@ ren2008_status ren2008_inverse(const ren2008_pose *pose, ren2008_real joints[REN
 
 /* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
 ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[REN2008_JOINTS * 6]);
+
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 2e+06 are
+ * REN2008_OUT_OF_RANGE. */
+ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6], ren2008_real rates[REN2008_JOINTS]);
+
+/* The twist of joint rates at a pose; REN2008_SINGULAR where they do not decide it. */
+ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[REN2008_JOINTS], ren2008_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in m or radians for each unit
+ * of time). */
+ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6], const ren2008_real rate_limits[REN2008_JOINTS], ren2008_real *feed);
 #ifdef __cplusplus
 }
 #endif

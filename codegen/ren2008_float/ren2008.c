@@ -61,21 +61,39 @@ static REN2008_COLD void ren2008_write_info(ren2008_info *info, unsigned int cou
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static REN2008_COLD ren2008_status ren2008_check_config(const ren2008_config *config, ren2008_status before)
+{
+    const ren2008_real tolerance = config->tolerance;
+    const ren2008_real longest = config->max_step;
+    ren2008_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 1690.0f - longest)) && (before != REN2008_NONFINITE)) {
+        const ren2008_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? REN2008_OUT_OF_RANGE : REN2008_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static REN2008_SHARED uint8_t ren2008_first_beyond(const ren2008_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= -1.6118682e-06f) && (joints[joint] <= 0.5500016f))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges and rods longer than zero. */
-static REN2008_SHARED ren2008_status ren2008_check_limits(const ren2008_real joints[6])
+static ren2008_status ren2008_check_limits(const ren2008_real joints[6])
 {
     ren2008_status status = REN2008_OK;
-    bool inside = true;
-    for (int i = 0; i < 6; ++i) {
-        if (!((joints[i] >= -1.6118682e-06f) && (joints[i] <= 0.5500016f))) {
-            inside = false;
-        }
-    }
-    if (!(inside)) {
+    if (!(ren2008_first_beyond(joints) == 6U)) {
         status = ren2008_check_finite(joints, 6, REN2008_OUT_OF_RANGE);
     }
     return status;
@@ -332,7 +350,7 @@ static ren2008_real ren2008_direct_apply_step(ren2008_direct_work *w)
 }
 
 /* Joint values at the state, into w->k. */
-static void ren2008_rod_values(ren2008_direct_work *w)
+static REN2008_SHARED void ren2008_rod_values(ren2008_direct_work *w)
 {
     w->k[0] = 0.0f;
     w->k[1] = 0.0f;
@@ -450,13 +468,14 @@ static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ren2008_direct_pivoted. */
+ * pivot is far below its usual size, which is left to ren2008_direct_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int ren2008_direct_factor(ren2008_direct_work *w)
 {
     ren2008_real det;
     w->pivoted = false;
     /* pivot 1: row 1, unknown 3 */
-    const ren2008_real t0 = 1.0f / w->d[2];
+    const ren2008_real t0 = 1.0f / (w->d[2] + 2.08e-11f);
     w->a[0] = t0;
     const ren2008_real t2 = t0 * 1.794f;
     w->a[1] = w->d[0];
@@ -469,7 +488,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     w->a[6] = t8;
     const ren2008_real t10 = w->d[3] - t8 * w->d[0];
     const ren2008_real t11 = w->d[4] - t8 * w->d[1];
-    const ren2008_real t12 = 1.0f / t10;
+    const ren2008_real t12 = 1.0f / (t10 + 2.08e-11f);
     w->a[7] = t12;
     const ren2008_real t14 = t12 * 0.6976f;
     w->a[8] = t11;
@@ -491,7 +510,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     const ren2008_real t30 = t27 - t28 * t11;
     const ren2008_real t31 = t18 - t28 * t6;
     const ren2008_real t32 = t22 - t28 * t7;
-    const ren2008_real t33 = 1.0f / t30;
+    const ren2008_real t33 = 1.0f / (t30 + 2.08e-11f);
     w->a[14] = t33;
     const ren2008_real t35 = t33 * 0.95526f;
     w->a[15] = t31;
@@ -518,7 +537,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     const ren2008_real t56 = t52 - t54 * t31;
     const ren2008_real t57 = t53 - t54 * t32;
     const ren2008_real t58 = t44 - t54 * t23;
-    const ren2008_real t59 = 1.0f / t56;
+    const ren2008_real t59 = 1.0f / (t56 + 2.08e-11f);
     w->a[21] = t59;
     const ren2008_real t61 = t59 * 6.1992f;
     w->a[22] = t57;
@@ -548,7 +567,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     w->a[27] = t84;
     const ren2008_real t86 = t82 - t84 * t57;
     const ren2008_real t87 = t83 - t84 * t58;
-    const ren2008_real t88 = 1.0f / t86;
+    const ren2008_real t88 = 1.0f / (t86 + 2.08e-11f);
     w->a[28] = t88;
     const ren2008_real t90 = t88 * 4.623f;
     w->a[29] = t87;
@@ -580,7 +599,7 @@ static int ren2008_direct_factor(ren2008_direct_work *w)
     const ren2008_real t116 = t114 * t88;
     w->a[34] = t116;
     const ren2008_real t118 = t115 - t116 * t87;
-    const ren2008_real t119 = 1.0f / t118;
+    const ren2008_real t119 = 1.0f / (t118 + 1.46e-11f);
     w->a[35] = t119;
     const ren2008_real t121 = t119 * 9.6455f;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -627,19 +646,7 @@ static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const r
     if (part < 1.0f) {
         (void)ren2008_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
-        w->k[0] = 0.0f;
-        w->k[1] = 0.0f;
-        w->k[2] = 0.0f;
-        w->k[3] = 0.0f;
-        w->k[4] = 0.0f;
-        w->k[5] = 0.0f;
-        ren2008_direct_rows(w);
-        for (int i = 0; i < 6; ++i) {
-            const ren2008_real t0 = -w->f[i];
-            const ren2008_real t1 = sqrtf(t0);
-            const ren2008_real t2 = t1 - 1.2f;
-            w->k[i] = t2;
-        }
+        ren2008_rod_values(w);
         for (int i = 0; i < 6; ++i) {
             w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
         }
@@ -783,6 +790,16 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     ren2008_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static REN2008_COLD void ren2008_write_no_step(ren2008_info *info, const ren2008_real joints[6])
+{
+    ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (info != NULL) {
+        info->joint = ren2008_first_beyond(joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static REN2008_SHARED ren2008_status ren2008_read_guess(ren2008_direct_work *w, const ren2008_real joints[6], const ren2008_pose *guess)
 {
@@ -811,13 +828,16 @@ ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real j
     static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
     ren2008_direct_work w;
     ren2008_status status = ren2008_read_guess(&w, joints, guess);
+    if (config != NULL) {
+        status = ren2008_check_config(config, status);
+    }
     if (status == REN2008_OK) {
         status = ren2008_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_OK) {
             ren2008_write_pose(&w, pose);
         }
     } else {
-        ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        ren2008_write_no_step(info, joints);
     }
     return status;
 }
@@ -826,14 +846,15 @@ ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, r
 {
     ren2008_direct_work w;
     ren2008_status status = ren2008_read_guess(&w, joints, pose);
+    bool stepped = false;
     if (status == REN2008_OK) {
         /* one step of Newton's method from the last pose */
         ren2008_direct_set_target(&w, joints);
         ren2008_direct_rows(&w);
         if ((ren2008_direct_factor(&w) == 0) && (ren2008_direct_pivoted(&w) == 0)) {
-            ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
             status = REN2008_SINGULAR;
         } else {
+            stepped = true;
             ren2008_direct_solve(&w);
             const ren2008_real size = ren2008_direct_apply_step(&w);
             ren2008_write_info(info, 1U, 0.471f * size, size, w.spread);
@@ -843,8 +864,9 @@ ren2008_status ren2008_track(const ren2008_real joints[6], ren2008_pose *pose, r
                 status = REN2008_WRONG_BRANCH;
             }
         }
-    } else {
-        ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    }
+    if (!stepped) {
+        ren2008_write_no_step(info, joints);
     }
     return status;
 }
@@ -1130,6 +1152,105 @@ ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[
             jacobian[33] = t204;
             jacobian[34] = t209;
             jacobian[35] = t213;
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static ren2008_status ren2008_check_speeds(const ren2008_real speeds[], int count, ren2008_status status)
+{
+    ren2008_status found = ren2008_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == REN2008_OK) && (fabsf(speeds[i]) > 2e+06f)) {
+            found = REN2008_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6], ren2008_real rates[6])
+{
+    ren2008_real jacobian[6 * 6];
+    const ren2008_status status = ren2008_check_speeds(twist, 6, ren2008_jacobian(pose, jacobian));
+    if (status == REN2008_OK) {
+        for (int i = 0; i < 6; ++i) {
+            ren2008_real sum = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6], const ren2008_real rate_limits[6], ren2008_real *feed)
+{
+    ren2008_real rates[6];
+    ren2008_status status = ren2008_check_finite(rate_limits, 6, ren2008_rates(pose, twist, rates));
+    ren2008_real most = 1.0f;
+    for (int i = 0; (i < 6) && (status == REN2008_OK); ++i) {
+        const ren2008_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = REN2008_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == REN2008_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[6], ren2008_real twist[6])
+{
+    static const ren2008_real row_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    static const ren2008_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.59165776f, 0.59165776f, 0.59165776f };
+    static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    ren2008_real jacobian[6 * 6];
+    ren2008_real a[6][6 + 1];
+    ren2008_status status = ren2008_check_speeds(rates, 6, ren2008_jacobian(pose, jacobian));
+    if (status == REN2008_OK) {
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][6] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 6) && (status == REN2008_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
+            }
+            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
+                status = REN2008_SINGULAR;
+            } else {
+                for (int j = c; j <= 6; ++j) {
+                    const ren2008_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 6; ++i) {
+                    const ren2008_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 6); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == REN2008_OK) {
+        for (int i = 0; i < 6; ++i) {
+            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
         }
     }
     return status;

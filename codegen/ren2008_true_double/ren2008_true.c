@@ -61,9 +61,33 @@ static REN2008_TRUE_COLD void ren2008_true_write_info(ren2008_true_info *info, u
         info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
         info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
         info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_config(const ren2008_true_config *config, ren2008_true_status before)
+{
+    const ren2008_true_real tolerance = config->tolerance;
+    const ren2008_true_real longest = config->max_step;
+    ren2008_true_status status = before;
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 1700.0 - longest)) && (before != REN2008_TRUE_NONFINITE)) {
+        const ren2008_true_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0) ? REN2008_TRUE_OUT_OF_RANGE : REN2008_TRUE_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static REN2008_TRUE_SHARED uint8_t ren2008_true_first_beyond(const ren2008_true_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= -1.6960401439824473e-09) && (joints[joint] <= 0.5500000016960402))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges and rods longer than zero. */
 static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_check_limits(const ren2008_true_real joints[6])
@@ -372,7 +396,7 @@ static ren2008_true_real ren2008_true_direct_apply_step(ren2008_true_direct_work
 }
 
 /* Joint values at the state, into w->k. */
-static void ren2008_true_rod_values(ren2008_true_direct_work *w)
+static REN2008_TRUE_SHARED void ren2008_true_rod_values(ren2008_true_direct_work *w)
 {
     w->k[0] = 0.0;
     w->k[1] = 0.0;
@@ -521,13 +545,14 @@ static REN2008_TRUE_COLD void ren2008_true_direct_pivoted_solve(ren2008_true_dir
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ren2008_true_direct_pivoted. */
+ * pivot is far below its usual size, which is left to ren2008_true_direct_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
 {
     ren2008_true_real det;
     w->pivoted = false;
     /* pivot 1: row 1, unknown 3 */
-    const ren2008_true_real t0 = 1.0 / w->d[2];
+    const ren2008_true_real t0 = 1.0 / (w->d[2] + 3.87e-20);
     w->a[0] = t0;
     const ren2008_true_real t2 = t0 * 1.7939999999999998;
     w->a[1] = w->d[0];
@@ -543,7 +568,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     w->a[6] = t11;
     const ren2008_true_real t13 = w->d[3] - t11 * w->d[0];
     const ren2008_true_real t14 = w->d[4] - t11 * w->d[1];
-    const ren2008_true_real t15 = 1.0 / t13;
+    const ren2008_true_real t15 = 1.0 / (t13 + 3.87e-20);
     w->a[7] = t15;
     const ren2008_true_real t17 = t15 * 0.69632;
     w->a[8] = t14;
@@ -571,7 +596,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t39 = t24 - t36 * t7;
     const ren2008_true_real t40 = t28 - t36 * t8;
     const ren2008_true_real t41 = t31 - t36 * t10;
-    const ren2008_true_real t42 = 1.0 / t38;
+    const ren2008_true_real t42 = 1.0 / (t38 + 3.87e-20);
     w->a[14] = t42;
     const ren2008_true_real t44 = t42 * 0.9480400000000001;
     w->a[15] = t39;
@@ -603,7 +628,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t70 = t65 - t68 * t39;
     const ren2008_true_real t71 = t66 - t68 * t40;
     const ren2008_true_real t72 = t67 - t68 * t41;
-    const ren2008_true_real t73 = 1.0 / t70;
+    const ren2008_true_real t73 = 1.0 / (t70 + 3.87e-20);
     w->a[21] = t73;
     const ren2008_true_real t75 = t73 * 6.1803;
     w->a[22] = t71;
@@ -637,7 +662,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     w->a[27] = t102;
     const ren2008_true_real t104 = t100 - t102 * t71;
     const ren2008_true_real t105 = t101 - t102 * t72;
-    const ren2008_true_real t106 = 1.0 / t104;
+    const ren2008_true_real t106 = 1.0 / (t104 + 3.87e-20);
     w->a[28] = t106;
     const ren2008_true_real t108 = t106 * 4.622999999999999;
     w->a[29] = t105;
@@ -674,7 +699,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t139 = t137 * t106;
     w->a[34] = t139;
     const ren2008_true_real t141 = t138 - t139 * t105;
-    const ren2008_true_real t142 = 1.0 / t141;
+    const ren2008_true_real t142 = 1.0 / (t141 + 2.71e-20);
     w->a[35] = t142;
     const ren2008_true_real t144 = t142 * 9.664599999999998;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -721,37 +746,7 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
     if (part < 1.0) {
         (void)ren2008_true_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
-        w->k[0] = 0.0;
-        w->k[1] = 0.0;
-        w->k[2] = 0.0;
-        w->k[3] = 0.0;
-        w->k[4] = 0.0;
-        w->k[5] = 0.0;
-        ren2008_true_direct_rows(w);
-        const ren2008_true_real t0_0 = -w->f[0];
-        const ren2008_true_real t0_1 = sqrt(t0_0);
-        const ren2008_true_real t0_2 = t0_1 - 1.2037;
-        w->k[0] = t0_2;
-        const ren2008_true_real t1_0 = -w->f[1];
-        const ren2008_true_real t1_1 = sqrt(t1_0);
-        const ren2008_true_real t1_2 = t1_1 - 1.1981;
-        w->k[1] = t1_2;
-        const ren2008_true_real t2_0 = -w->f[2];
-        const ren2008_true_real t2_1 = sqrt(t2_0);
-        const ren2008_true_real t2_2 = t2_1 - 1.205;
-        w->k[2] = t2_2;
-        const ren2008_true_real t3_0 = -w->f[3];
-        const ren2008_true_real t3_1 = sqrt(t3_0);
-        const ren2008_true_real t3_2 = t3_1 - 1.1963;
-        w->k[3] = t3_2;
-        const ren2008_true_real t4_0 = -w->f[4];
-        const ren2008_true_real t4_1 = sqrt(t4_0);
-        const ren2008_true_real t4_2 = t4_1 - 1.2026;
-        w->k[4] = t4_2;
-        const ren2008_true_real t5_0 = -w->f[5];
-        const ren2008_true_real t5_1 = sqrt(t5_0);
-        const ren2008_true_real t5_2 = t5_1 - 1.1969;
-        w->k[5] = t5_2;
+        ren2008_true_rod_values(w);
         for (int i = 0; i < 6; ++i) {
             w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
         }
@@ -895,6 +890,16 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     ren2008_true_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static REN2008_TRUE_COLD void ren2008_true_write_no_step(ren2008_true_info *info, const ren2008_true_real joints[6])
+{
+    ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (info != NULL) {
+        info->joint = ren2008_true_first_beyond(joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_read_guess(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
 {
@@ -923,13 +928,16 @@ ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const
     static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, REN2008_TRUE_MAX_STEP };
     ren2008_true_direct_work w;
     ren2008_true_status status = ren2008_true_read_guess(&w, joints, guess);
+    if (config != NULL) {
+        status = ren2008_true_check_config(config, status);
+    }
     if (status == REN2008_TRUE_OK) {
         status = ren2008_true_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_TRUE_OK) {
             ren2008_true_write_pose(&w, pose);
         }
     } else {
-        ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+        ren2008_true_write_no_step(info, joints);
     }
     return status;
 }
@@ -938,14 +946,15 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
 {
     ren2008_true_direct_work w;
     ren2008_true_status status = ren2008_true_read_guess(&w, joints, pose);
+    bool stepped = false;
     if (status == REN2008_TRUE_OK) {
         /* one step of Newton's method from the last pose */
         ren2008_true_direct_set_target(&w, joints);
         ren2008_true_direct_rows(&w);
         if ((ren2008_true_direct_factor(&w) == 0) && (ren2008_true_direct_pivoted(&w) == 0)) {
-            ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
             status = REN2008_TRUE_SINGULAR;
         } else {
+            stepped = true;
             ren2008_true_direct_solve(&w);
             const ren2008_true_real size = ren2008_true_direct_apply_step(&w);
             ren2008_true_write_info(info, 1U, 0.468 * size, size, w.spread);
@@ -955,8 +964,9 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
                 status = REN2008_TRUE_WRONG_BRANCH;
             }
         }
-    } else {
-        ren2008_true_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    }
+    if (!stepped) {
+        ren2008_true_write_no_step(info, joints);
     }
     return status;
 }
@@ -1290,6 +1300,105 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
             jacobian[33] = t252;
             jacobian[34] = t257;
             jacobian[35] = t261;
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static ren2008_true_status ren2008_true_check_speeds(const ren2008_true_real speeds[], int count, ren2008_true_status status)
+{
+    ren2008_true_status found = ren2008_true_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == REN2008_TRUE_OK) && (fabs(speeds[i]) > 2000000.0)) {
+            found = REN2008_TRUE_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose, const ren2008_true_real twist[6], ren2008_true_real rates[6])
+{
+    ren2008_true_real jacobian[6 * 6];
+    const ren2008_true_status status = ren2008_true_check_speeds(twist, 6, ren2008_true_jacobian(pose, jacobian));
+    if (status == REN2008_TRUE_OK) {
+        for (int i = 0; i < 6; ++i) {
+            ren2008_true_real sum = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose, const ren2008_true_real twist[6], const ren2008_true_real rate_limits[6], ren2008_true_real *feed)
+{
+    ren2008_true_real rates[6];
+    ren2008_true_status status = ren2008_true_check_finite(rate_limits, 6, ren2008_true_rates(pose, twist, rates));
+    ren2008_true_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == REN2008_TRUE_OK); ++i) {
+        const ren2008_true_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = REN2008_TRUE_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == REN2008_TRUE_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+ren2008_true_status ren2008_true_twist(const ren2008_true_pose *pose, const ren2008_true_real rates[6], ren2008_true_real twist[6])
+{
+    static const ren2008_true_real row_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    static const ren2008_true_real column_scale[6] = { 1.0, 1.0, 1.0, 0.5896086855891952, 0.5896086855891952, 0.5896086855891952 };
+    static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    ren2008_true_real jacobian[6 * 6];
+    ren2008_true_real a[6][6 + 1];
+    ren2008_true_status status = ren2008_true_check_speeds(rates, 6, ren2008_true_jacobian(pose, jacobian));
+    if (status == REN2008_TRUE_OK) {
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][6] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 6) && (status == REN2008_TRUE_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (fabs(a[i][c]) > fabs(a[best][c])) ? i : best;
+            }
+            if (!(fabs(a[best][c]) > 3.552713678800501e-15)) {
+                status = REN2008_TRUE_SINGULAR;
+            } else {
+                for (int j = c; j <= 6; ++j) {
+                    const ren2008_true_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 6; ++i) {
+                    const ren2008_true_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 6); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == REN2008_TRUE_OK) {
+        for (int i = 0; i < 6; ++i) {
+            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
         }
     }
     return status;

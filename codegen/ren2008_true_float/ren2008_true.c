@@ -61,21 +61,39 @@ static REN2008_TRUE_COLD void ren2008_true_write_info(ren2008_true_info *info, u
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_config(const ren2008_true_config *config, ren2008_true_status before)
+{
+    const ren2008_true_real tolerance = config->tolerance;
+    const ren2008_true_real longest = config->max_step;
+    ren2008_true_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 1700.0f - longest)) && (before != REN2008_TRUE_NONFINITE)) {
+        const ren2008_true_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? REN2008_TRUE_OUT_OF_RANGE : REN2008_TRUE_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static REN2008_TRUE_SHARED uint8_t ren2008_true_first_beyond(const ren2008_true_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= -1.6174699e-06f) && (joints[joint] <= 0.5500016f))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges and rods longer than zero. */
-static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_check_limits(const ren2008_true_real joints[6])
+static ren2008_true_status ren2008_true_check_limits(const ren2008_true_real joints[6])
 {
     ren2008_true_status status = REN2008_TRUE_OK;
-    bool inside = true;
-    for (int i = 0; i < 6; ++i) {
-        if (!((joints[i] >= -1.6174699e-06f) && (joints[i] <= 0.5500016f))) {
-            inside = false;
-        }
-    }
-    if (!(inside)) {
+    if (!(ren2008_true_first_beyond(joints) == 6U)) {
         status = ren2008_true_check_finite(joints, 6, REN2008_TRUE_OUT_OF_RANGE);
     }
     return status;
@@ -371,7 +389,7 @@ static ren2008_true_real ren2008_true_direct_apply_step(ren2008_true_direct_work
 }
 
 /* Joint values at the state, into w->k. */
-static void ren2008_true_rod_values(ren2008_true_direct_work *w)
+static REN2008_TRUE_SHARED void ren2008_true_rod_values(ren2008_true_direct_work *w)
 {
     w->k[0] = 0.0f;
     w->k[1] = 0.0f;
@@ -520,13 +538,14 @@ static REN2008_TRUE_COLD void ren2008_true_direct_pivoted_solve(ren2008_true_dir
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ren2008_true_direct_pivoted. */
+ * pivot is far below its usual size, which is left to ren2008_true_direct_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
 {
     ren2008_true_real det;
     w->pivoted = false;
     /* pivot 1: row 1, unknown 3 */
-    const ren2008_true_real t0 = 1.0f / w->d[2];
+    const ren2008_true_real t0 = 1.0f / (w->d[2] + 2.08e-11f);
     w->a[0] = t0;
     const ren2008_true_real t2 = t0 * 1.794f;
     w->a[1] = w->d[0];
@@ -542,7 +561,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     w->a[6] = t11;
     const ren2008_true_real t13 = w->d[3] - t11 * w->d[0];
     const ren2008_true_real t14 = w->d[4] - t11 * w->d[1];
-    const ren2008_true_real t15 = 1.0f / t13;
+    const ren2008_true_real t15 = 1.0f / (t13 + 2.08e-11f);
     w->a[7] = t15;
     const ren2008_true_real t17 = t15 * 0.69632f;
     w->a[8] = t14;
@@ -570,7 +589,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t39 = t24 - t36 * t7;
     const ren2008_true_real t40 = t28 - t36 * t8;
     const ren2008_true_real t41 = t31 - t36 * t10;
-    const ren2008_true_real t42 = 1.0f / t38;
+    const ren2008_true_real t42 = 1.0f / (t38 + 2.08e-11f);
     w->a[14] = t42;
     const ren2008_true_real t44 = t42 * 0.94804f;
     w->a[15] = t39;
@@ -602,7 +621,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t70 = t65 - t68 * t39;
     const ren2008_true_real t71 = t66 - t68 * t40;
     const ren2008_true_real t72 = t67 - t68 * t41;
-    const ren2008_true_real t73 = 1.0f / t70;
+    const ren2008_true_real t73 = 1.0f / (t70 + 2.08e-11f);
     w->a[21] = t73;
     const ren2008_true_real t75 = t73 * 6.1803f;
     w->a[22] = t71;
@@ -636,7 +655,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     w->a[27] = t102;
     const ren2008_true_real t104 = t100 - t102 * t71;
     const ren2008_true_real t105 = t101 - t102 * t72;
-    const ren2008_true_real t106 = 1.0f / t104;
+    const ren2008_true_real t106 = 1.0f / (t104 + 2.08e-11f);
     w->a[28] = t106;
     const ren2008_true_real t108 = t106 * 4.623f;
     w->a[29] = t105;
@@ -673,7 +692,7 @@ static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
     const ren2008_true_real t139 = t137 * t106;
     w->a[34] = t139;
     const ren2008_true_real t141 = t138 - t139 * t105;
-    const ren2008_true_real t142 = 1.0f / t141;
+    const ren2008_true_real t142 = 1.0f / (t141 + 1.45e-11f);
     w->a[35] = t142;
     const ren2008_true_real t144 = t142 * 9.6646f;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -720,37 +739,7 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
     if (part < 1.0f) {
         (void)ren2008_true_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
-        w->k[0] = 0.0f;
-        w->k[1] = 0.0f;
-        w->k[2] = 0.0f;
-        w->k[3] = 0.0f;
-        w->k[4] = 0.0f;
-        w->k[5] = 0.0f;
-        ren2008_true_direct_rows(w);
-        const ren2008_true_real t0_0 = -w->f[0];
-        const ren2008_true_real t0_1 = sqrtf(t0_0);
-        const ren2008_true_real t0_2 = t0_1 - 1.2037f;
-        w->k[0] = t0_2;
-        const ren2008_true_real t1_0 = -w->f[1];
-        const ren2008_true_real t1_1 = sqrtf(t1_0);
-        const ren2008_true_real t1_2 = t1_1 - 1.1981f;
-        w->k[1] = t1_2;
-        const ren2008_true_real t2_0 = -w->f[2];
-        const ren2008_true_real t2_1 = sqrtf(t2_0);
-        const ren2008_true_real t2_2 = t2_1 - 1.205f;
-        w->k[2] = t2_2;
-        const ren2008_true_real t3_0 = -w->f[3];
-        const ren2008_true_real t3_1 = sqrtf(t3_0);
-        const ren2008_true_real t3_2 = t3_1 - 1.1963f;
-        w->k[3] = t3_2;
-        const ren2008_true_real t4_0 = -w->f[4];
-        const ren2008_true_real t4_1 = sqrtf(t4_0);
-        const ren2008_true_real t4_2 = t4_1 - 1.2026f;
-        w->k[4] = t4_2;
-        const ren2008_true_real t5_0 = -w->f[5];
-        const ren2008_true_real t5_1 = sqrtf(t5_0);
-        const ren2008_true_real t5_2 = t5_1 - 1.1969f;
-        w->k[5] = t5_2;
+        ren2008_true_rod_values(w);
         for (int i = 0; i < 6; ++i) {
             w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
         }
@@ -894,6 +883,16 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     ren2008_true_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static REN2008_TRUE_COLD void ren2008_true_write_no_step(ren2008_true_info *info, const ren2008_true_real joints[6])
+{
+    ren2008_true_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (info != NULL) {
+        info->joint = ren2008_true_first_beyond(joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_read_guess(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
 {
@@ -922,13 +921,16 @@ ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const
     static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, REN2008_TRUE_MAX_STEP };
     ren2008_true_direct_work w;
     ren2008_true_status status = ren2008_true_read_guess(&w, joints, guess);
+    if (config != NULL) {
+        status = ren2008_true_check_config(config, status);
+    }
     if (status == REN2008_TRUE_OK) {
         status = ren2008_true_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == REN2008_TRUE_OK) {
             ren2008_true_write_pose(&w, pose);
         }
     } else {
-        ren2008_true_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        ren2008_true_write_no_step(info, joints);
     }
     return status;
 }
@@ -937,14 +939,15 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
 {
     ren2008_true_direct_work w;
     ren2008_true_status status = ren2008_true_read_guess(&w, joints, pose);
+    bool stepped = false;
     if (status == REN2008_TRUE_OK) {
         /* one step of Newton's method from the last pose */
         ren2008_true_direct_set_target(&w, joints);
         ren2008_true_direct_rows(&w);
         if ((ren2008_true_direct_factor(&w) == 0) && (ren2008_true_direct_pivoted(&w) == 0)) {
-            ren2008_true_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
             status = REN2008_TRUE_SINGULAR;
         } else {
+            stepped = true;
             ren2008_true_direct_solve(&w);
             const ren2008_true_real size = ren2008_true_direct_apply_step(&w);
             ren2008_true_write_info(info, 1U, 0.468f * size, size, w.spread);
@@ -954,8 +957,9 @@ ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren200
                 status = REN2008_TRUE_WRONG_BRANCH;
             }
         }
-    } else {
-        ren2008_true_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    }
+    if (!stepped) {
+        ren2008_true_write_no_step(info, joints);
     }
     return status;
 }
@@ -1289,6 +1293,105 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
             jacobian[33] = t252;
             jacobian[34] = t257;
             jacobian[35] = t261;
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static ren2008_true_status ren2008_true_check_speeds(const ren2008_true_real speeds[], int count, ren2008_true_status status)
+{
+    ren2008_true_status found = ren2008_true_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == REN2008_TRUE_OK) && (fabsf(speeds[i]) > 2e+06f)) {
+            found = REN2008_TRUE_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose, const ren2008_true_real twist[6], ren2008_true_real rates[6])
+{
+    ren2008_true_real jacobian[6 * 6];
+    const ren2008_true_status status = ren2008_true_check_speeds(twist, 6, ren2008_true_jacobian(pose, jacobian));
+    if (status == REN2008_TRUE_OK) {
+        for (int i = 0; i < 6; ++i) {
+            ren2008_true_real sum = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose, const ren2008_true_real twist[6], const ren2008_true_real rate_limits[6], ren2008_true_real *feed)
+{
+    ren2008_true_real rates[6];
+    ren2008_true_status status = ren2008_true_check_finite(rate_limits, 6, ren2008_true_rates(pose, twist, rates));
+    ren2008_true_real most = 1.0f;
+    for (int i = 0; (i < 6) && (status == REN2008_TRUE_OK); ++i) {
+        const ren2008_true_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = REN2008_TRUE_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == REN2008_TRUE_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+ren2008_true_status ren2008_true_twist(const ren2008_true_pose *pose, const ren2008_true_real rates[6], ren2008_true_real twist[6])
+{
+    static const ren2008_true_real row_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    static const ren2008_true_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.58960867f, 0.58960867f, 0.58960867f };
+    static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    ren2008_true_real jacobian[6 * 6];
+    ren2008_true_real a[6][6 + 1];
+    ren2008_true_status status = ren2008_true_check_speeds(rates, 6, ren2008_true_jacobian(pose, jacobian));
+    if (status == REN2008_TRUE_OK) {
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][6] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 6) && (status == REN2008_TRUE_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
+            }
+            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
+                status = REN2008_TRUE_SINGULAR;
+            } else {
+                for (int j = c; j <= 6; ++j) {
+                    const ren2008_true_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 6; ++i) {
+                    const ren2008_true_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 6); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == REN2008_TRUE_OK) {
+        for (int i = 0; i < 6; ++i) {
+            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
         }
     }
     return status;

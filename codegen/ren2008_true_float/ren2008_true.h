@@ -13,7 +13,7 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * REN2008_TRUE_OK only; `info` always. config and info may be NULL, guess and pose the same object.
  *
- * One step of Newton's method: 163 additions, 7 divisions, 181 multiplications, 1 sqrt (rows, matrix, factors, step).
+ * One step of Newton's method: 169 additions, 7 divisions, 181 multiplications, 1 sqrt (rows, matrix, factors, step).
  * Predicted error of an answer: REN2008_TRUE_TOLERANCE and the rounding of the type, about
  * 8.08735e-07 m (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 d7a52a7fc51f6358bdd9de8854c0278d74c3d9cc5a56d87283ca8f027bb0f8b3
@@ -46,7 +46,9 @@ typedef struct {
 } ren2008_true_pose;
 
 /* tolerance: predicted error of the answer (m, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (m, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (m, angles times the size). Both are above 0 and
+ * their sum at most 1700.0f (a thousand sizes), else the status is REN2008_TRUE_OUT_OF_RANGE, of NaN and infinity REN2008_TRUE_NONFINITE;
+ * 0 iterations are REN2008_TRUE_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     ren2008_true_real tolerance;
     uint8_t max_iterations;
@@ -61,12 +63,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer (ren2008_true_track: predicted error of the pose), in
  * m; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, REN2008_TRUE_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     ren2008_true_real residual;
     ren2008_true_real step;
     ren2008_true_real min_pivot;
+    uint8_t joint;
 } ren2008_true_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
@@ -85,6 +89,17 @@ ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose, ren2008_
 
 /* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
 ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008_true_real jacobian[REN2008_TRUE_JOINTS * 6]);
+
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 2e+06 are
+ * REN2008_TRUE_OUT_OF_RANGE. */
+ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose, const ren2008_true_real twist[6], ren2008_true_real rates[REN2008_TRUE_JOINTS]);
+
+/* The twist of joint rates at a pose; REN2008_TRUE_SINGULAR where they do not decide it. */
+ren2008_true_status ren2008_true_twist(const ren2008_true_pose *pose, const ren2008_true_real rates[REN2008_TRUE_JOINTS], ren2008_true_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in m or radians for each unit
+ * of time). */
+ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose, const ren2008_true_real twist[6], const ren2008_true_real rate_limits[REN2008_TRUE_JOINTS], ren2008_true_real *feed);
 #ifdef __cplusplus
 }
 #endif

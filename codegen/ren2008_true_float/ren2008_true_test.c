@@ -86,6 +86,7 @@ static void solve_all(void)
         expect(difference(&pose, ren2008_true_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
+        expect(info.joint == REN2008_TRUE_JOINTS, "no joint to blame", k);
         pose = guess;
         expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &guess, &pose, NULL) == REN2008_TRUE_OK, "direct without info", k);
         expect(ren2008_true_track(ren2008_true_vector_joints[k], &pose, &info) == REN2008_TRUE_OK, "track", k);
@@ -107,6 +108,17 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const ren2008_true_real joints[REN2008_TRUE_JOINTS], const ren2008_true_pose *home)
+{
+    const ren2008_true_real wrong[4] = { 0.0f, -1.0f, (ren2008_true_real)NAN, (ren2008_true_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const ren2008_true_real other = wrong[i % 4];
+        const ren2008_true_config config = { (i < 4) ? other : REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, (i < 4) ? REN2008_TRUE_MAX_STEP : other };
+        const ren2008_true_status wanted = (i % 4 < 2) ? REN2008_TRUE_OUT_OF_RANGE : REN2008_TRUE_NONFINITE;
+        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const ren2008_true_pose home = pose_from(ren2008_true_vector_home);
@@ -122,6 +134,17 @@ static void refuse_all(void)
     }
     expect(refused(&one_step, joints, &home, "one step is not enough") == REN2008_TRUE_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
     expect(refused(&none, joints, &home, "no step is not enough") == REN2008_TRUE_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    refuse_configs(joints, &home);
+    joints[REN2008_TRUE_JOINTS - 1] = (ren2008_true_real)NAN;
+    (void)ren2008_true_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == REN2008_TRUE_JOINTS - 1U, "joint of a NaN", 0);
+    joints[REN2008_TRUE_JOINTS - 1] = -16960.402f;
+    (void)ren2008_true_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == REN2008_TRUE_JOINTS - 1U, "joint out of range", 0);
+    (void)ren2008_true_track(joints, &pose, &info);
+    expect(info.joint == REN2008_TRUE_JOINTS - 1U, "joint out of range of track", 0);
+    joints[REN2008_TRUE_JOINTS - 1] = ren2008_true_vector_joints[0][REN2008_TRUE_JOINTS - 1];
+    pose = home;
     joints[0] = (ren2008_true_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == REN2008_TRUE_NONFINITE, "NONFINITE", 0);
     joints[0] = (ren2008_true_real)INFINITY;
@@ -156,9 +179,52 @@ static void refuse_all(void)
 #endif
 }
 
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+static void speeds_of(const ren2008_true_pose *pose, int k)
+{
+    ren2008_true_real rates[REN2008_TRUE_JOINTS];
+    ren2008_true_real again[REN2008_TRUE_JOINTS];
+    ren2008_true_real limits[REN2008_TRUE_JOINTS];
+    ren2008_true_real twist[6] = { 0.0f };
+    ren2008_true_real feed = 0.0f;
+    double largest = 0.0;
+    for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+        rates[i] = (ren2008_true_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+    }
+    expect(ren2008_true_twist(pose, rates, twist) == REN2008_TRUE_OK, "twist", k);
+    expect(ren2008_true_rates(pose, twist, again) == REN2008_TRUE_OK, "rates", k);
+    for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3, "rates of the twist of rates", i);
+        limits[i] = (ren2008_true_real)0.125;
+    }
+    expect(ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_OK, "feed", k);
+    for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+    }
+    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
+    for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+        limits[i] = 4.0f;
+    }
+    expect((ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_OK) && (feed == 1.0f), "no need for a feed", k);
+    limits[0] = -1.0f;
+    expect(ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_OUT_OF_RANGE, "a limit below 0", k);
+    limits[0] = (ren2008_true_real)NAN;
+    expect(ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_NONFINITE, "a limit that is not a number", k);
+    twist[5] = (ren2008_true_real)INFINITY;
+    expect(ren2008_true_rates(pose, twist, again) == REN2008_TRUE_NONFINITE, "infinite twist", k);
+    rates[0] = (ren2008_true_real)NAN;
+    expect(ren2008_true_twist(pose, rates, twist) == REN2008_TRUE_NONFINITE, "NaN among rates", k);
+    rates[0] = (ren2008_true_real)1e30;
+    expect(ren2008_true_twist(pose, rates, twist) == REN2008_TRUE_OUT_OF_RANGE, "rates beyond all bounds", k);
+}
+
 int main(void)
 {
     solve_all();
+    for (int k = 0; k < REN2008_TRUE_VECTOR_JACOBIANS; ++k) {
+        const ren2008_true_pose pose = pose_from(ren2008_true_vector_poses[k]);
+        speeds_of(&pose, k);
+    }
     refuse_all();
     (void)printf("ren2008_true: %d cases, %d failures\n", REN2008_TRUE_VECTORS, failures);
     return (failures == 0) ? 0 : 1;

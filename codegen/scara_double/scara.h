@@ -44,7 +44,9 @@ typedef struct {
 } scara_pose;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 400000.0 (a thousand sizes), else the status is SCARA_OUT_OF_RANGE, of NaN and infinity SCARA_NONFINITE;
+ * 0 iterations are SCARA_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     scara_real tolerance;
     uint8_t max_iterations;
@@ -59,12 +61,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, SCARA_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     scara_real residual;
     scara_real step;
     scara_real min_pivot;
+    uint8_t joint;
 } scara_info;
 
 /* Tool pose of joint values; its quaternion has w >= 0. */

@@ -80,16 +80,35 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const scara_pose *pose, const scara_real guess[SCARA_JOINTS])
+{
+    const scara_real wrong[4] = { 0.0, -1.0, (scara_real)NAN, (scara_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const scara_real other = wrong[i % 4];
+        const scara_config config = { (i < 4) ? other : SCARA_TOLERANCE, SCARA_MAX_STEPS, (i < 4) ? SCARA_MAX_STEP : other };
+        const scara_status wanted = (i % 4 < 2) ? SCARA_OUT_OF_RANGE : SCARA_NONFINITE;
+        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const scara_config none = { SCARA_TOLERANCE, 0U, SCARA_MAX_STEP };
     scara_pose pose = pose_from(scara_vector_poses[0]);
     scara_pose wrong = pose;
     scara_real joints[SCARA_JOINTS];
+    scara_real other[SCARA_JOINTS];
+    scara_info info;
     for (int i = 0; i < SCARA_JOINTS; ++i) {
         joints[i] = scara_vector_guesses[0][i];
     }
     expect(refused(&none, &pose, joints, "no step is not enough") == SCARA_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    refuse_configs(&pose, joints);
+    joints[SCARA_JOINTS - 1] = (scara_real)NAN;
+    (void)scara_inverse(NULL, &pose, joints, other, &info);
+    expect(info.joint == SCARA_JOINTS - 1U, "joint of a NaN guess", 0);
+    joints[SCARA_JOINTS - 1] = scara_vector_guesses[0][SCARA_JOINTS - 1];
+    expect((scara_inverse(NULL, &pose, joints, other, &info) == SCARA_OK) && (info.joint == SCARA_JOINTS), "no joint to blame", 0);
     joints[0] = (scara_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == SCARA_NONFINITE, "NONFINITE", 0);
     expect(scara_direct(joints, &wrong) == SCARA_NONFINITE, "NONFINITE of direct", 0);

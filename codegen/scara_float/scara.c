@@ -61,18 +61,44 @@ static SCARA_COLD void scara_write_info(scara_info *info, unsigned int count, sc
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 4U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static SCARA_COLD scara_status scara_check_config(const scara_config *config, scara_status before)
+{
+    const scara_real tolerance = config->tolerance;
+    const scara_real longest = config->max_step;
+    scara_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 400000.0f - longest)) && (before != SCARA_NONFINITE)) {
+        const scara_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? SCARA_OUT_OF_RANGE : SCARA_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static SCARA_SHARED uint8_t scara_first_beyond(const scara_real joints[4])
+{
+    static const scara_real low[4] = { -2.3038356f, -2.460915f, -1000.0f, -150.00038f };
+    static const scara_real high[4] = { 2.3038356f, 2.460915f, 1000.0f, 0.00038146973f };
+    uint8_t joint = 0U;
+    while ((joint < 4U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges. */
 static SCARA_SHARED scara_status scara_check_limits(const scara_real joints[4])
 {
     scara_status status = SCARA_OK;
-    if (!((joints[0] >= -2.3038356f) && (joints[0] <= 2.3038356f)
-        && (joints[1] >= -2.460915f) && (joints[1] <= 2.460915f)
-        && (joints[2] >= -1000.0f) && (joints[2] <= 1000.0f)
-        && (joints[3] >= -150.00038f) && (joints[3] <= 0.00038146973f))) {
+    if (!(((joints[0] >= -2.3038356f) && (joints[0] <= 2.3038356f))
+        && ((joints[1] >= -2.460915f) && (joints[1] <= 2.460915f))
+        && ((joints[2] >= -1000.0f) && (joints[2] <= 1000.0f))
+        && ((joints[3] >= -150.00038f) && (joints[3] <= 0.00038146973f)))) {
         status = scara_check_finite(joints, 4, SCARA_OUT_OF_RANGE);
     }
     return status;
@@ -635,11 +661,11 @@ static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real
                 scara_real gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh && (before > still2)) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
@@ -712,12 +738,18 @@ scara_status scara_inverse(const scara_config *config, const scara_pose *pose, c
     scara_inverse_work w;
     scara_real to[7];
     scara_status status = scara_check_finite(guess, 4, scara_normalise_pose(pose, to));
-    for (int i = 0; i < 4; ++i) {
-        if ((status == SCARA_OK) && (fabsf(guess[i]) > 400000.0f)) {
-            status = SCARA_OUT_OF_RANGE;
+    scara_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    for (int i = 4 - 1; i >= 0; --i) {
+        if (!(fabsf(guess[i]) <= 400000.0f)) {
+            status = (status == SCARA_OK) ? SCARA_OUT_OF_RANGE : status;
+            if (info != NULL) {
+                info->joint = (uint8_t)i;
+            }
         }
     }
-    scara_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (config != NULL) {
+        status = scara_check_config(config, status);
+    }
     if (status == SCARA_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -727,6 +759,9 @@ scara_status scara_inverse(const scara_config *config, const scara_pose *pose, c
         status = scara_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == SCARA_OK) {
             status = scara_check_limits(w.x);
+            if (info != NULL) {
+                info->joint = scara_first_beyond(w.x);
+            }
         }
         if (status == SCARA_OK) {
             joints[0] = w.x[0];

@@ -61,20 +61,44 @@ static UR5E_COLD void ur5e_write_info(ur5e_info *info, unsigned int count, ur5e_
         info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
         info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
         info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static UR5E_COLD ur5e_status ur5e_check_config(const ur5e_config *config, ur5e_status before)
+{
+    const ur5e_real tolerance = config->tolerance;
+    const ur5e_real longest = config->max_step;
+    ur5e_status status = before;
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 845000.0 - longest)) && (before != UR5E_NONFINITE)) {
+        const ur5e_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0) ? UR5E_OUT_OF_RANGE : UR5E_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static UR5E_SHARED uint8_t ur5e_first_beyond(const ur5e_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= -1000.000000001) && (joints[joint] <= 1000.000000001))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges. */
 static UR5E_SHARED ur5e_status ur5e_check_limits(const ur5e_real joints[6])
 {
     ur5e_status status = UR5E_OK;
-    if (!((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001)
-        && (joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001)
-        && (joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001)
-        && (joints[3] >= -1000.000000001) && (joints[3] <= 1000.000000001)
-        && (joints[4] >= -1000.000000001) && (joints[4] <= 1000.000000001)
-        && (joints[5] >= -1000.000000001) && (joints[5] <= 1000.000000001))) {
+    if (!(((joints[0] >= -1000.000000001) && (joints[0] <= 1000.000000001))
+        && ((joints[1] >= -1000.000000001) && (joints[1] <= 1000.000000001))
+        && ((joints[2] >= -1000.000000001) && (joints[2] <= 1000.000000001))
+        && ((joints[3] >= -1000.000000001) && (joints[3] <= 1000.000000001))
+        && ((joints[4] >= -1000.000000001) && (joints[4] <= 1000.000000001))
+        && ((joints[5] >= -1000.000000001) && (joints[5] <= 1000.000000001)))) {
         status = ur5e_check_finite(joints, 6, UR5E_OUT_OF_RANGE);
     }
     return status;
@@ -1354,7 +1378,8 @@ static UR5E_COLD void ur5e_inverse_pivoted_solve(ur5e_inverse_work *w)
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ur5e_inverse_pivoted. */
+ * pivot is far below its usual size, which is left to ur5e_inverse_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int ur5e_inverse_factor(ur5e_inverse_work *w)
 {
     ur5e_real det;
@@ -1537,7 +1562,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t174 = t169 + t173;
     const ur5e_real t175 = t45 * t174;
     const ur5e_real t176 = 0.0011851211647507592 * t175;
-    const ur5e_real t177 = 1.0 / t67;
+    const ur5e_real t177 = 1.0 / (t67 + 3.6e-20);
     w->a[0] = t177;
     const ur5e_real t179 = t177 * 0.777324;
     w->a[1] = t98;
@@ -1907,7 +1932,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t543 = t434 - t539 * t148;
     const ur5e_real t544 = t480 - t539 * t165;
     const ur5e_real t545 = t538 - t539 * t176;
-    const ur5e_real t546 = 1.0 / t541;
+    const ur5e_real t546 = 1.0 / (t541 + 3.6e-20);
     w->a[7] = t546;
     const ur5e_real t548 = t546 * 1.26684;
     w->a[8] = t542;
@@ -1962,7 +1987,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t597 = t577 - t594 * t543;
     const ur5e_real t598 = t585 - t594 * t544;
     const ur5e_real t599 = t593 - t594 * t545;
-    const ur5e_real t600 = 1.0 / t596;
+    const ur5e_real t600 = 1.0 / (t596 + 3.6e-20);
     w->a[14] = t600;
     const ur5e_real t602 = t600 * 0.9521759999999999;
     w->a[15] = t597;
@@ -2035,7 +2060,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t669 = t664 - t667 * t597;
     const ur5e_real t670 = t665 - t667 * t598;
     const ur5e_real t671 = t666 - t667 * t599;
-    const ur5e_real t672 = 1.0 / t669;
+    const ur5e_real t672 = 1.0 / (t669 + 3.6e-20);
     w->a[21] = t672;
     const ur5e_real t674 = t672 * 2.01;
     w->a[22] = t670;
@@ -2111,7 +2136,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     w->a[27] = t743;
     const ur5e_real t745 = t741 - t743 * t670;
     const ur5e_real t746 = t742 - t743 * t671;
-    const ur5e_real t747 = 1.0 / t745;
+    const ur5e_real t747 = 1.0 / (t745 + 3.6e-20);
     w->a[28] = t747;
     const ur5e_real t749 = t747 * 0.9403900000000001;
     w->a[29] = t746;
@@ -2161,7 +2186,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t793 = t791 * t747;
     w->a[34] = t793;
     const ur5e_real t795 = t792 - t793 * t746;
-    const ur5e_real t796 = 1.0 / t795;
+    const ur5e_real t796 = 1.0 / (t795 + 2.52e-20);
     w->a[35] = t796;
     const ur5e_real t798 = t796 * 0.649143;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -2333,11 +2358,11 @@ static ur5e_status ur5e_inverse_newton(ur5e_inverse_work *w, const ur5e_real to[
                 ur5e_real gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh && (before > still2)) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0 * ((fresh || !(before > 0.0)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
@@ -2410,12 +2435,18 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const
     ur5e_inverse_work w;
     ur5e_real to[7];
     ur5e_status status = ur5e_check_finite(guess, 6, ur5e_normalise_pose(pose, to));
-    for (int i = 0; i < 6; ++i) {
-        if ((status == UR5E_OK) && (fabs(guess[i]) > 843795.5795096346)) {
-            status = UR5E_OUT_OF_RANGE;
+    ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    for (int i = 6 - 1; i >= 0; --i) {
+        if (!(fabs(guess[i]) <= 843795.5795096346)) {
+            status = (status == UR5E_OK) ? UR5E_OUT_OF_RANGE : status;
+            if (info != NULL) {
+                info->joint = (uint8_t)i;
+            }
         }
     }
-    ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (config != NULL) {
+        status = ur5e_check_config(config, status);
+    }
     if (status == UR5E_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -2427,6 +2458,9 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const
         status = ur5e_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == UR5E_OK) {
             status = ur5e_check_limits(w.x);
+            if (info != NULL) {
+                info->joint = ur5e_first_beyond(w.x);
+            }
         }
         if (status == UR5E_OK) {
             joints[0] = w.x[0];

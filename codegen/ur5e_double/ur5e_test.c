@@ -80,16 +80,35 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS])
+{
+    const ur5e_real wrong[4] = { 0.0, -1.0, (ur5e_real)NAN, (ur5e_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const ur5e_real other = wrong[i % 4];
+        const ur5e_config config = { (i < 4) ? other : UR5E_TOLERANCE, UR5E_MAX_STEPS, (i < 4) ? UR5E_MAX_STEP : other };
+        const ur5e_status wanted = (i % 4 < 2) ? UR5E_OUT_OF_RANGE : UR5E_NONFINITE;
+        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const ur5e_config none = { UR5E_TOLERANCE, 0U, UR5E_MAX_STEP };
     ur5e_pose pose = pose_from(ur5e_vector_poses[0]);
     ur5e_pose wrong = pose;
     ur5e_real joints[UR5E_JOINTS];
+    ur5e_real other[UR5E_JOINTS];
+    ur5e_info info;
     for (int i = 0; i < UR5E_JOINTS; ++i) {
         joints[i] = ur5e_vector_guesses[0][i];
     }
     expect(refused(&none, &pose, joints, "no step is not enough") == UR5E_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    refuse_configs(&pose, joints);
+    joints[UR5E_JOINTS - 1] = (ur5e_real)NAN;
+    (void)ur5e_inverse(NULL, &pose, joints, other, &info);
+    expect(info.joint == UR5E_JOINTS - 1U, "joint of a NaN guess", 0);
+    joints[UR5E_JOINTS - 1] = ur5e_vector_guesses[0][UR5E_JOINTS - 1];
+    expect((ur5e_inverse(NULL, &pose, joints, other, &info) == UR5E_OK) && (info.joint == UR5E_JOINTS), "no joint to blame", 0);
     joints[0] = (ur5e_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == UR5E_NONFINITE, "NONFINITE", 0);
     expect(ur5e_direct(joints, &wrong) == UR5E_NONFINITE, "NONFINITE of direct", 0);

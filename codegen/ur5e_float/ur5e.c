@@ -61,20 +61,39 @@ static UR5E_COLD void ur5e_write_info(ur5e_info *info, unsigned int count, ur5e_
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static UR5E_COLD ur5e_status ur5e_check_config(const ur5e_config *config, ur5e_status before)
+{
+    const ur5e_real tolerance = config->tolerance;
+    const ur5e_real longest = config->max_step;
+    ur5e_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 845000.0f - longest)) && (before != UR5E_NONFINITE)) {
+        const ur5e_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? UR5E_OUT_OF_RANGE : UR5E_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static UR5E_SHARED uint8_t ur5e_first_beyond(const ur5e_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= -1000.0f) && (joints[joint] <= 1000.0f))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges. */
-static UR5E_SHARED ur5e_status ur5e_check_limits(const ur5e_real joints[6])
+static ur5e_status ur5e_check_limits(const ur5e_real joints[6])
 {
     ur5e_status status = UR5E_OK;
-    if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
-        && (joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)
-        && (joints[2] >= -1000.0f) && (joints[2] <= 1000.0f)
-        && (joints[3] >= -1000.0f) && (joints[3] <= 1000.0f)
-        && (joints[4] >= -1000.0f) && (joints[4] <= 1000.0f)
-        && (joints[5] >= -1000.0f) && (joints[5] <= 1000.0f))) {
+    if (!(ur5e_first_beyond(joints) == 6U)) {
         status = ur5e_check_finite(joints, 6, UR5E_OUT_OF_RANGE);
     }
     return status;
@@ -1352,7 +1371,8 @@ static UR5E_COLD void ur5e_inverse_pivoted_solve(ur5e_inverse_work *w)
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ur5e_inverse_pivoted. */
+ * pivot is far below its usual size, which is left to ur5e_inverse_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int ur5e_inverse_factor(ur5e_inverse_work *w)
 {
     ur5e_real det;
@@ -1535,7 +1555,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t174 = t169 + t173;
     const ur5e_real t175 = t45 * t174;
     const ur5e_real t176 = 0.0011851211f * t175;
-    const ur5e_real t177 = 1.0f / t67;
+    const ur5e_real t177 = 1.0f / (t67 + 1.93e-11f);
     w->a[0] = t177;
     const ur5e_real t179 = t177 * 0.777324f;
     w->a[1] = t98;
@@ -1905,7 +1925,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t543 = t434 - t539 * t148;
     const ur5e_real t544 = t480 - t539 * t165;
     const ur5e_real t545 = t538 - t539 * t176;
-    const ur5e_real t546 = 1.0f / t541;
+    const ur5e_real t546 = 1.0f / (t541 + 1.93e-11f);
     w->a[7] = t546;
     const ur5e_real t548 = t546 * 1.26684f;
     w->a[8] = t542;
@@ -1960,7 +1980,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t597 = t577 - t594 * t543;
     const ur5e_real t598 = t585 - t594 * t544;
     const ur5e_real t599 = t593 - t594 * t545;
-    const ur5e_real t600 = 1.0f / t596;
+    const ur5e_real t600 = 1.0f / (t596 + 1.93e-11f);
     w->a[14] = t600;
     const ur5e_real t602 = t600 * 0.952176f;
     w->a[15] = t597;
@@ -2033,7 +2053,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t669 = t664 - t667 * t597;
     const ur5e_real t670 = t665 - t667 * t598;
     const ur5e_real t671 = t666 - t667 * t599;
-    const ur5e_real t672 = 1.0f / t669;
+    const ur5e_real t672 = 1.0f / (t669 + 1.93e-11f);
     w->a[21] = t672;
     const ur5e_real t674 = t672 * 2.01f;
     w->a[22] = t670;
@@ -2109,7 +2129,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     w->a[27] = t743;
     const ur5e_real t745 = t741 - t743 * t670;
     const ur5e_real t746 = t742 - t743 * t671;
-    const ur5e_real t747 = 1.0f / t745;
+    const ur5e_real t747 = 1.0f / (t745 + 1.93e-11f);
     w->a[28] = t747;
     const ur5e_real t749 = t747 * 0.94039f;
     w->a[29] = t746;
@@ -2159,7 +2179,7 @@ static int ur5e_inverse_factor(ur5e_inverse_work *w)
     const ur5e_real t793 = t791 * t747;
     w->a[34] = t793;
     const ur5e_real t795 = t792 - t793 * t746;
-    const ur5e_real t796 = 1.0f / t795;
+    const ur5e_real t796 = 1.0f / (t795 + 1.35e-11f);
     w->a[35] = t796;
     const ur5e_real t798 = t796 * 0.649143f;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -2331,11 +2351,11 @@ static ur5e_status ur5e_inverse_newton(ur5e_inverse_work *w, const ur5e_real to[
                 ur5e_real gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh && (before > still2)) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
@@ -2408,12 +2428,18 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const
     ur5e_inverse_work w;
     ur5e_real to[7];
     ur5e_status status = ur5e_check_finite(guess, 6, ur5e_normalise_pose(pose, to));
-    for (int i = 0; i < 6; ++i) {
-        if ((status == UR5E_OK) && (fabsf(guess[i]) > 843795.56f)) {
-            status = UR5E_OUT_OF_RANGE;
+    ur5e_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    for (int i = 6 - 1; i >= 0; --i) {
+        if (!(fabsf(guess[i]) <= 843795.56f)) {
+            status = (status == UR5E_OK) ? UR5E_OUT_OF_RANGE : status;
+            if (info != NULL) {
+                info->joint = (uint8_t)i;
+            }
         }
     }
-    ur5e_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (config != NULL) {
+        status = ur5e_check_config(config, status);
+    }
     if (status == UR5E_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -2425,6 +2451,9 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const
         status = ur5e_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == UR5E_OK) {
             status = ur5e_check_limits(w.x);
+            if (info != NULL) {
+                info->joint = ur5e_first_beyond(w.x);
+            }
         }
         if (status == UR5E_OK) {
             joints[0] = w.x[0];

@@ -13,7 +13,7 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * UR5E_OK only; `info` always. config and info may be NULL, guess and pose the same object.
  *
- * One step of Newton's method: 354 additions, 24 cos, 6 divisions, 599 multiplications, 24 sin (rows, matrix, factors, step).
+ * One step of Newton's method: 360 additions, 24 cos, 6 divisions, 599 multiplications, 24 sin (rows, matrix, factors, step).
  * Predicted error of an answer: UR5E_TOLERANCE and the rounding of the type, about
  * 0.000402353 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
@@ -46,7 +46,9 @@ typedef struct {
 } ur5e_pose;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 845000.0f (a thousand sizes), else the status is UR5E_OUT_OF_RANGE, of NaN and infinity UR5E_NONFINITE;
+ * 0 iterations are UR5E_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     ur5e_real tolerance;
     uint8_t max_iterations;
@@ -61,12 +63,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, UR5E_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     ur5e_real residual;
     ur5e_real step;
     ur5e_real min_pivot;
+    uint8_t joint;
 } ur5e_info;
 
 /* Tool pose of joint values; its quaternion has w >= 0. */

@@ -13,7 +13,7 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * YAO2020_OK only; `info` always. config and info may be NULL, guess and pose the same object.
  *
- * One step of Newton's method: 272 additions, 20 cos, 6 divisions, 464 multiplications, 20 sin (rows, matrix, factors, step).
+ * One step of Newton's method: 278 additions, 20 cos, 6 divisions, 464 multiplications, 20 sin (rows, matrix, factors, step).
  * Predicted error of an answer: YAO2020_TOLERANCE and the rounding of the type, about
  * 4.92959e-13 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
@@ -46,7 +46,9 @@ typedef struct {
 } yao2020_pose;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 556000.0 (a thousand sizes), else the status is YAO2020_OUT_OF_RANGE, of NaN and infinity YAO2020_NONFINITE;
+ * 0 iterations are YAO2020_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     yao2020_real tolerance;
     uint8_t max_iterations;
@@ -61,12 +63,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, YAO2020_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     yao2020_real residual;
     yao2020_real step;
     yao2020_real min_pivot;
+    uint8_t joint;
 } yao2020_info;
 
 /* Tool pose of joint values; its quaternion has w >= 0. */

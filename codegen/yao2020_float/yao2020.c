@@ -61,20 +61,46 @@ static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int cou
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static YAO2020_COLD yao2020_status yao2020_check_config(const yao2020_config *config, yao2020_status before)
+{
+    const yao2020_real tolerance = config->tolerance;
+    const yao2020_real longest = config->max_step;
+    yao2020_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 556000.0f - longest)) && (before != YAO2020_NONFINITE)) {
+        const yao2020_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? YAO2020_OUT_OF_RANGE : YAO2020_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static YAO2020_SHARED uint8_t yao2020_first_beyond(const yao2020_real joints[6])
+{
+    static const yao2020_real low[6] = { -1000.0f, -1000.0f, -1000.0f, -1000.0f, -1000.0f, -555022.5f };
+    static const yao2020_real high[6] = { 1000.0f, 1000.0f, 1000.0f, 1000.0f, 1000.0f, 555022.5f };
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges. */
 static YAO2020_SHARED yao2020_status yao2020_check_limits(const yao2020_real joints[6])
 {
     yao2020_status status = YAO2020_OK;
-    if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
-        && (joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)
-        && (joints[2] >= -1000.0f) && (joints[2] <= 1000.0f)
-        && (joints[3] >= -1000.0f) && (joints[3] <= 1000.0f)
-        && (joints[4] >= -1000.0f) && (joints[4] <= 1000.0f)
-        && (joints[5] >= -555022.5f) && (joints[5] <= 555022.5f))) {
+    if (!(((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f))
+        && ((joints[1] >= -1000.0f) && (joints[1] <= 1000.0f))
+        && ((joints[2] >= -1000.0f) && (joints[2] <= 1000.0f))
+        && ((joints[3] >= -1000.0f) && (joints[3] <= 1000.0f))
+        && ((joints[4] >= -1000.0f) && (joints[4] <= 1000.0f))
+        && ((joints[5] >= -555022.5f) && (joints[5] <= 555022.5f)))) {
         status = yao2020_check_finite(joints, 6, YAO2020_OUT_OF_RANGE);
     }
     return status;
@@ -1098,7 +1124,8 @@ static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to yao2020_inverse_pivoted. */
+ * pivot is far below its usual size, which is left to yao2020_inverse_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int yao2020_inverse_factor(yao2020_inverse_work *w)
 {
     yao2020_real det;
@@ -1349,7 +1376,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t242 = w->k[4] * t236;
     const yao2020_real t243 = t241 - t242;
     const yao2020_real t244 = t243 + t243;
-    const yao2020_real t245 = 1.0f / t64;
+    const yao2020_real t245 = 1.0f / (t64 + 2.83e-11f);
     w->a[0] = t245;
     const yao2020_real t247 = t245 * 1.42428f;
     w->a[1] = t110;
@@ -1403,7 +1430,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t295 = t275 - t292 * t144;
     const yao2020_real t296 = t283 - t292 * t194;
     const yao2020_real t297 = t291 - t292 * t244;
-    const yao2020_real t298 = 1.0f / t294;
+    const yao2020_real t298 = 1.0f / (t294 + 2.83e-11f);
     w->a[7] = t298;
     const yao2020_real t300 = t298 * 1.08641f;
     w->a[8] = t295;
@@ -1462,7 +1489,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t353 = t348 - t351 * t295;
     const yao2020_real t354 = t349 - t351 * t296;
     const yao2020_real t355 = t350 - t351 * t297;
-    const yao2020_real t356 = 1.0f / t353;
+    const yao2020_real t356 = 1.0f / (t353 + 2.83e-11f);
     w->a[14] = t356;
     const yao2020_real t358 = t356 * 1.51f;
     w->a[15] = t354;
@@ -1624,7 +1651,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     w->a[20] = t513;
     const yao2020_real t515 = t511 - t513 * t354;
     const yao2020_real t516 = t512 - t513 * t355;
-    const yao2020_real t517 = 1.0f / t515;
+    const yao2020_real t517 = 1.0f / (t515 + 2.83e-11f);
     w->a[21] = t517;
     const yao2020_real t519 = t517 * 0.94875f;
     w->a[22] = t516;
@@ -1685,7 +1712,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     w->a[27] = t573;
     const yao2020_real t575 = t572 - t573 * t516;
     const yao2020_real t576 = t557 - t573 * t501;
-    const yao2020_real t577 = 1.0f / t575;
+    const yao2020_real t577 = 1.0f / (t575 + 2.83e-11f);
     w->a[28] = t577;
     const yao2020_real t579 = t577 * 1.00971f;
     w->a[29] = t576;
@@ -1738,7 +1765,7 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t626 = t624 * t577;
     w->a[34] = t626;
     const yao2020_real t628 = t625 - t626 * t576;
-    const yao2020_real t629 = 1.0f / t628;
+    const yao2020_real t629 = 1.0f / (t628 + 1.98e-11f);
     w->a[35] = t629;
     const yao2020_real t631 = t629 * 0.95004f;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -1910,11 +1937,11 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 yao2020_real gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh && (before > still2)) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
@@ -1987,12 +2014,18 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
     yao2020_inverse_work w;
     yao2020_real to[7];
     yao2020_status status = yao2020_check_finite(guess, 6, yao2020_normalise_pose(pose, to));
-    for (int i = 0; i < 6; ++i) {
-        if ((status == YAO2020_OK) && (fabsf(guess[i]) > 555022.5f)) {
-            status = YAO2020_OUT_OF_RANGE;
+    yao2020_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    for (int i = 6 - 1; i >= 0; --i) {
+        if (!(fabsf(guess[i]) <= 555022.5f)) {
+            status = (status == YAO2020_OK) ? YAO2020_OUT_OF_RANGE : status;
+            if (info != NULL) {
+                info->joint = (uint8_t)i;
+            }
         }
     }
-    yao2020_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (config != NULL) {
+        status = yao2020_check_config(config, status);
+    }
     if (status == YAO2020_OK) {
         w.x[0] = guess[0];
         w.x[1] = guess[1];
@@ -2004,6 +2037,9 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
         status = yao2020_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
         if (status == YAO2020_OK) {
             status = yao2020_check_limits(w.x);
+            if (info != NULL) {
+                info->joint = yao2020_first_beyond(w.x);
+            }
         }
         if (status == YAO2020_OK) {
             joints[0] = w.x[0];

@@ -80,16 +80,35 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS])
+{
+    const yao2020_real wrong[4] = { 0.0f, -1.0f, (yao2020_real)NAN, (yao2020_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const yao2020_real other = wrong[i % 4];
+        const yao2020_config config = { (i < 4) ? other : YAO2020_TOLERANCE, YAO2020_MAX_STEPS, (i < 4) ? YAO2020_MAX_STEP : other };
+        const yao2020_status wanted = (i % 4 < 2) ? YAO2020_OUT_OF_RANGE : YAO2020_NONFINITE;
+        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const yao2020_config none = { YAO2020_TOLERANCE, 0U, YAO2020_MAX_STEP };
     yao2020_pose pose = pose_from(yao2020_vector_poses[0]);
     yao2020_pose wrong = pose;
     yao2020_real joints[YAO2020_JOINTS];
+    yao2020_real other[YAO2020_JOINTS];
+    yao2020_info info;
     for (int i = 0; i < YAO2020_JOINTS; ++i) {
         joints[i] = yao2020_vector_guesses[0][i];
     }
     expect(refused(&none, &pose, joints, "no step is not enough") == YAO2020_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    refuse_configs(&pose, joints);
+    joints[YAO2020_JOINTS - 1] = (yao2020_real)NAN;
+    (void)yao2020_inverse(NULL, &pose, joints, other, &info);
+    expect(info.joint == YAO2020_JOINTS - 1U, "joint of a NaN guess", 0);
+    joints[YAO2020_JOINTS - 1] = yao2020_vector_guesses[0][YAO2020_JOINTS - 1];
+    expect((yao2020_inverse(NULL, &pose, joints, other, &info) == YAO2020_OK) && (info.joint == YAO2020_JOINTS), "no joint to blame", 0);
     joints[0] = (yao2020_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == YAO2020_NONFINITE, "NONFINITE", 0);
     expect(yao2020_direct(joints, &wrong) == YAO2020_NONFINITE, "NONFINITE of direct", 0);

@@ -61,9 +61,33 @@ static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned i
         info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
         info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
         info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static ZHANG2009_COLD zhang2009_status zhang2009_check_config(const zhang2009_config *config, zhang2009_status before)
+{
+    const zhang2009_real tolerance = config->tolerance;
+    const zhang2009_real longest = config->max_step;
+    zhang2009_status status = before;
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 532000.0 - longest)) && (before != ZHANG2009_NONFINITE)) {
+        const zhang2009_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0) ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static ZHANG2009_SHARED uint8_t zhang2009_first_beyond(const zhang2009_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= 0.0005312592044589876) && (joints[joint] <= 531259.2044589876))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges and rods longer than zero. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
@@ -334,7 +358,7 @@ static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
 }
 
 /* Joint values at the state, into w->k. */
-static void zhang2009_rod_values(zhang2009_direct_work *w)
+static ZHANG2009_SHARED void zhang2009_rod_values(zhang2009_direct_work *w)
 {
     w->k[0] = 0.0;
     w->k[1] = 0.0;
@@ -450,7 +474,8 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. */
+ * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int zhang2009_direct_factor(zhang2009_direct_work *w)
 {
     zhang2009_real det;
@@ -459,7 +484,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t0 = 1100.0 * w->d[17];
     const zhang2009_real t1 = 1100.0 * w->d[16];
     const zhang2009_real t2 = -t1;
-    const zhang2009_real t3 = 1.0 / t0;
+    const zhang2009_real t3 = 1.0 / (t0 + 1.7e-17);
     w->a[0] = t3;
     const zhang2009_real t5 = t3 * 802720.0;
     w->a[1] = w->d[17];
@@ -479,7 +504,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t19 = w->d[7] - t16 * w->d[16];
     const zhang2009_real t20 = t14 - t16 * t2;
     const zhang2009_real t21 = w->d[6] - t16 * w->d[15];
-    const zhang2009_real t22 = 1.0 / t18;
+    const zhang2009_real t22 = 1.0 / (t18 + 1.7e-17);
     w->a[7] = t22;
     const zhang2009_real t24 = t22 * 797.68;
     w->a[8] = t19;
@@ -506,7 +531,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t45 = t40 - t42 * t20;
     const zhang2009_real t46 = t35 - t42 * t15;
     const zhang2009_real t47 = t41 - t42 * t21;
-    const zhang2009_real t48 = 1.0 / t44;
+    const zhang2009_real t48 = 1.0 / (t44 + 1.7e-17);
     w->a[14] = t48;
     const zhang2009_real t50 = t48 * 305.76;
     w->a[15] = t45;
@@ -536,7 +561,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t74 = t69 - t72 * t45;
     const zhang2009_real t75 = t70 - t72 * t46;
     const zhang2009_real t76 = t71 - t72 * t47;
-    const zhang2009_real t77 = 1.0 / t74;
+    const zhang2009_real t77 = 1.0 / (t74 + 1.7e-17);
     w->a[21] = t77;
     const zhang2009_real t79 = t77 * 386460.0;
     w->a[22] = t75;
@@ -569,7 +594,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     w->a[27] = t105;
     const zhang2009_real t107 = t103 - t105 * t75;
     const zhang2009_real t108 = t104 - t105 * t76;
-    const zhang2009_real t109 = 1.0 / t107;
+    const zhang2009_real t109 = 1.0 / (t107 + 1.7e-17);
     w->a[28] = t109;
     const zhang2009_real t111 = t109 * 765880.0;
     w->a[29] = t108;
@@ -595,7 +620,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t131 = t129 * t109;
     w->a[34] = t131;
     const zhang2009_real t133 = t130 - t131 * t108;
-    const zhang2009_real t134 = 1.0 / t133;
+    const zhang2009_real t134 = 1.0 / (t133 + 1.19e-17);
     w->a[35] = t134;
     const zhang2009_real t136 = t134 * 316.59;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -642,18 +667,7 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, c
     if (part < 1.0) {
         (void)zhang2009_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
-        w->k[0] = 0.0;
-        w->k[1] = 0.0;
-        w->k[2] = 0.0;
-        w->k[3] = 0.0;
-        w->k[4] = 0.0;
-        w->k[5] = 0.0;
-        zhang2009_direct_rows(w);
-        for (int i = 0; i < 6; ++i) {
-            const zhang2009_real t0 = -w->f[i];
-            const zhang2009_real t1 = sqrt(t0);
-            w->k[i] = t1;
-        }
+        zhang2009_rod_values(w);
         for (int i = 0; i < 6; ++i) {
             w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
         }
@@ -797,6 +811,16 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info, const zhang2009_real joints[6])
+{
+    zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (info != NULL) {
+        info->joint = zhang2009_first_beyond(joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
@@ -825,13 +849,16 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, guess);
+    if (config != NULL) {
+        status = zhang2009_check_config(config, status);
+    }
     if (status == ZHANG2009_OK) {
         status = zhang2009_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_write_pose(&w, pose);
         }
     } else {
-        zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+        zhang2009_write_no_step(info, joints);
     }
     return status;
 }
@@ -840,14 +867,15 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
 {
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, pose);
+    bool stepped = false;
     if (status == ZHANG2009_OK) {
         /* one step of Newton's method from the last pose */
         zhang2009_direct_set_target(&w, joints);
         zhang2009_direct_rows(&w);
         if ((zhang2009_direct_factor(&w) == 0) && (zhang2009_direct_pivoted(&w) == 0)) {
-            zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
             status = ZHANG2009_SINGULAR;
         } else {
+            stepped = true;
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_apply_step(&w);
             zhang2009_write_info(info, 1U, 0.00142 * size, size, w.spread);
@@ -857,8 +885,9 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
                 status = ZHANG2009_WRONG_BRANCH;
             }
         }
-    } else {
-        zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    }
+    if (!stepped) {
+        zhang2009_write_no_step(info, joints);
     }
     return status;
 }
@@ -1157,6 +1186,105 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
             jacobian[33] = t217;
             jacobian[34] = t222;
             jacobian[35] = t226;
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count, zhang2009_status status)
+{
+    zhang2009_status found = zhang2009_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == ZHANG2009_OK) && (fabs(speeds[i]) > 500000000.0)) {
+            found = ZHANG2009_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6], zhang2009_real rates[6])
+{
+    zhang2009_real jacobian[6 * 6];
+    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(pose, jacobian));
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            zhang2009_real sum = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6], const zhang2009_real rate_limits[6], zhang2009_real *feed)
+{
+    zhang2009_real rates[6];
+    zhang2009_status status = zhang2009_check_finite(rate_limits, 6, zhang2009_rates(pose, twist, rates));
+    zhang2009_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == ZHANG2009_OK); ++i) {
+        const zhang2009_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = ZHANG2009_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == ZHANG2009_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[6], zhang2009_real twist[6])
+{
+    static const zhang2009_real row_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    static const zhang2009_real column_scale[6] = { 1.0, 1.0, 1.0, 0.0018823203280183326, 0.0018823203280183326, 0.0018823203280183326 };
+    static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    zhang2009_real jacobian[6 * 6];
+    zhang2009_real a[6][6 + 1];
+    zhang2009_status status = zhang2009_check_speeds(rates, 6, zhang2009_jacobian(pose, jacobian));
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][6] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 6) && (status == ZHANG2009_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (fabs(a[i][c]) > fabs(a[best][c])) ? i : best;
+            }
+            if (!(fabs(a[best][c]) > 3.552713678800501e-15)) {
+                status = ZHANG2009_SINGULAR;
+            } else {
+                for (int j = c; j <= 6; ++j) {
+                    const zhang2009_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 6; ++i) {
+                    const zhang2009_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 6); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
         }
     }
     return status;

@@ -61,9 +61,34 @@ static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned i
         info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
         info->step = (size >= 0.0) ? sqrt(size) : HUGE_VAL;
         info->min_pivot = (spread > 0.0) ? (1.0 / sqrt(spread)) : 0.0;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static ZHANG2009_COLD zhang2009_status zhang2009_check_config(const zhang2009_config *config, zhang2009_status before)
+{
+    const zhang2009_real tolerance = config->tolerance;
+    const zhang2009_real longest = config->max_step;
+    zhang2009_status status = before;
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 532000.0 - longest)) && (before != ZHANG2009_NONFINITE)) {
+        const zhang2009_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0) ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static ZHANG2009_SHARED uint8_t zhang2009_first_beyond(const zhang2009_geometry *geometry, const zhang2009_real joints[6])
+{
+    uint8_t joint = 0U;
+    (void)geometry;
+    while ((joint < 6U) && ((joints[joint] + geometry->offset[joint] >= 0.0005312592044589876) && (joints[joint] <= 531259.2044589876))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges and rods longer than zero. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_geometry *geometry, const zhang2009_real joints[6])
@@ -415,7 +440,7 @@ static zhang2009_real zhang2009_direct_apply_step(const zhang2009_geometry *geom
 }
 
 /* Joint values at the state, into w->k. */
-static void zhang2009_rod_values(const zhang2009_geometry *geometry, zhang2009_direct_work *w)
+static ZHANG2009_SHARED void zhang2009_rod_values(const zhang2009_geometry *geometry, zhang2009_direct_work *w)
 {
     w->k[0] = 0.0;
     w->k[1] = 0.0;
@@ -534,7 +559,8 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. */
+ * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009_direct_work *w)
 {
     zhang2009_real det;
@@ -553,7 +579,7 @@ static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009
     const zhang2009_real t9 = t5 * w->d[17];
     const zhang2009_real t10 = t0 * w->d[16];
     const zhang2009_real t11 = t9 - t10;
-    const zhang2009_real t12 = 1.0 / t4;
+    const zhang2009_real t12 = 1.0 / (t4 + 1.7e-17);
     w->a[0] = t12;
     const zhang2009_real t14 = t12 * 802720.0;
     w->a[1] = w->d[17];
@@ -581,7 +607,7 @@ static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009
     const zhang2009_real t36 = t28 - t32 * t8;
     const zhang2009_real t37 = t31 - t32 * t11;
     const zhang2009_real t38 = w->d[6] - t32 * w->d[15];
-    const zhang2009_real t39 = 1.0 / t34;
+    const zhang2009_real t39 = 1.0 / (t34 + 1.7e-17);
     w->a[7] = t39;
     const zhang2009_real t41 = t39 * 797.68;
     w->a[8] = t35;
@@ -614,7 +640,7 @@ static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009
     const zhang2009_real t68 = t62 - t65 * t36;
     const zhang2009_real t69 = t63 - t65 * t37;
     const zhang2009_real t70 = t64 - t65 * t38;
-    const zhang2009_real t71 = 1.0 / t67;
+    const zhang2009_real t71 = 1.0 / (t67 + 1.7e-17);
     w->a[14] = t71;
     const zhang2009_real t73 = t71 * 305.76;
     w->a[15] = t68;
@@ -651,7 +677,7 @@ static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009
     const zhang2009_real t104 = t99 - t102 * t68;
     const zhang2009_real t105 = t100 - t102 * t69;
     const zhang2009_real t106 = t101 - t102 * t70;
-    const zhang2009_real t107 = 1.0 / t104;
+    const zhang2009_real t107 = 1.0 / (t104 + 1.7e-17);
     w->a[21] = t107;
     const zhang2009_real t109 = t107 * 386460.0;
     w->a[22] = t105;
@@ -691,7 +717,7 @@ static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009
     w->a[27] = t142;
     const zhang2009_real t144 = t140 - t142 * t105;
     const zhang2009_real t145 = t141 - t142 * t106;
-    const zhang2009_real t146 = 1.0 / t144;
+    const zhang2009_real t146 = 1.0 / (t144 + 1.7e-17);
     w->a[28] = t146;
     const zhang2009_real t148 = t146 * 765880.0;
     w->a[29] = t145;
@@ -733,7 +759,7 @@ static int zhang2009_direct_factor(const zhang2009_geometry *geometry, zhang2009
     const zhang2009_real t184 = t182 * t146;
     w->a[34] = t184;
     const zhang2009_real t186 = t183 - t184 * t145;
-    const zhang2009_real t187 = 1.0 / t186;
+    const zhang2009_real t187 = 1.0 / (t186 + 1.19e-17);
     w->a[35] = t187;
     const zhang2009_real t189 = t187 * 316.59;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -780,19 +806,7 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(const zhang2009_geometry *g
     if (part < 1.0) {
         (void)zhang2009_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
-        w->k[0] = 0.0;
-        w->k[1] = 0.0;
-        w->k[2] = 0.0;
-        w->k[3] = 0.0;
-        w->k[4] = 0.0;
-        w->k[5] = 0.0;
-        zhang2009_direct_rows(geometry, w);
-        for (int i = 0; i < 6; ++i) {
-            const zhang2009_real t0 = -w->f[i];
-            const zhang2009_real t1 = sqrt(t0);
-            const zhang2009_real t2 = t1 - geometry->offset[i];
-            w->k[i] = t2;
-        }
+        zhang2009_rod_values(geometry, w);
         for (int i = 0; i < 6; ++i) {
             w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
         }
@@ -936,6 +950,16 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static ZHANG2009_COLD void zhang2009_write_no_step(const zhang2009_geometry *geometry, zhang2009_info *info, const zhang2009_real joints[6])
+{
+    zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (info != NULL) {
+        info->joint = zhang2009_first_beyond(geometry, joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(const zhang2009_geometry *geometry, zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
@@ -965,13 +989,16 @@ zhang2009_status zhang2009_direct(const zhang2009_geometry *geometry, const zhan
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(geometry, &w, joints, guess);
+    if (config != NULL) {
+        status = zhang2009_check_config(config, status);
+    }
     if (status == ZHANG2009_OK) {
         status = zhang2009_direct_newton(geometry, &w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_write_pose(geometry, &w, pose);
         }
     } else {
-        zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+        zhang2009_write_no_step(geometry, info, joints);
     }
     return status;
 }
@@ -980,14 +1007,15 @@ zhang2009_status zhang2009_track(const zhang2009_geometry *geometry, const zhang
 {
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(geometry, &w, joints, pose);
+    bool stepped = false;
     if (status == ZHANG2009_OK) {
         /* one step of Newton's method from the last pose */
         zhang2009_direct_set_target(geometry, &w, joints);
         zhang2009_direct_rows(geometry, &w);
         if ((zhang2009_direct_factor(geometry, &w) == 0) && (zhang2009_direct_pivoted(geometry, &w) == 0)) {
-            zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
             status = ZHANG2009_SINGULAR;
         } else {
+            stepped = true;
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_apply_step(geometry, &w);
             zhang2009_write_info(info, 1U, 0.00142 * size, size, w.spread);
@@ -997,8 +1025,9 @@ zhang2009_status zhang2009_track(const zhang2009_geometry *geometry, const zhang
                 status = ZHANG2009_WRONG_BRANCH;
             }
         }
-    } else {
-        zhang2009_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    }
+    if (!stepped) {
+        zhang2009_write_no_step(geometry, info, joints);
     }
     return status;
 }
@@ -1399,6 +1428,105 @@ zhang2009_status zhang2009_jacobian(const zhang2009_geometry *geometry, const zh
             jacobian[33] = t318;
             jacobian[34] = t324;
             jacobian[35] = t328;
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count, zhang2009_status status)
+{
+    zhang2009_status found = zhang2009_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == ZHANG2009_OK) && (fabs(speeds[i]) > 500000000.0)) {
+            found = ZHANG2009_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+zhang2009_status zhang2009_rates(const zhang2009_geometry *geometry, const zhang2009_pose *pose, const zhang2009_real twist[6], zhang2009_real rates[6])
+{
+    zhang2009_real jacobian[6 * 6];
+    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(geometry, pose, jacobian));
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            zhang2009_real sum = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+zhang2009_status zhang2009_feed(const zhang2009_geometry *geometry, const zhang2009_pose *pose, const zhang2009_real twist[6], const zhang2009_real rate_limits[6], zhang2009_real *feed)
+{
+    zhang2009_real rates[6];
+    zhang2009_status status = zhang2009_check_finite(rate_limits, 6, zhang2009_rates(geometry, pose, twist, rates));
+    zhang2009_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == ZHANG2009_OK); ++i) {
+        const zhang2009_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = ZHANG2009_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == ZHANG2009_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+zhang2009_status zhang2009_twist(const zhang2009_geometry *geometry, const zhang2009_pose *pose, const zhang2009_real rates[6], zhang2009_real twist[6])
+{
+    static const zhang2009_real row_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    static const zhang2009_real column_scale[6] = { 1.0, 1.0, 1.0, 0.0018823203280183326, 0.0018823203280183326, 0.0018823203280183326 };
+    static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    zhang2009_real jacobian[6 * 6];
+    zhang2009_real a[6][6 + 1];
+    zhang2009_status status = zhang2009_check_speeds(rates, 6, zhang2009_jacobian(geometry, pose, jacobian));
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][6] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 6) && (status == ZHANG2009_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (fabs(a[i][c]) > fabs(a[best][c])) ? i : best;
+            }
+            if (!(fabs(a[best][c]) > 3.552713678800501e-15)) {
+                status = ZHANG2009_SINGULAR;
+            } else {
+                for (int j = c; j <= 6; ++j) {
+                    const zhang2009_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 6; ++i) {
+                    const zhang2009_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 6); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
         }
     }
     return status;

@@ -61,21 +61,39 @@ static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned i
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 6U;
     }
 }
 
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static ZHANG2009_COLD zhang2009_status zhang2009_check_config(const zhang2009_config *config, zhang2009_status before)
+{
+    const zhang2009_real tolerance = config->tolerance;
+    const zhang2009_real longest = config->max_step;
+    zhang2009_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 532000.0f - longest)) && (before != ZHANG2009_NONFINITE)) {
+        const zhang2009_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_NONFINITE;
+    }
+    return status;
+}
+
+
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static ZHANG2009_SHARED uint8_t zhang2009_first_beyond(const zhang2009_real joints[6])
+{
+    uint8_t joint = 0U;
+    while ((joint < 6U) && ((joints[joint] >= 0.0005312592f) && (joints[joint] <= 531259.2f))) {
+        ++joint;
+    }
+    return joint;
+}
 
 /* Checks whether joint values are within their ranges and rods longer than zero. */
-static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
+static zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
 {
     zhang2009_status status = ZHANG2009_OK;
-    bool inside = true;
-    for (int i = 0; i < 6; ++i) {
-        if (!((joints[i] >= 0.0005312592f) && (joints[i] <= 531259.2f))) {
-            inside = false;
-        }
-    }
-    if (!(inside)) {
+    if (!(zhang2009_first_beyond(joints) == 6U)) {
         status = zhang2009_check_finite(joints, 6, ZHANG2009_OUT_OF_RANGE);
     }
     return status;
@@ -333,7 +351,7 @@ static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
 }
 
 /* Joint values at the state, into w->k. */
-static void zhang2009_rod_values(zhang2009_direct_work *w)
+static ZHANG2009_SHARED void zhang2009_rod_values(zhang2009_direct_work *w)
 {
     w->k[0] = 0.0f;
     w->k[1] = 0.0f;
@@ -449,7 +467,8 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
 }
 
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. */
+ * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int zhang2009_direct_factor(zhang2009_direct_work *w)
 {
     zhang2009_real det;
@@ -458,7 +477,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t0 = 1100.0f * w->d[17];
     const zhang2009_real t1 = 1100.0f * w->d[16];
     const zhang2009_real t2 = -t1;
-    const zhang2009_real t3 = 1.0f / t0;
+    const zhang2009_real t3 = 1.0f / (t0 + 9.11e-09f);
     w->a[0] = t3;
     const zhang2009_real t5 = t3 * 802720.0f;
     w->a[1] = w->d[17];
@@ -478,7 +497,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t19 = w->d[7] - t16 * w->d[16];
     const zhang2009_real t20 = t14 - t16 * t2;
     const zhang2009_real t21 = w->d[6] - t16 * w->d[15];
-    const zhang2009_real t22 = 1.0f / t18;
+    const zhang2009_real t22 = 1.0f / (t18 + 9.11e-09f);
     w->a[7] = t22;
     const zhang2009_real t24 = t22 * 797.68f;
     w->a[8] = t19;
@@ -505,7 +524,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t45 = t40 - t42 * t20;
     const zhang2009_real t46 = t35 - t42 * t15;
     const zhang2009_real t47 = t41 - t42 * t21;
-    const zhang2009_real t48 = 1.0f / t44;
+    const zhang2009_real t48 = 1.0f / (t44 + 9.11e-09f);
     w->a[14] = t48;
     const zhang2009_real t50 = t48 * 305.76f;
     w->a[15] = t45;
@@ -535,7 +554,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t74 = t69 - t72 * t45;
     const zhang2009_real t75 = t70 - t72 * t46;
     const zhang2009_real t76 = t71 - t72 * t47;
-    const zhang2009_real t77 = 1.0f / t74;
+    const zhang2009_real t77 = 1.0f / (t74 + 9.11e-09f);
     w->a[21] = t77;
     const zhang2009_real t79 = t77 * 386460.0f;
     w->a[22] = t75;
@@ -568,7 +587,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     w->a[27] = t105;
     const zhang2009_real t107 = t103 - t105 * t75;
     const zhang2009_real t108 = t104 - t105 * t76;
-    const zhang2009_real t109 = 1.0f / t107;
+    const zhang2009_real t109 = 1.0f / (t107 + 9.11e-09f);
     w->a[28] = t109;
     const zhang2009_real t111 = t109 * 765880.0f;
     w->a[29] = t108;
@@ -594,7 +613,7 @@ static int zhang2009_direct_factor(zhang2009_direct_work *w)
     const zhang2009_real t131 = t129 * t109;
     w->a[34] = t131;
     const zhang2009_real t133 = t130 - t131 * t108;
-    const zhang2009_real t134 = 1.0f / t133;
+    const zhang2009_real t134 = 1.0f / (t133 + 6.38e-09f);
     w->a[35] = t134;
     const zhang2009_real t136 = t134 * 316.59f;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
@@ -641,18 +660,7 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, c
     if (part < 1.0f) {
         (void)zhang2009_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
-        w->k[0] = 0.0f;
-        w->k[1] = 0.0f;
-        w->k[2] = 0.0f;
-        w->k[3] = 0.0f;
-        w->k[4] = 0.0f;
-        w->k[5] = 0.0f;
-        zhang2009_direct_rows(w);
-        for (int i = 0; i < 6; ++i) {
-            const zhang2009_real t0 = -w->f[i];
-            const zhang2009_real t1 = sqrtf(t0);
-            w->k[i] = t1;
-        }
+        zhang2009_rod_values(w);
         for (int i = 0; i < 6; ++i) {
             w->f[i] = w->k[i] + part * (to[i] - w->k[i]);
         }
@@ -796,6 +804,16 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info, const zhang2009_real joints[6])
+{
+    zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (info != NULL) {
+        info->joint = zhang2009_first_beyond(joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
@@ -824,13 +842,16 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
     static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, guess);
+    if (config != NULL) {
+        status = zhang2009_check_config(config, status);
+    }
     if (status == ZHANG2009_OK) {
         status = zhang2009_direct_newton(&w, joints, (config != NULL) ? config : &usual, info);
         if (status == ZHANG2009_OK) {
             zhang2009_write_pose(&w, pose);
         }
     } else {
-        zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        zhang2009_write_no_step(info, joints);
     }
     return status;
 }
@@ -839,14 +860,15 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
 {
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, pose);
+    bool stepped = false;
     if (status == ZHANG2009_OK) {
         /* one step of Newton's method from the last pose */
         zhang2009_direct_set_target(&w, joints);
         zhang2009_direct_rows(&w);
         if ((zhang2009_direct_factor(&w) == 0) && (zhang2009_direct_pivoted(&w) == 0)) {
-            zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
             status = ZHANG2009_SINGULAR;
         } else {
+            stepped = true;
             zhang2009_direct_solve(&w);
             const zhang2009_real size = zhang2009_direct_apply_step(&w);
             zhang2009_write_info(info, 1U, 0.00142f * size, size, w.spread);
@@ -856,8 +878,9 @@ zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose 
                 status = ZHANG2009_WRONG_BRANCH;
             }
         }
-    } else {
-        zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    }
+    if (!stepped) {
+        zhang2009_write_no_step(info, joints);
     }
     return status;
 }
@@ -1156,6 +1179,105 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
             jacobian[33] = t217;
             jacobian[34] = t222;
             jacobian[35] = t226;
+        }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count, zhang2009_status status)
+{
+    zhang2009_status found = zhang2009_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == ZHANG2009_OK) && (fabsf(speeds[i]) > 5e+08f)) {
+            found = ZHANG2009_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6], zhang2009_real rates[6])
+{
+    zhang2009_real jacobian[6 * 6];
+    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(pose, jacobian));
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            zhang2009_real sum = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6], const zhang2009_real rate_limits[6], zhang2009_real *feed)
+{
+    zhang2009_real rates[6];
+    zhang2009_status status = zhang2009_check_finite(rate_limits, 6, zhang2009_rates(pose, twist, rates));
+    zhang2009_real most = 1.0f;
+    for (int i = 0; (i < 6) && (status == ZHANG2009_OK); ++i) {
+        const zhang2009_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = ZHANG2009_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == ZHANG2009_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[6], zhang2009_real twist[6])
+{
+    static const zhang2009_real row_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    static const zhang2009_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.0018823203f, 0.0018823203f, 0.0018823203f };
+    static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
+    zhang2009_real jacobian[6 * 6];
+    zhang2009_real a[6][6 + 1];
+    zhang2009_status status = zhang2009_check_speeds(rates, 6, zhang2009_jacobian(pose, jacobian));
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][6] = rates[i] * row_scale[i];
+        }
+        for (int c = 0; (c < 6) && (status == ZHANG2009_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
+            }
+            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
+                status = ZHANG2009_SINGULAR;
+            } else {
+                for (int j = c; j <= 6; ++j) {
+                    const zhang2009_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 6; ++i) {
+                    const zhang2009_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 6); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
+        }
+    }
+    if (status == ZHANG2009_OK) {
+        for (int i = 0; i < 6; ++i) {
+            twist[column[i]] = a[i][6] / a[i][i] * column_scale[i];
         }
     }
     return status;

@@ -13,7 +13,7 @@
  * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
  * ZHANG2009_OK only; `info` always. config and info may be NULL, guess and pose the same object.
  *
- * One step of Newton's method: 140 additions, 7 divisions, 160 multiplications, 1 sqrt (rows, matrix, factors, step).
+ * One step of Newton's method: 146 additions, 7 divisions, 160 multiplications, 1 sqrt (rows, matrix, factors, step).
  * Predicted error of an answer: ZHANG2009_TOLERANCE and the rounding of the type, about
  * 0.000253324 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
@@ -46,7 +46,9 @@ typedef struct {
 } zhang2009_pose;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 532000.0f (a thousand sizes), else the status is ZHANG2009_OUT_OF_RANGE, of NaN and infinity ZHANG2009_NONFINITE;
+ * 0 iterations are ZHANG2009_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     zhang2009_real tolerance;
     uint8_t max_iterations;
@@ -61,12 +63,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer (zhang2009_track: predicted error of the pose), in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, ZHANG2009_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     zhang2009_real residual;
     zhang2009_real step;
     zhang2009_real min_pivot;
+    uint8_t joint;
 } zhang2009_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
@@ -85,6 +89,17 @@ zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real jo
 
 /* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
 zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real jacobian[ZHANG2009_JOINTS * 6]);
+
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 5e+08 are
+ * ZHANG2009_OUT_OF_RANGE. */
+zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6], zhang2009_real rates[ZHANG2009_JOINTS]);
+
+/* The twist of joint rates at a pose; ZHANG2009_SINGULAR where they do not decide it. */
+zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[ZHANG2009_JOINTS], zhang2009_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in mm or radians for each unit
+ * of time). */
+zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6], const zhang2009_real rate_limits[ZHANG2009_JOINTS], zhang2009_real *feed);
 #ifdef __cplusplus
 }
 #endif

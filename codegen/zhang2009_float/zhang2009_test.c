@@ -86,6 +86,7 @@ static void solve_all(void)
         expect(difference(&pose, zhang2009_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
+        expect(info.joint == ZHANG2009_JOINTS, "no joint to blame", k);
         pose = guess;
         expect(zhang2009_direct(NULL, zhang2009_vector_joints[k], &guess, &pose, NULL) == ZHANG2009_OK, "direct without info", k);
         expect(zhang2009_track(zhang2009_vector_joints[k], &pose, &info) == ZHANG2009_OK, "track", k);
@@ -107,6 +108,17 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *home)
+{
+    const zhang2009_real wrong[4] = { 0.0f, -1.0f, (zhang2009_real)NAN, (zhang2009_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const zhang2009_real other = wrong[i % 4];
+        const zhang2009_config config = { (i < 4) ? other : ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, (i < 4) ? ZHANG2009_MAX_STEP : other };
+        const zhang2009_status wanted = (i % 4 < 2) ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_NONFINITE;
+        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const zhang2009_pose home = pose_from(zhang2009_vector_home);
@@ -122,6 +134,17 @@ static void refuse_all(void)
     }
     expect(refused(&one_step, joints, &home, "one step is not enough") == ZHANG2009_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
     expect(refused(&none, joints, &home, "no step is not enough") == ZHANG2009_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    refuse_configs(joints, &home);
+    joints[ZHANG2009_JOINTS - 1] = (zhang2009_real)NAN;
+    (void)zhang2009_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == ZHANG2009_JOINTS - 1U, "joint of a NaN", 0);
+    joints[ZHANG2009_JOINTS - 1] = -5.312592e+06f;
+    (void)zhang2009_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == ZHANG2009_JOINTS - 1U, "joint out of range", 0);
+    (void)zhang2009_track(joints, &pose, &info);
+    expect(info.joint == ZHANG2009_JOINTS - 1U, "joint out of range of track", 0);
+    joints[ZHANG2009_JOINTS - 1] = zhang2009_vector_joints[0][ZHANG2009_JOINTS - 1];
+    pose = home;
     joints[0] = (zhang2009_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == ZHANG2009_NONFINITE, "NONFINITE", 0);
     joints[0] = (zhang2009_real)INFINITY;
@@ -156,9 +179,52 @@ static void refuse_all(void)
 #endif
 }
 
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+static void speeds_of(const zhang2009_pose *pose, int k)
+{
+    zhang2009_real rates[ZHANG2009_JOINTS];
+    zhang2009_real again[ZHANG2009_JOINTS];
+    zhang2009_real limits[ZHANG2009_JOINTS];
+    zhang2009_real twist[6] = { 0.0f };
+    zhang2009_real feed = 0.0f;
+    double largest = 0.0;
+    for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
+        rates[i] = (zhang2009_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+    }
+    expect(zhang2009_twist(pose, rates, twist) == ZHANG2009_OK, "twist", k);
+    expect(zhang2009_rates(pose, twist, again) == ZHANG2009_OK, "rates", k);
+    for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3, "rates of the twist of rates", i);
+        limits[i] = (zhang2009_real)0.125;
+    }
+    expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OK, "feed", k);
+    for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
+        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+    }
+    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
+    for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
+        limits[i] = 4.0f;
+    }
+    expect((zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OK) && (feed == 1.0f), "no need for a feed", k);
+    limits[0] = -1.0f;
+    expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OUT_OF_RANGE, "a limit below 0", k);
+    limits[0] = (zhang2009_real)NAN;
+    expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_NONFINITE, "a limit that is not a number", k);
+    twist[5] = (zhang2009_real)INFINITY;
+    expect(zhang2009_rates(pose, twist, again) == ZHANG2009_NONFINITE, "infinite twist", k);
+    rates[0] = (zhang2009_real)NAN;
+    expect(zhang2009_twist(pose, rates, twist) == ZHANG2009_NONFINITE, "NaN among rates", k);
+    rates[0] = (zhang2009_real)1e30;
+    expect(zhang2009_twist(pose, rates, twist) == ZHANG2009_OUT_OF_RANGE, "rates beyond all bounds", k);
+}
+
 int main(void)
 {
     solve_all();
+    for (int k = 0; k < ZHANG2009_VECTOR_JACOBIANS; ++k) {
+        const zhang2009_pose pose = pose_from(zhang2009_vector_poses[k]);
+        speeds_of(&pose, k);
+    }
     refuse_all();
     (void)printf("zhang2009: %d cases, %d failures\n", ZHANG2009_VECTORS, failures);
     return (failures == 0) ? 0 : 1;

@@ -86,6 +86,7 @@ static void solve_all(void)
         expect(difference(&pose, zhao2000_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
+        expect(info.joint == ZHAO2000_JOINTS, "no joint to blame", k);
         pose = guess;
         expect(zhao2000_direct(NULL, zhao2000_vector_joints[k], &guess, &pose, NULL) == ZHAO2000_OK, "direct without info", k);
         expect(zhao2000_track(zhao2000_vector_joints[k], &pose, &info) == ZHAO2000_OK, "track", k);
@@ -107,10 +108,20 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *home)
+{
+    const zhao2000_real wrong[4] = { 0.0f, -1.0f, (zhao2000_real)NAN, (zhao2000_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const zhao2000_real other = wrong[i % 4];
+        const zhao2000_config config = { (i < 4) ? other : ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, (i < 4) ? ZHAO2000_MAX_STEP : other };
+        const zhao2000_status wanted = (i % 4 < 2) ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_NONFINITE;
+        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
     const zhao2000_pose home = pose_from(zhao2000_vector_home);
-    const zhao2000_config one_step = { ZHAO2000_TOLERANCE, 1U, ZHAO2000_MAX_STEP };
     const zhao2000_config none = { ZHAO2000_TOLERANCE, 0U, ZHAO2000_MAX_STEP };
     zhao2000_pose wrong = home;
     zhao2000_pose pose = home;
@@ -120,8 +131,18 @@ static void refuse_all(void)
     for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
         joints[i] = zhao2000_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == ZHAO2000_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
     expect(refused(&none, joints, &home, "no step is not enough") == ZHAO2000_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    refuse_configs(joints, &home);
+    joints[ZHAO2000_JOINTS - 1] = (zhao2000_real)NAN;
+    (void)zhao2000_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == ZHAO2000_JOINTS - 1U, "joint of a NaN", 0);
+    joints[ZHAO2000_JOINTS - 1] = -2.4e+06f;
+    (void)zhao2000_direct(NULL, joints, &home, &pose, &info);
+    expect(info.joint == ZHAO2000_JOINTS - 1U, "joint out of range", 0);
+    (void)zhao2000_track(joints, &pose, &info);
+    expect(info.joint == ZHAO2000_JOINTS - 1U, "joint out of range of track", 0);
+    joints[ZHAO2000_JOINTS - 1] = zhao2000_vector_joints[0][ZHAO2000_JOINTS - 1];
+    pose = home;
     joints[0] = (zhao2000_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == ZHAO2000_NONFINITE, "NONFINITE", 0);
     joints[0] = (zhao2000_real)INFINITY;
@@ -156,9 +177,52 @@ static void refuse_all(void)
 #endif
 }
 
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+static void speeds_of(const zhao2000_pose *pose, int k)
+{
+    zhao2000_real rates[ZHAO2000_JOINTS];
+    zhao2000_real again[ZHAO2000_JOINTS];
+    zhao2000_real limits[ZHAO2000_JOINTS];
+    zhao2000_real twist[6] = { 0.0f };
+    zhao2000_real feed = 0.0f;
+    double largest = 0.0;
+    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
+        rates[i] = (zhao2000_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+    }
+    expect(zhao2000_twist(pose, rates, twist) == ZHAO2000_OK, "twist", k);
+    expect(zhao2000_rates(pose, twist, again) == ZHAO2000_OK, "rates", k);
+    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
+        expect(fabs((double)again[i] - (double)rates[i]) <= 1e-3, "rates of the twist of rates", i);
+        limits[i] = (zhao2000_real)0.125;
+    }
+    expect(zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OK, "feed", k);
+    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
+        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+    }
+    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
+    for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
+        limits[i] = 4.0f;
+    }
+    expect((zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OK) && (feed == 1.0f), "no need for a feed", k);
+    limits[0] = -1.0f;
+    expect(zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_OUT_OF_RANGE, "a limit below 0", k);
+    limits[0] = (zhao2000_real)NAN;
+    expect(zhao2000_feed(pose, twist, limits, &feed) == ZHAO2000_NONFINITE, "a limit that is not a number", k);
+    twist[5] = (zhao2000_real)INFINITY;
+    expect(zhao2000_rates(pose, twist, again) == ZHAO2000_NONFINITE, "infinite twist", k);
+    rates[0] = (zhao2000_real)NAN;
+    expect(zhao2000_twist(pose, rates, twist) == ZHAO2000_NONFINITE, "NaN among rates", k);
+    rates[0] = (zhao2000_real)1e30;
+    expect(zhao2000_twist(pose, rates, twist) == ZHAO2000_OUT_OF_RANGE, "rates beyond all bounds", k);
+}
+
 int main(void)
 {
     solve_all();
+    for (int k = 0; k < ZHAO2000_VECTOR_JACOBIANS; ++k) {
+        const zhao2000_pose pose = pose_from(zhao2000_vector_poses[k]);
+        speeds_of(&pose, k);
+    }
     refuse_all();
     (void)printf("zhao2000: %d cases, %d failures\n", ZHAO2000_VECTORS, failures);
     return (failures == 0) ? 0 : 1;

@@ -47,7 +47,9 @@ typedef struct {
 } zhao2000_links_pose;
 
 /* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 245000.0 (a thousand sizes), else the status is ZHAO2000_LINKS_OUT_OF_RANGE, of NaN and infinity ZHAO2000_LINKS_NONFINITE;
+ * 0 iterations are ZHAO2000_LINKS_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     zhao2000_links_real tolerance;
     uint8_t max_iterations;
@@ -62,12 +64,14 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer (zhao2000_links_track: predicted error of the pose), in
  * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, ZHAO2000_LINKS_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     zhao2000_links_real residual;
     zhao2000_links_real step;
     zhao2000_links_real min_pivot;
+    uint8_t joint;
 } zhao2000_links_info;
 
 /* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
@@ -86,6 +90,17 @@ zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose, zh
 
 /* Row-major 4 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
 zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, zhao2000_links_real jacobian[ZHAO2000_LINKS_JOINTS * 6]);
+
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 2e+08 are
+ * ZHAO2000_LINKS_OUT_OF_RANGE. */
+zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose, const zhao2000_links_real twist[6], zhao2000_links_real rates[ZHAO2000_LINKS_JOINTS]);
+
+/* The twist of joint rates at a pose; ZHAO2000_LINKS_SINGULAR where they do not decide it. */
+zhao2000_links_status zhao2000_links_twist(const zhao2000_links_pose *pose, const zhao2000_links_real rates[ZHAO2000_LINKS_JOINTS], zhao2000_links_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in mm or radians for each unit
+ * of time). */
+zhao2000_links_status zhao2000_links_feed(const zhao2000_links_pose *pose, const zhao2000_links_real twist[6], const zhao2000_links_real rate_limits[ZHAO2000_LINKS_JOINTS], zhao2000_links_real *feed);
 #ifdef __cplusplus
 }
 #endif

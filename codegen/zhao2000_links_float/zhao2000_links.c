@@ -61,7 +61,21 @@ static ZHAO2000_LINKS_COLD void zhao2000_links_write_info(zhao2000_links_info *i
         info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
         info->step = (size >= 0.0f) ? sqrtf(size) : HUGE_VALF;
         info->min_pivot = (spread > 0.0f) ? (1.0f / sqrtf(spread)) : 0.0f;
+        info->joint = 4U;
     }
+}
+
+/* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_config(const zhao2000_links_config *config, zhao2000_links_status before)
+{
+    const zhao2000_links_real tolerance = config->tolerance;
+    const zhao2000_links_real longest = config->max_step;
+    zhao2000_links_status status = before;
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 245000.0f - longest)) && (before != ZHAO2000_LINKS_NONFINITE)) {
+        const zhao2000_links_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+        status = (none <= 0.0f) ? ZHAO2000_LINKS_OUT_OF_RANGE : ZHAO2000_LINKS_NONFINITE;
+    }
+    return status;
 }
 
 
@@ -94,14 +108,26 @@ static void zhao2000_links_pose_from_coordinates(const zhao2000_links_real c[7],
     pose->quaternion[3] = c[6];
 }
 
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static ZHAO2000_LINKS_SHARED uint8_t zhao2000_links_first_beyond(const zhao2000_links_real joints[4])
+{
+    static const zhao2000_links_real low[4] = { -1000.0f, -1000.0f, -1000.0f, 1.13414435e-05f };
+    static const zhao2000_links_real high[4] = { 1000.0f, 1000.0f, 1000.0f, 244819.78f };
+    uint8_t joint = 0U;
+    while ((joint < 4U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
+        ++joint;
+    }
+    return joint;
+}
+
 /* Checks whether joint values are within their ranges. */
 static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_check_limits(const zhao2000_links_real joints[4])
 {
     zhao2000_links_status status = ZHAO2000_LINKS_OK;
-    if (!((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f)
-        && (joints[1] >= -1000.0f) && (joints[1] <= 1000.0f)
-        && (joints[2] >= -1000.0f) && (joints[2] <= 1000.0f)
-        && (joints[3] >= 1.13414435e-05f) && (joints[3] <= 244819.78f))) {
+    if (!(((joints[0] >= -1000.0f) && (joints[0] <= 1000.0f))
+        && ((joints[1] >= -1000.0f) && (joints[1] <= 1000.0f))
+        && ((joints[2] >= -1000.0f) && (joints[2] <= 1000.0f))
+        && ((joints[3] >= 1.13414435e-05f) && (joints[3] <= 244819.78f)))) {
         status = zhao2000_links_check_finite(joints, 4, ZHAO2000_LINKS_OUT_OF_RANGE);
     }
     return status;
@@ -160,61 +186,70 @@ static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_re
     const zhao2000_links_real t47 = t39 - t46;
     const zhao2000_links_real d2 = t47; /* above 0 where elbow1 has two values */
     const zhao2000_links_real r2 = (d2 > 1.14e-11f) ? sqrtf(d2) : 1.0f;
-    const zhao2000_links_real t50 = t33 * r2;
-    const zhao2000_links_real t51 = t37 * t45;
-    const zhao2000_links_real t52 = t50 - t51;
-    const zhao2000_links_real t53 = 1.0f / t39;
-    const zhao2000_links_real t54 = t52 * t53;
-    const zhao2000_links_real t55 = 30.272121f * t54;
-    const zhao2000_links_real t56 = t33 * t45;
-    const zhao2000_links_real t57 = t37 * r2;
-    const zhao2000_links_real t58 = t56 + t57;
-    const zhao2000_links_real t59 = t58 * t53;
-    const zhao2000_links_real t60 = -63.115757f * t59;
-    const zhao2000_links_real t61 = t55 - t60;
-    const zhao2000_links_real t62 = t61 + r1;
-    const zhao2000_links_real t63 = -6.1662765f * t62;
-    const zhao2000_links_real t64 = -30.272121f * t59;
-    const zhao2000_links_real t65 = t24 - t64;
-    const zhao2000_links_real t66 = -63.115757f * t54;
-    const zhao2000_links_real t67 = t65 + t66;
-    const zhao2000_links_real t68 = 69.727875f * t67;
-    const zhao2000_links_real t69 = t63 - t68;
-    const zhao2000_links_real t70 = t69 * -0.00020408163f;
-    const zhao2000_links_real t71 = -6.1662765f * t70;
-    const zhao2000_links_real t72 = -6.1662765f * t67;
-    const zhao2000_links_real t73 = -69.727875f * t62;
-    const zhao2000_links_real t74 = t72 - t73;
-    const zhao2000_links_real t75 = t74 * -0.00020408163f;
-    const zhao2000_links_real t76 = 69.727875f * t75;
-    const zhao2000_links_real t77 = t71 + t76;
-    const zhao2000_links_real t78 = t77 - t60;
-    const zhao2000_links_real t79 = t78 + t55;
-    const zhao2000_links_real t80 = t79 * t6;
-    const zhao2000_links_real t81 = t79 * t79;
-    const zhao2000_links_real t82 = 1.0f / t81;
-    const zhao2000_links_real t83 = t80 * t82;
-    const zhao2000_links_real t84 = t79 * t15;
-    const zhao2000_links_real t85 = t84 * t82;
-    const zhao2000_links_real t86 = -t85;
-    const zhao2000_links_real t87 = atan2f(t83, t86);
-    const zhao2000_links_real t88 = t87 + 1.5707964f;
-    const zhao2000_links_real t89 = atan2f(t75, t70);
-    const zhao2000_links_real t90 = t54 * t70;
-    const zhao2000_links_real t91 = t59 * t75;
-    const zhao2000_links_real t92 = t90 + t91;
-    const zhao2000_links_real t93 = t54 * t75;
-    const zhao2000_links_real t94 = t59 * t70;
-    const zhao2000_links_real t95 = t93 - t94;
-    const zhao2000_links_real t96 = atan2f(t92, t95);
-    const zhao2000_links_real t97 = -t54;
-    const zhao2000_links_real t98 = -t59;
-    const zhao2000_links_real t99 = atan2f(t97, t98);
-    x[0] = t88;
-    x[1] = t89;
-    x[2] = t96;
-    x[3] = t99;
-    return ((d1 > 1.87e-08f) && (d2 > 1.14e-11f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
+    zhao2000_links_status status = ZHAO2000_LINKS_OUT_OF_RANGE;
+    if ((d1 > 1.87e-08f) && (d2 > 1.14e-11f)) {
+        const zhao2000_links_real t50 = t33 * r2;
+        const zhao2000_links_real t51 = t37 * t45;
+        const zhao2000_links_real t52 = t50 - t51;
+        const zhao2000_links_real t53 = 1.0f / t39;
+        const zhao2000_links_real t54 = t52 * t53;
+        const zhao2000_links_real t55 = 30.272121f * t54;
+        const zhao2000_links_real t56 = t33 * t45;
+        const zhao2000_links_real t57 = t37 * r2;
+        const zhao2000_links_real t58 = t56 + t57;
+        const zhao2000_links_real t59 = t58 * t53;
+        const zhao2000_links_real t60 = -63.115757f * t59;
+        const zhao2000_links_real t61 = t55 - t60;
+        const zhao2000_links_real t62 = t61 + r1;
+        const zhao2000_links_real t63 = -6.1662765f * t62;
+        const zhao2000_links_real t64 = -30.272121f * t59;
+        const zhao2000_links_real t65 = t24 - t64;
+        const zhao2000_links_real t66 = -63.115757f * t54;
+        const zhao2000_links_real t67 = t65 + t66;
+        const zhao2000_links_real t68 = 69.727875f * t67;
+        const zhao2000_links_real t69 = t63 - t68;
+        const zhao2000_links_real t70 = t69 * -0.00020408163f;
+        const zhao2000_links_real t71 = -6.1662765f * t70;
+        const zhao2000_links_real t72 = -6.1662765f * t67;
+        const zhao2000_links_real t73 = -69.727875f * t62;
+        const zhao2000_links_real t74 = t72 - t73;
+        const zhao2000_links_real t75 = t74 * -0.00020408163f;
+        const zhao2000_links_real t76 = 69.727875f * t75;
+        const zhao2000_links_real t77 = t71 + t76;
+        const zhao2000_links_real t78 = t77 - t60;
+        const zhao2000_links_real t79 = t78 + t55;
+        const zhao2000_links_real t80 = t79 * t6;
+        const zhao2000_links_real t81 = t79 * t79;
+        const zhao2000_links_real t82 = 1.0f / t81;
+        const zhao2000_links_real t83 = t80 * t82;
+        const zhao2000_links_real t84 = t79 * t15;
+        const zhao2000_links_real t85 = t84 * t82;
+        const zhao2000_links_real t86 = -t85;
+        const zhao2000_links_real t87 = atan2f(t83, t86);
+        const zhao2000_links_real t88 = t87 + 1.5707964f;
+        const zhao2000_links_real t89 = atan2f(t75, t70);
+        const zhao2000_links_real t90 = t54 * t70;
+        const zhao2000_links_real t91 = t59 * t75;
+        const zhao2000_links_real t92 = t90 + t91;
+        const zhao2000_links_real t93 = t54 * t75;
+        const zhao2000_links_real t94 = t59 * t70;
+        const zhao2000_links_real t95 = t93 - t94;
+        const zhao2000_links_real t96 = atan2f(t92, t95);
+        const zhao2000_links_real t97 = -t54;
+        const zhao2000_links_real t98 = -t59;
+        const zhao2000_links_real t99 = atan2f(t97, t98);
+        x[0] = t88;
+        x[1] = t89;
+        x[2] = t96;
+        x[3] = t99;
+        status = ZHAO2000_LINKS_OK;
+    } else {
+        x[0] = 0.0f;
+        x[1] = 0.0f;
+        x[2] = 0.0f;
+        x[3] = 0.0f;
+    }
+    return status;
 }
 
 /* Work space of zhao2000_links_limb1_newton, which solves the rows f(x; k) = 0 for the state x.
@@ -850,60 +885,69 @@ static zhao2000_links_status zhao2000_links_limb2_joints(const zhao2000_links_re
     const zhao2000_links_real t57 = t49 - t56;
     const zhao2000_links_real d2 = t57; /* above 0 where elbow2 has two values */
     const zhao2000_links_real r2 = (d2 > 1.18e-11f) ? sqrtf(d2) : 1.0f;
-    const zhao2000_links_real t60 = t43 * r2;
-    const zhao2000_links_real t61 = t47 * t55;
-    const zhao2000_links_real t62 = t60 - t61;
-    const zhao2000_links_real t63 = 1.0f / t49;
-    const zhao2000_links_real t64 = t62 * t63;
-    const zhao2000_links_real t65 = 30.272121f * t64;
-    const zhao2000_links_real t66 = t43 * t55;
-    const zhao2000_links_real t67 = t47 * r2;
-    const zhao2000_links_real t68 = t66 + t67;
-    const zhao2000_links_real t69 = t68 * t63;
-    const zhao2000_links_real t70 = -63.115757f * t69;
-    const zhao2000_links_real t71 = t65 - t70;
-    const zhao2000_links_real t72 = t71 + r1;
-    const zhao2000_links_real t73 = -6.1662765f * t72;
-    const zhao2000_links_real t74 = -30.272121f * t69;
-    const zhao2000_links_real t75 = t34 - t74;
-    const zhao2000_links_real t76 = -63.115757f * t64;
-    const zhao2000_links_real t77 = t75 + t76;
-    const zhao2000_links_real t78 = 69.727875f * t77;
-    const zhao2000_links_real t79 = t73 - t78;
-    const zhao2000_links_real t80 = t79 * -0.00020408163f;
-    const zhao2000_links_real t81 = -6.1662765f * t80;
-    const zhao2000_links_real t82 = -6.1662765f * t77;
-    const zhao2000_links_real t83 = -69.727875f * t72;
-    const zhao2000_links_real t84 = t82 - t83;
-    const zhao2000_links_real t85 = t84 * -0.00020408163f;
-    const zhao2000_links_real t86 = 69.727875f * t85;
-    const zhao2000_links_real t87 = t81 + t86;
-    const zhao2000_links_real t88 = t87 - t70;
-    const zhao2000_links_real t89 = t88 + t65;
-    const zhao2000_links_real t90 = t89 * t23;
-    const zhao2000_links_real t91 = t89 * t89;
-    const zhao2000_links_real t92 = 1.0f / t91;
-    const zhao2000_links_real t93 = t90 * t92;
-    const zhao2000_links_real t94 = t89 * t13;
-    const zhao2000_links_real t95 = t94 * t92;
-    const zhao2000_links_real t96 = atan2f(t93, t95);
-    const zhao2000_links_real t97 = t96 + 3.1415927f;
-    const zhao2000_links_real t98 = atan2f(t85, t80);
-    const zhao2000_links_real t99 = t64 * t80;
-    const zhao2000_links_real t100 = t69 * t85;
-    const zhao2000_links_real t101 = t99 + t100;
-    const zhao2000_links_real t102 = t64 * t85;
-    const zhao2000_links_real t103 = t69 * t80;
-    const zhao2000_links_real t104 = t102 - t103;
-    const zhao2000_links_real t105 = atan2f(t101, t104);
-    const zhao2000_links_real t106 = -t64;
-    const zhao2000_links_real t107 = -t69;
-    const zhao2000_links_real t108 = atan2f(t106, t107);
-    x[0] = t97;
-    x[1] = t98;
-    x[2] = t105;
-    x[3] = t108;
-    return ((d1 > 1.74e-08f) && (d2 > 1.18e-11f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
+    zhao2000_links_status status = ZHAO2000_LINKS_OUT_OF_RANGE;
+    if ((d1 > 1.74e-08f) && (d2 > 1.18e-11f)) {
+        const zhao2000_links_real t60 = t43 * r2;
+        const zhao2000_links_real t61 = t47 * t55;
+        const zhao2000_links_real t62 = t60 - t61;
+        const zhao2000_links_real t63 = 1.0f / t49;
+        const zhao2000_links_real t64 = t62 * t63;
+        const zhao2000_links_real t65 = 30.272121f * t64;
+        const zhao2000_links_real t66 = t43 * t55;
+        const zhao2000_links_real t67 = t47 * r2;
+        const zhao2000_links_real t68 = t66 + t67;
+        const zhao2000_links_real t69 = t68 * t63;
+        const zhao2000_links_real t70 = -63.115757f * t69;
+        const zhao2000_links_real t71 = t65 - t70;
+        const zhao2000_links_real t72 = t71 + r1;
+        const zhao2000_links_real t73 = -6.1662765f * t72;
+        const zhao2000_links_real t74 = -30.272121f * t69;
+        const zhao2000_links_real t75 = t34 - t74;
+        const zhao2000_links_real t76 = -63.115757f * t64;
+        const zhao2000_links_real t77 = t75 + t76;
+        const zhao2000_links_real t78 = 69.727875f * t77;
+        const zhao2000_links_real t79 = t73 - t78;
+        const zhao2000_links_real t80 = t79 * -0.00020408163f;
+        const zhao2000_links_real t81 = -6.1662765f * t80;
+        const zhao2000_links_real t82 = -6.1662765f * t77;
+        const zhao2000_links_real t83 = -69.727875f * t72;
+        const zhao2000_links_real t84 = t82 - t83;
+        const zhao2000_links_real t85 = t84 * -0.00020408163f;
+        const zhao2000_links_real t86 = 69.727875f * t85;
+        const zhao2000_links_real t87 = t81 + t86;
+        const zhao2000_links_real t88 = t87 - t70;
+        const zhao2000_links_real t89 = t88 + t65;
+        const zhao2000_links_real t90 = t89 * t23;
+        const zhao2000_links_real t91 = t89 * t89;
+        const zhao2000_links_real t92 = 1.0f / t91;
+        const zhao2000_links_real t93 = t90 * t92;
+        const zhao2000_links_real t94 = t89 * t13;
+        const zhao2000_links_real t95 = t94 * t92;
+        const zhao2000_links_real t96 = atan2f(t93, t95);
+        const zhao2000_links_real t97 = t96 + 3.1415927f;
+        const zhao2000_links_real t98 = atan2f(t85, t80);
+        const zhao2000_links_real t99 = t64 * t80;
+        const zhao2000_links_real t100 = t69 * t85;
+        const zhao2000_links_real t101 = t99 + t100;
+        const zhao2000_links_real t102 = t64 * t85;
+        const zhao2000_links_real t103 = t69 * t80;
+        const zhao2000_links_real t104 = t102 - t103;
+        const zhao2000_links_real t105 = atan2f(t101, t104);
+        const zhao2000_links_real t106 = -t64;
+        const zhao2000_links_real t107 = -t69;
+        const zhao2000_links_real t108 = atan2f(t106, t107);
+        x[0] = t97;
+        x[1] = t98;
+        x[2] = t105;
+        x[3] = t108;
+        status = ZHAO2000_LINKS_OK;
+    } else {
+        x[0] = 0.0f;
+        x[1] = 0.0f;
+        x[2] = 0.0f;
+        x[3] = 0.0f;
+    }
+    return status;
 }
 
 /* Work space of zhao2000_links_limb2_newton, which solves the rows f(x; k) = 0 for the state x.
@@ -1751,62 +1795,71 @@ static zhao2000_links_status zhao2000_links_limb3_joints(const zhao2000_links_re
     const zhao2000_links_real t57 = t49 - t56;
     const zhao2000_links_real d2 = t57; /* above 0 where elbow3 has two values */
     const zhao2000_links_real r2 = (d2 > 1.2e-11f) ? sqrtf(d2) : 1.0f;
-    const zhao2000_links_real t60 = t43 * r2;
-    const zhao2000_links_real t61 = t47 * t55;
-    const zhao2000_links_real t62 = t60 - t61;
-    const zhao2000_links_real t63 = 1.0f / t49;
-    const zhao2000_links_real t64 = t62 * t63;
-    const zhao2000_links_real t65 = 30.272121f * t64;
-    const zhao2000_links_real t66 = t43 * t55;
-    const zhao2000_links_real t67 = t47 * r2;
-    const zhao2000_links_real t68 = t66 + t67;
-    const zhao2000_links_real t69 = t68 * t63;
-    const zhao2000_links_real t70 = -63.115757f * t69;
-    const zhao2000_links_real t71 = t65 - t70;
-    const zhao2000_links_real t72 = t71 + r1;
-    const zhao2000_links_real t73 = -6.1662765f * t72;
-    const zhao2000_links_real t74 = -30.272121f * t69;
-    const zhao2000_links_real t75 = t34 - t74;
-    const zhao2000_links_real t76 = -63.115757f * t64;
-    const zhao2000_links_real t77 = t75 + t76;
-    const zhao2000_links_real t78 = 69.727875f * t77;
-    const zhao2000_links_real t79 = t73 - t78;
-    const zhao2000_links_real t80 = t79 * -0.00020408163f;
-    const zhao2000_links_real t81 = -6.1662765f * t80;
-    const zhao2000_links_real t82 = -6.1662765f * t77;
-    const zhao2000_links_real t83 = -69.727875f * t72;
-    const zhao2000_links_real t84 = t82 - t83;
-    const zhao2000_links_real t85 = t84 * -0.00020408163f;
-    const zhao2000_links_real t86 = 69.727875f * t85;
-    const zhao2000_links_real t87 = t81 + t86;
-    const zhao2000_links_real t88 = t87 - t70;
-    const zhao2000_links_real t89 = t88 + t65;
-    const zhao2000_links_real t90 = t89 * t23;
-    const zhao2000_links_real t91 = t89 * t89;
-    const zhao2000_links_real t92 = 1.0f / t91;
-    const zhao2000_links_real t93 = t90 * t92;
-    const zhao2000_links_real t94 = -t93;
-    const zhao2000_links_real t95 = t89 * t13;
-    const zhao2000_links_real t96 = t95 * t92;
-    const zhao2000_links_real t97 = -t96;
-    const zhao2000_links_real t98 = atan2f(t94, t97);
-    const zhao2000_links_real t99 = t98 + 6.2831855f;
-    const zhao2000_links_real t100 = atan2f(t85, t80);
-    const zhao2000_links_real t101 = t64 * t80;
-    const zhao2000_links_real t102 = t69 * t85;
-    const zhao2000_links_real t103 = t101 + t102;
-    const zhao2000_links_real t104 = t64 * t85;
-    const zhao2000_links_real t105 = t69 * t80;
-    const zhao2000_links_real t106 = t104 - t105;
-    const zhao2000_links_real t107 = atan2f(t103, t106);
-    const zhao2000_links_real t108 = -t64;
-    const zhao2000_links_real t109 = -t69;
-    const zhao2000_links_real t110 = atan2f(t108, t109);
-    x[0] = t99;
-    x[1] = t100;
-    x[2] = t107;
-    x[3] = t110;
-    return ((d1 > 1.85e-08f) && (d2 > 1.2e-11f)) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
+    zhao2000_links_status status = ZHAO2000_LINKS_OUT_OF_RANGE;
+    if ((d1 > 1.85e-08f) && (d2 > 1.2e-11f)) {
+        const zhao2000_links_real t60 = t43 * r2;
+        const zhao2000_links_real t61 = t47 * t55;
+        const zhao2000_links_real t62 = t60 - t61;
+        const zhao2000_links_real t63 = 1.0f / t49;
+        const zhao2000_links_real t64 = t62 * t63;
+        const zhao2000_links_real t65 = 30.272121f * t64;
+        const zhao2000_links_real t66 = t43 * t55;
+        const zhao2000_links_real t67 = t47 * r2;
+        const zhao2000_links_real t68 = t66 + t67;
+        const zhao2000_links_real t69 = t68 * t63;
+        const zhao2000_links_real t70 = -63.115757f * t69;
+        const zhao2000_links_real t71 = t65 - t70;
+        const zhao2000_links_real t72 = t71 + r1;
+        const zhao2000_links_real t73 = -6.1662765f * t72;
+        const zhao2000_links_real t74 = -30.272121f * t69;
+        const zhao2000_links_real t75 = t34 - t74;
+        const zhao2000_links_real t76 = -63.115757f * t64;
+        const zhao2000_links_real t77 = t75 + t76;
+        const zhao2000_links_real t78 = 69.727875f * t77;
+        const zhao2000_links_real t79 = t73 - t78;
+        const zhao2000_links_real t80 = t79 * -0.00020408163f;
+        const zhao2000_links_real t81 = -6.1662765f * t80;
+        const zhao2000_links_real t82 = -6.1662765f * t77;
+        const zhao2000_links_real t83 = -69.727875f * t72;
+        const zhao2000_links_real t84 = t82 - t83;
+        const zhao2000_links_real t85 = t84 * -0.00020408163f;
+        const zhao2000_links_real t86 = 69.727875f * t85;
+        const zhao2000_links_real t87 = t81 + t86;
+        const zhao2000_links_real t88 = t87 - t70;
+        const zhao2000_links_real t89 = t88 + t65;
+        const zhao2000_links_real t90 = t89 * t23;
+        const zhao2000_links_real t91 = t89 * t89;
+        const zhao2000_links_real t92 = 1.0f / t91;
+        const zhao2000_links_real t93 = t90 * t92;
+        const zhao2000_links_real t94 = -t93;
+        const zhao2000_links_real t95 = t89 * t13;
+        const zhao2000_links_real t96 = t95 * t92;
+        const zhao2000_links_real t97 = -t96;
+        const zhao2000_links_real t98 = atan2f(t94, t97);
+        const zhao2000_links_real t99 = t98 + 6.2831855f;
+        const zhao2000_links_real t100 = atan2f(t85, t80);
+        const zhao2000_links_real t101 = t64 * t80;
+        const zhao2000_links_real t102 = t69 * t85;
+        const zhao2000_links_real t103 = t101 + t102;
+        const zhao2000_links_real t104 = t64 * t85;
+        const zhao2000_links_real t105 = t69 * t80;
+        const zhao2000_links_real t106 = t104 - t105;
+        const zhao2000_links_real t107 = atan2f(t103, t106);
+        const zhao2000_links_real t108 = -t64;
+        const zhao2000_links_real t109 = -t69;
+        const zhao2000_links_real t110 = atan2f(t108, t109);
+        x[0] = t99;
+        x[1] = t100;
+        x[2] = t107;
+        x[3] = t110;
+        status = ZHAO2000_LINKS_OK;
+    } else {
+        x[0] = 0.0f;
+        x[1] = 0.0f;
+        x[2] = 0.0f;
+        x[3] = 0.0f;
+    }
+    return status;
 }
 
 /* Work space of zhao2000_links_limb3_newton, which solves the rows f(x; k) = 0 for the state x.
@@ -4981,11 +5034,11 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 zhao2000_links_real gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh && (before > still2)) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
                 was_fresh = fresh;
@@ -5189,6 +5242,16 @@ static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_branch(con
     return status;
 }
 
+/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
+ * finite. */
+static ZHAO2000_LINKS_COLD void zhao2000_links_write_no_step(zhao2000_links_info *info, const zhao2000_links_real joints[4])
+{
+    zhao2000_links_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (info != NULL) {
+        info->joint = zhao2000_links_first_beyond(joints);
+    }
+}
+
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_read_guess(zhao2000_links_direct_work *w, const zhao2000_links_real joints[4], const zhao2000_links_pose *guess)
 {
@@ -5226,6 +5289,9 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
     zhao2000_links_direct_work w;
     zhao2000_links_status status = zhao2000_links_read_guess(&w, joints, guess);
+    if (config != NULL) {
+        status = zhao2000_links_check_config(config, status);
+    }
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real given[4];
         zhao2000_links_unwrap_joints(w.at, joints, given);
@@ -5237,7 +5303,7 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
             zhao2000_links_write_pose(&w, pose);
         }
     } else {
-        zhao2000_links_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+        zhao2000_links_write_no_step(info, joints);
     }
     return status;
 }
@@ -5246,6 +5312,7 @@ zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], 
 {
     zhao2000_links_direct_work w;
     zhao2000_links_status status = zhao2000_links_read_guess(&w, joints, pose);
+    bool stepped = false;
     if (status == ZHAO2000_LINKS_OK) {
         zhao2000_links_real given[4];
         zhao2000_links_unwrap_joints(w.at, joints, given);
@@ -5253,9 +5320,9 @@ zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], 
         zhao2000_links_direct_set_target(&w, given, 1.0f);
         zhao2000_links_direct_rows(&w);
         if (zhao2000_links_direct_factor(&w) == 0) {
-            zhao2000_links_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
             status = ZHAO2000_LINKS_SINGULAR;
         } else {
+            stepped = true;
             zhao2000_links_direct_solve(&w);
             const zhao2000_links_real size = zhao2000_links_direct_apply_step(&w);
             zhao2000_links_write_info(info, 1U, 0.0186f * size, size, w.spread);
@@ -5265,8 +5332,9 @@ zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4], 
                 status = ZHAO2000_LINKS_WRONG_BRANCH;
             }
         }
-    } else {
-        zhao2000_links_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    }
+    if (!stepped) {
+        zhao2000_links_write_no_step(info, joints);
     }
     return status;
 }
@@ -5459,16 +5527,20 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
         const zhao2000_links_real op_3 = c[2] * c[2];
         const zhao2000_links_real op_4 = op_2 + op_3;
         const zhao2000_links_real op_5 = sqrtf(op_4);
-        const zhao2000_links_real op_6 = 1.0f / op_5;
-        const zhao2000_links_real op_7 = c[0] * op_6;
-        const zhao2000_links_real op_8 = c[1] * op_6;
-        const zhao2000_links_real op_9 = c[2] * op_6;
-        jacobian[18] = op_7;
-        jacobian[19] = op_8;
-        jacobian[20] = op_9;
-        jacobian[21] = 0.0f;
-        jacobian[22] = 0.0f;
-        jacobian[23] = 0.0f;
+        if (op_5 > 0.0f) {
+            const zhao2000_links_real op_6 = 1.0f / op_5;
+            const zhao2000_links_real op_7 = c[0] * op_6;
+            const zhao2000_links_real op_8 = c[1] * op_6;
+            const zhao2000_links_real op_9 = c[2] * op_6;
+            jacobian[18] = op_7;
+            jacobian[19] = op_8;
+            jacobian[20] = op_9;
+            jacobian[21] = 0.0f;
+            jacobian[22] = 0.0f;
+            jacobian[23] = 0.0f;
+        } else {
+            status = ZHAO2000_LINKS_SINGULAR;
+        }
         if ((status == ZHAO2000_LINKS_OK) && (zhao2000_links_check_finite(jacobian, 4 * 6, ZHAO2000_LINKS_OK) != ZHAO2000_LINKS_OK)) {
             status = ZHAO2000_LINKS_SINGULAR;
         }
@@ -5481,6 +5553,468 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, z
         } else {
             /* singular */
         }
+    }
+    return status;
+}
+
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+static zhao2000_links_status zhao2000_links_check_speeds(const zhao2000_links_real speeds[], int count, zhao2000_links_status status)
+{
+    zhao2000_links_status found = zhao2000_links_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == ZHAO2000_LINKS_OK) && (fabsf(speeds[i]) > 2e+08f)) {
+            found = ZHAO2000_LINKS_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates of a twist: the Jacobian times the twist. */
+zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose, const zhao2000_links_real twist[6], zhao2000_links_real rates[4])
+{
+    zhao2000_links_real jacobian[4 * 6];
+    const zhao2000_links_status status = zhao2000_links_check_speeds(twist, 6, zhao2000_links_jacobian(pose, jacobian));
+    if (status == ZHAO2000_LINKS_OK) {
+        for (int i = 0; i < 4; ++i) {
+            zhao2000_links_real sum = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * twist[j];
+            }
+            rates[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+zhao2000_links_status zhao2000_links_feed(const zhao2000_links_pose *pose, const zhao2000_links_real twist[6], const zhao2000_links_real rate_limits[4], zhao2000_links_real *feed)
+{
+    zhao2000_links_real rates[4];
+    zhao2000_links_status status = zhao2000_links_check_finite(rate_limits, 4, zhao2000_links_rates(pose, twist, rates));
+    zhao2000_links_real most = 1.0f;
+    for (int i = 0; (i < 4) && (status == ZHAO2000_LINKS_OK); ++i) {
+        const zhao2000_links_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = ZHAO2000_LINKS_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == ZHAO2000_LINKS_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* The twist of joint rates: the closure's linear system at the pose, passive joints included. */
+zhao2000_links_status zhao2000_links_twist(const zhao2000_links_pose *pose, const zhao2000_links_real rates[4], zhao2000_links_real twist[6])
+{
+    zhao2000_links_direct_work work;
+    zhao2000_links_direct_work *const w = &work;
+    zhao2000_links_real c[7];
+    zhao2000_links_real passive[9] = { 0.0f };
+    zhao2000_links_status status = zhao2000_links_pose_coordinates(pose, c);
+    if (status == ZHAO2000_LINKS_OK) {
+        status = (zhao2000_links_solve_limbs(c, w->k, passive) == ZHAO2000_LINKS_OK) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
+    }
+    status = zhao2000_links_check_speeds(rates, 4, status);
+    if (status == ZHAO2000_LINKS_OK) {
+        for (int i = 0; i < 9; ++i) {
+            w->x[i] = passive[i];
+        }
+        w->x[9] = c[0];
+        w->x[10] = c[1];
+        w->x[11] = c[2];
+        w->x[12] = c[3];
+        w->x[13] = c[4];
+        w->x[14] = c[5];
+        w->x[15] = c[6];
+        if (zhao2000_links_direct_factor(w) == 0) {
+            status = ZHAO2000_LINKS_SINGULAR;
+        } else {
+            const zhao2000_links_real t0 = cosf(w->x[0]);
+            const zhao2000_links_real t1 = cosf(w->x[1]);
+            const zhao2000_links_real t2 = 63.115757f * t1;
+            const zhao2000_links_real t3 = sinf(w->x[1]);
+            const zhao2000_links_real t4 = -30.272121f * t3;
+            const zhao2000_links_real t5 = t2 + t4;
+            const zhao2000_links_real t6 = -132.39778f + t5;
+            const zhao2000_links_real t7 = t6 - (-138.56407f);
+            const zhao2000_links_real t8 = t0 * t7;
+            const zhao2000_links_real t9 = sinf(w->x[0]);
+            const zhao2000_links_real t10 = 30.272121f * t1;
+            const zhao2000_links_real t11 = 63.115757f * t3;
+            const zhao2000_links_real t12 = t10 + t11;
+            const zhao2000_links_real t13 = 69.727875f + t12;
+            const zhao2000_links_real t14 = t9 * t13;
+            const zhao2000_links_real t15 = t8 - t14;
+            const zhao2000_links_real t16 = w->k[0] - 1.5707964f;
+            const zhao2000_links_real t17 = cosf(t16);
+            const zhao2000_links_real t18 = t17 * rates[0];
+            const zhao2000_links_real t19 = t15 * t18;
+            const zhao2000_links_real t20 = -t19;
+            const zhao2000_links_real t21 = sinf(t16);
+            const zhao2000_links_real t22 = t21 * rates[0];
+            const zhao2000_links_real t23 = t15 * t22;
+            const zhao2000_links_real t24 = -t23;
+            const zhao2000_links_real t25 = 0.5f * w->x[2];
+            const zhao2000_links_real t26 = cosf(t25);
+            const zhao2000_links_real t27 = 0.5f * w->x[1];
+            const zhao2000_links_real t28 = sinf(t27);
+            const zhao2000_links_real t29 = 0.5f * w->x[0];
+            const zhao2000_links_real t30 = sinf(t29);
+            const zhao2000_links_real t31 = 0.5f * t16;
+            const zhao2000_links_real t32 = sinf(t31);
+            const zhao2000_links_real t33 = 0.5f * rates[0];
+            const zhao2000_links_real t34 = t32 * t33;
+            const zhao2000_links_real t35 = t30 * t34;
+            const zhao2000_links_real t36 = t28 * t35;
+            const zhao2000_links_real t37 = cosf(t27);
+            const zhao2000_links_real t38 = cosf(t29);
+            const zhao2000_links_real t39 = t38 * t34;
+            const zhao2000_links_real t40 = t37 * t39;
+            const zhao2000_links_real t41 = t36 - t40;
+            const zhao2000_links_real t42 = t26 * t41;
+            const zhao2000_links_real t43 = sinf(t25);
+            const zhao2000_links_real t44 = t28 * t39;
+            const zhao2000_links_real t45 = t37 * t35;
+            const zhao2000_links_real t46 = t44 + t45;
+            const zhao2000_links_real t47 = t43 * t46;
+            const zhao2000_links_real t48 = t42 + t47;
+            const zhao2000_links_real t49 = w->x[14] * t48;
+            const zhao2000_links_real t50 = t43 * t41;
+            const zhao2000_links_real t51 = t26 * t46;
+            const zhao2000_links_real t52 = t50 - t51;
+            const zhao2000_links_real t53 = w->x[15] * t52;
+            const zhao2000_links_real t54 = t49 + t53;
+            const zhao2000_links_real t55 = cosf(t31);
+            const zhao2000_links_real t56 = t55 * t33;
+            const zhao2000_links_real t57 = t30 * t56;
+            const zhao2000_links_real t58 = t37 * t57;
+            const zhao2000_links_real t59 = t38 * t56;
+            const zhao2000_links_real t60 = t28 * t59;
+            const zhao2000_links_real t61 = t58 + t60;
+            const zhao2000_links_real t62 = t26 * t61;
+            const zhao2000_links_real t63 = t37 * t59;
+            const zhao2000_links_real t64 = t28 * t57;
+            const zhao2000_links_real t65 = t63 - t64;
+            const zhao2000_links_real t66 = t43 * t65;
+            const zhao2000_links_real t67 = t62 + t66;
+            const zhao2000_links_real t68 = w->x[12] * t67;
+            const zhao2000_links_real t69 = t54 - t68;
+            const zhao2000_links_real t70 = t26 * t65;
+            const zhao2000_links_real t71 = t43 * t61;
+            const zhao2000_links_real t72 = t70 - t71;
+            const zhao2000_links_real t73 = w->x[13] * t72;
+            const zhao2000_links_real t74 = t69 - t73;
+            const zhao2000_links_real t75 = 489.63956f * t74;
+            const zhao2000_links_real t76 = w->x[13] * t48;
+            const zhao2000_links_real t77 = w->x[12] * t52;
+            const zhao2000_links_real t78 = t76 - t77;
+            const zhao2000_links_real t79 = w->x[15] * t67;
+            const zhao2000_links_real t80 = t78 - t79;
+            const zhao2000_links_real t81 = w->x[14] * t72;
+            const zhao2000_links_real t82 = t80 + t81;
+            const zhao2000_links_real t83 = 489.63956f * t82;
+            const zhao2000_links_real t84 = -t83;
+            const zhao2000_links_real t85 = cosf(w->x[3]);
+            const zhao2000_links_real t86 = cosf(w->x[4]);
+            const zhao2000_links_real t87 = -54.659847f * t86;
+            const zhao2000_links_real t88 = sinf(w->x[4]);
+            const zhao2000_links_real t89 = 26.216427f * t88;
+            const zhao2000_links_real t90 = t87 + t89;
+            const zhao2000_links_real t91 = 114.65985f + t90;
+            const zhao2000_links_real t92 = t91 - 120.0f;
+            const zhao2000_links_real t93 = t85 * t92;
+            const zhao2000_links_real t94 = sinf(w->x[3]);
+            const zhao2000_links_real t95 = 30.272121f * t86;
+            const zhao2000_links_real t96 = 63.115757f * t88;
+            const zhao2000_links_real t97 = t95 + t96;
+            const zhao2000_links_real t98 = 69.727875f + t97;
+            const zhao2000_links_real t99 = 0.8660254f * t98;
+            const zhao2000_links_real t100 = t94 * t99;
+            const zhao2000_links_real t101 = t93 + t100;
+            const zhao2000_links_real t102 = 1.0f - t85;
+            const zhao2000_links_real t103 = -0.5f * t92;
+            const zhao2000_links_real t104 = -31.557878f * t86;
+            const zhao2000_links_real t105 = 15.136061f * t88;
+            const zhao2000_links_real t106 = t104 + t105;
+            const zhao2000_links_real t107 = 66.19889f + t106;
+            const zhao2000_links_real t108 = t107 - 69.282036f;
+            const zhao2000_links_real t109 = 0.8660254f * t108;
+            const zhao2000_links_real t110 = t103 + t109;
+            const zhao2000_links_real t111 = t102 * t110;
+            const zhao2000_links_real t112 = -0.5f * t111;
+            const zhao2000_links_real t113 = t101 + t112;
+            const zhao2000_links_real t114 = w->k[1] - 3.6651914f;
+            const zhao2000_links_real t115 = sinf(t114);
+            const zhao2000_links_real t116 = t115 * rates[1];
+            const zhao2000_links_real t117 = t113 * t116;
+            const zhao2000_links_real t118 = t85 * t108;
+            const zhao2000_links_real t119 = -0.5f * t98;
+            const zhao2000_links_real t120 = t94 * t119;
+            const zhao2000_links_real t121 = t118 - t120;
+            const zhao2000_links_real t122 = 0.8660254f * t111;
+            const zhao2000_links_real t123 = t121 + t122;
+            const zhao2000_links_real t124 = cosf(t114);
+            const zhao2000_links_real t125 = t124 * rates[1];
+            const zhao2000_links_real t126 = t123 * t125;
+            const zhao2000_links_real t127 = t117 + t126;
+            const zhao2000_links_real t128 = -t127;
+            const zhao2000_links_real t129 = t113 * t125;
+            const zhao2000_links_real t130 = t123 * t116;
+            const zhao2000_links_real t131 = t129 - t130;
+            const zhao2000_links_real t132 = 0.5f * w->x[5];
+            const zhao2000_links_real t133 = cosf(t132);
+            const zhao2000_links_real t134 = 0.5f * w->x[4];
+            const zhao2000_links_real t135 = sinf(t134);
+            const zhao2000_links_real t136 = -0.5f * t135;
+            const zhao2000_links_real t137 = 0.5f * w->x[3];
+            const zhao2000_links_real t138 = sinf(t137);
+            const zhao2000_links_real t139 = -0.5f * t138;
+            const zhao2000_links_real t140 = 0.5f * t114;
+            const zhao2000_links_real t141 = sinf(t140);
+            const zhao2000_links_real t142 = 0.5f * rates[1];
+            const zhao2000_links_real t143 = t141 * t142;
+            const zhao2000_links_real t144 = t139 * t143;
+            const zhao2000_links_real t145 = 0.8660254f * t138;
+            const zhao2000_links_real t146 = cosf(t140);
+            const zhao2000_links_real t147 = t146 * t142;
+            const zhao2000_links_real t148 = t145 * t147;
+            const zhao2000_links_real t149 = t144 + t148;
+            const zhao2000_links_real t150 = t136 * t149;
+            const zhao2000_links_real t151 = cosf(t134);
+            const zhao2000_links_real t152 = cosf(t137);
+            const zhao2000_links_real t153 = t152 * t143;
+            const zhao2000_links_real t154 = t151 * t153;
+            const zhao2000_links_real t155 = t150 - t154;
+            const zhao2000_links_real t156 = 0.8660254f * t135;
+            const zhao2000_links_real t157 = t139 * t147;
+            const zhao2000_links_real t158 = t145 * t143;
+            const zhao2000_links_real t159 = t157 - t158;
+            const zhao2000_links_real t160 = t156 * t159;
+            const zhao2000_links_real t161 = t155 - t160;
+            const zhao2000_links_real t162 = t133 * t161;
+            const zhao2000_links_real t163 = sinf(t132);
+            const zhao2000_links_real t164 = -0.5f * t163;
+            const zhao2000_links_real t165 = t136 * t153;
+            const zhao2000_links_real t166 = t151 * t149;
+            const zhao2000_links_real t167 = t165 + t166;
+            const zhao2000_links_real t168 = t152 * t147;
+            const zhao2000_links_real t169 = t156 * t168;
+            const zhao2000_links_real t170 = t167 + t169;
+            const zhao2000_links_real t171 = t164 * t170;
+            const zhao2000_links_real t172 = t162 + t171;
+            const zhao2000_links_real t173 = 0.8660254f * t163;
+            const zhao2000_links_real t174 = t151 * t159;
+            const zhao2000_links_real t175 = t156 * t153;
+            const zhao2000_links_real t176 = t174 - t175;
+            const zhao2000_links_real t177 = t136 * t168;
+            const zhao2000_links_real t178 = t176 + t177;
+            const zhao2000_links_real t179 = t173 * t178;
+            const zhao2000_links_real t180 = t172 - t179;
+            const zhao2000_links_real t181 = w->x[14] * t180;
+            const zhao2000_links_real t182 = t164 * t161;
+            const zhao2000_links_real t183 = t133 * t170;
+            const zhao2000_links_real t184 = t182 - t183;
+            const zhao2000_links_real t185 = t151 * t168;
+            const zhao2000_links_real t186 = t156 * t149;
+            const zhao2000_links_real t187 = t136 * t159;
+            const zhao2000_links_real t188 = t186 + t187;
+            const zhao2000_links_real t189 = t185 - t188;
+            const zhao2000_links_real t190 = t173 * t189;
+            const zhao2000_links_real t191 = t184 - t190;
+            const zhao2000_links_real t192 = w->x[15] * t191;
+            const zhao2000_links_real t193 = t181 + t192;
+            const zhao2000_links_real t194 = t173 * t161;
+            const zhao2000_links_real t195 = t133 * t178;
+            const zhao2000_links_real t196 = t194 + t195;
+            const zhao2000_links_real t197 = t164 * t189;
+            const zhao2000_links_real t198 = t196 + t197;
+            const zhao2000_links_real t199 = w->x[12] * t198;
+            const zhao2000_links_real t200 = t193 - t199;
+            const zhao2000_links_real t201 = t133 * t189;
+            const zhao2000_links_real t202 = t173 * t170;
+            const zhao2000_links_real t203 = t164 * t178;
+            const zhao2000_links_real t204 = t202 + t203;
+            const zhao2000_links_real t205 = t201 - t204;
+            const zhao2000_links_real t206 = w->x[13] * t205;
+            const zhao2000_links_real t207 = t200 - t206;
+            const zhao2000_links_real t208 = 489.63956f * t207;
+            const zhao2000_links_real t209 = w->x[13] * t180;
+            const zhao2000_links_real t210 = w->x[12] * t191;
+            const zhao2000_links_real t211 = t209 - t210;
+            const zhao2000_links_real t212 = w->x[15] * t198;
+            const zhao2000_links_real t213 = t211 - t212;
+            const zhao2000_links_real t214 = w->x[14] * t205;
+            const zhao2000_links_real t215 = t213 + t214;
+            const zhao2000_links_real t216 = 489.63956f * t215;
+            const zhao2000_links_real t217 = -t216;
+            const zhao2000_links_real t218 = cosf(w->x[6]);
+            const zhao2000_links_real t219 = cosf(w->x[7]);
+            const zhao2000_links_real t220 = 54.659847f * t219;
+            const zhao2000_links_real t221 = sinf(w->x[7]);
+            const zhao2000_links_real t222 = -26.216427f * t221;
+            const zhao2000_links_real t223 = t220 + t222;
+            const zhao2000_links_real t224 = -114.65985f + t223;
+            const zhao2000_links_real t225 = t224 - (-120.0f);
+            const zhao2000_links_real t226 = t218 * t225;
+            const zhao2000_links_real t227 = sinf(w->x[6]);
+            const zhao2000_links_real t228 = 30.272121f * t219;
+            const zhao2000_links_real t229 = 63.115757f * t221;
+            const zhao2000_links_real t230 = t228 + t229;
+            const zhao2000_links_real t231 = 69.727875f + t230;
+            const zhao2000_links_real t232 = -0.8660254f * t231;
+            const zhao2000_links_real t233 = t227 * t232;
+            const zhao2000_links_real t234 = t226 + t233;
+            const zhao2000_links_real t235 = 1.0f - t218;
+            const zhao2000_links_real t236 = -0.5f * t225;
+            const zhao2000_links_real t237 = -31.557878f * t219;
+            const zhao2000_links_real t238 = 15.136061f * t221;
+            const zhao2000_links_real t239 = t237 + t238;
+            const zhao2000_links_real t240 = 66.19889f + t239;
+            const zhao2000_links_real t241 = t240 - 69.282036f;
+            const zhao2000_links_real t242 = -0.8660254f * t241;
+            const zhao2000_links_real t243 = t236 + t242;
+            const zhao2000_links_real t244 = t235 * t243;
+            const zhao2000_links_real t245 = -0.5f * t244;
+            const zhao2000_links_real t246 = t234 + t245;
+            const zhao2000_links_real t247 = w->k[2] - 5.7595863f;
+            const zhao2000_links_real t248 = sinf(t247);
+            const zhao2000_links_real t249 = t248 * rates[2];
+            const zhao2000_links_real t250 = t246 * t249;
+            const zhao2000_links_real t251 = t218 * t241;
+            const zhao2000_links_real t252 = -0.5f * t231;
+            const zhao2000_links_real t253 = t227 * t252;
+            const zhao2000_links_real t254 = t251 - t253;
+            const zhao2000_links_real t255 = -0.8660254f * t244;
+            const zhao2000_links_real t256 = t254 + t255;
+            const zhao2000_links_real t257 = cosf(t247);
+            const zhao2000_links_real t258 = t257 * rates[2];
+            const zhao2000_links_real t259 = t256 * t258;
+            const zhao2000_links_real t260 = t250 + t259;
+            const zhao2000_links_real t261 = -t260;
+            const zhao2000_links_real t262 = t246 * t258;
+            const zhao2000_links_real t263 = t256 * t249;
+            const zhao2000_links_real t264 = t262 - t263;
+            const zhao2000_links_real t265 = 0.5f * w->x[8];
+            const zhao2000_links_real t266 = cosf(t265);
+            const zhao2000_links_real t267 = 0.5f * w->x[7];
+            const zhao2000_links_real t268 = sinf(t267);
+            const zhao2000_links_real t269 = -0.5f * t268;
+            const zhao2000_links_real t270 = 0.5f * w->x[6];
+            const zhao2000_links_real t271 = sinf(t270);
+            const zhao2000_links_real t272 = -0.5f * t271;
+            const zhao2000_links_real t273 = 0.5f * t247;
+            const zhao2000_links_real t274 = sinf(t273);
+            const zhao2000_links_real t275 = 0.5f * rates[2];
+            const zhao2000_links_real t276 = t274 * t275;
+            const zhao2000_links_real t277 = t272 * t276;
+            const zhao2000_links_real t278 = -0.8660254f * t271;
+            const zhao2000_links_real t279 = cosf(t273);
+            const zhao2000_links_real t280 = t279 * t275;
+            const zhao2000_links_real t281 = t278 * t280;
+            const zhao2000_links_real t282 = t277 + t281;
+            const zhao2000_links_real t283 = t269 * t282;
+            const zhao2000_links_real t284 = cosf(t267);
+            const zhao2000_links_real t285 = cosf(t270);
+            const zhao2000_links_real t286 = t285 * t276;
+            const zhao2000_links_real t287 = t284 * t286;
+            const zhao2000_links_real t288 = t283 - t287;
+            const zhao2000_links_real t289 = -0.8660254f * t268;
+            const zhao2000_links_real t290 = t272 * t280;
+            const zhao2000_links_real t291 = t278 * t276;
+            const zhao2000_links_real t292 = t290 - t291;
+            const zhao2000_links_real t293 = t289 * t292;
+            const zhao2000_links_real t294 = t288 - t293;
+            const zhao2000_links_real t295 = t266 * t294;
+            const zhao2000_links_real t296 = sinf(t265);
+            const zhao2000_links_real t297 = -0.5f * t296;
+            const zhao2000_links_real t298 = t269 * t286;
+            const zhao2000_links_real t299 = t284 * t282;
+            const zhao2000_links_real t300 = t298 + t299;
+            const zhao2000_links_real t301 = t285 * t280;
+            const zhao2000_links_real t302 = t289 * t301;
+            const zhao2000_links_real t303 = t300 + t302;
+            const zhao2000_links_real t304 = t297 * t303;
+            const zhao2000_links_real t305 = t295 + t304;
+            const zhao2000_links_real t306 = -0.8660254f * t296;
+            const zhao2000_links_real t307 = t284 * t292;
+            const zhao2000_links_real t308 = t289 * t286;
+            const zhao2000_links_real t309 = t307 - t308;
+            const zhao2000_links_real t310 = t269 * t301;
+            const zhao2000_links_real t311 = t309 + t310;
+            const zhao2000_links_real t312 = t306 * t311;
+            const zhao2000_links_real t313 = t305 - t312;
+            const zhao2000_links_real t314 = w->x[14] * t313;
+            const zhao2000_links_real t315 = t297 * t294;
+            const zhao2000_links_real t316 = t266 * t303;
+            const zhao2000_links_real t317 = t315 - t316;
+            const zhao2000_links_real t318 = t284 * t301;
+            const zhao2000_links_real t319 = t289 * t282;
+            const zhao2000_links_real t320 = t269 * t292;
+            const zhao2000_links_real t321 = t319 + t320;
+            const zhao2000_links_real t322 = t318 - t321;
+            const zhao2000_links_real t323 = t306 * t322;
+            const zhao2000_links_real t324 = t317 - t323;
+            const zhao2000_links_real t325 = w->x[15] * t324;
+            const zhao2000_links_real t326 = t314 + t325;
+            const zhao2000_links_real t327 = t306 * t294;
+            const zhao2000_links_real t328 = t266 * t311;
+            const zhao2000_links_real t329 = t327 + t328;
+            const zhao2000_links_real t330 = t297 * t322;
+            const zhao2000_links_real t331 = t329 + t330;
+            const zhao2000_links_real t332 = w->x[12] * t331;
+            const zhao2000_links_real t333 = t326 - t332;
+            const zhao2000_links_real t334 = t266 * t322;
+            const zhao2000_links_real t335 = t306 * t303;
+            const zhao2000_links_real t336 = t297 * t311;
+            const zhao2000_links_real t337 = t335 + t336;
+            const zhao2000_links_real t338 = t334 - t337;
+            const zhao2000_links_real t339 = w->x[13] * t338;
+            const zhao2000_links_real t340 = t333 - t339;
+            const zhao2000_links_real t341 = 489.63956f * t340;
+            const zhao2000_links_real t342 = w->x[13] * t313;
+            const zhao2000_links_real t343 = w->x[12] * t324;
+            const zhao2000_links_real t344 = t342 - t343;
+            const zhao2000_links_real t345 = w->x[15] * t331;
+            const zhao2000_links_real t346 = t344 - t345;
+            const zhao2000_links_real t347 = w->x[14] * t338;
+            const zhao2000_links_real t348 = t346 + t347;
+            const zhao2000_links_real t349 = 489.63956f * t348;
+            const zhao2000_links_real t350 = -t349;
+            const zhao2000_links_real t351 = w->k[3] + w->k[3];
+            const zhao2000_links_real t352 = t351 * rates[3];
+            const zhao2000_links_real t353 = 0.0020423187f * t352;
+            w->f[0] = t20;
+            w->f[1] = t24;
+            w->f[2] = 0.0f;
+            w->f[3] = t75;
+            w->f[4] = t84;
+            w->f[5] = t128;
+            w->f[6] = t131;
+            w->f[7] = 0.0f;
+            w->f[8] = t208;
+            w->f[9] = t217;
+            w->f[10] = t261;
+            w->f[11] = t264;
+            w->f[12] = 0.0f;
+            w->f[13] = t341;
+            w->f[14] = t350;
+            w->f[15] = t353;
+            zhao2000_links_direct_solve(w);
+            status = zhao2000_links_check_finite(w->f, 15, ZHAO2000_LINKS_OK);
+        }
+    }
+    if (status == ZHAO2000_LINKS_OK) {
+        twist[0] = w->f[9];
+        twist[1] = w->f[10];
+        twist[2] = w->f[11];
+        twist[3] = w->f[12] * 0.0040846374f;
+        twist[4] = w->f[13] * 0.0040846374f;
+        twist[5] = w->f[14] * 0.0040846374f;
     }
     return status;
 }

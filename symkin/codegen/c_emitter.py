@@ -101,7 +101,7 @@ class Emitter:
     """C text of a CasADi SX function: `value(o, k)` makes the statements for one output nonzero and names it.
 
     `inputs[i][k]` is the C text of nonzero k of input i; `prefix` begins the names of temporaries. `operations` counts what a
-    controller will spend.
+    controller will spend, `divisions` has the line of each and what it divides by.
     """
 
     function: ca.Function
@@ -110,6 +110,7 @@ class Emitter:
     prefix: str = "t"
     lines: list[str] = field(default_factory=list)
     operations: Counter[str] = field(default_factory=Counter)
+    divisions: list[tuple[int, str]] = field(default_factory=list)
     _text: dict[int, str] = field(default_factory=dict)
     _inverse: dict[int, str] = field(default_factory=dict)
     _comments: int = 0
@@ -200,14 +201,18 @@ class Emitter:
         if divisors[node.reads[1]] > 1:
             self.operations["multiplications"] += 1
             return f"{a[0]} * {self._reciprocal(node.reads[1])}"
-        self.operations["divisions"] += 1
+        self._count_division(a[1])
         return f"{a[0]} / {a[1]}"
 
     def _reciprocal(self, k: int) -> str:
         if k not in self._inverse:
-            self.operations["divisions"] += 1
+            self._count_division(self._text[k])
             self._inverse[k] = self.assign(f"{self.real.literal(1.0)} / {self._text[k]}")
         return self._inverse[k]
+
+    def _count_division(self, divisor: str) -> None:
+        self.operations["divisions"] += 1
+        self.divisions.append((len(self.lines), divisor))
 
 
 def indexed(name: str, count: int, first: int = 0) -> list[str]:

@@ -9,7 +9,6 @@ from string import Template
 import numpy as np
 
 from symkin.codegen.c_emitter import Real
-from symkin.model.joint import Coordinate
 
 FARTHEST = 1e3
 """Positions and joint values beyond this many times the size are refused: their squares stay far below the largest float."""
@@ -66,16 +65,3 @@ def copy(target: str, source: str, count: int) -> list[str]:
 def copy_loop(target: str, source: str, count: int) -> list[str]:
     """Statements that copy an array in a loop."""
     return [f"for (int i = 0; i < {count}; ++i) {{", f"    {target}[i] = {source}[i];", "}"]
-
-
-def condition_within_limits(coordinates: Sequence[Coordinate], real: Real, size: float) -> str:
-    """C condition: each joint value is within its limits, rods are not shorter than zero; without limits it is at least
-    finite."""
-    parts = []
-    for i, c in enumerate(coordinates):
-        slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)
-        low, high = c.limits or ((-FARTHEST, FARTHEST) if c.is_angular else (-FARTHEST * size, FARTHEST * size))
-        if c.least is not None:
-            low = max(low, c.least + 1e-6 * size)
-        parts.append(f"(joints[{i}] >= {real.literal(low - slack)}) && (joints[{i}] <= {real.literal(high + slack)})")
-    return "\n        && ".join(parts)

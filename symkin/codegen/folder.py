@@ -16,7 +16,7 @@ from symkin.codegen.c_templates import fill
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.options import Options
-from symkin.codegen.program import Program, build_program
+from symkin.codegen.program import Program, build_program, is_closed
 from symkin.codegen.readme import readme
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.vectors import Vectors, build_vectors
@@ -163,9 +163,23 @@ def _test_values(program: Program) -> dict[str, object]:
         "angle_bound": _angle_bound(program),
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
+        **_one_step_values(program),
+        "speed_bound": "1e-3" if real.name == "float" else "1e-9",
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
         "closed_test": "", "closed_call": "",
     }  # fmt: skip
+
+
+def _one_step_values(program: Program) -> dict[str, object]:
+    """The test that one step from home is not enough, for a direct problem that is iterated."""
+    if is_closed(program.kind):
+        return {"one_step": "", "one_step_is_few": ""}
+    prefix, few = program.mechanism.name, f"{program.mechanism.name.upper()}_MAX_ITERATIONS"
+    sizes = f"{prefix.upper()}_TOLERANCE, 1U, {prefix.upper()}_MAX_STEP"
+    return {
+        "one_step": f"    const {prefix}_config one_step = {{ {sizes} }};",
+        "one_step_is_few": f'    expect(refused(&one_step, joints, &home, "one step is not enough") == {few}, "MAX_ITERATIONS", 0);',
+    }
 
 
 def _closed_values(program: Program, values: dict[str, object]) -> dict[str, object]:
@@ -240,7 +254,7 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
         f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
         f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
-        f"#define {name.upper()}_VECTOR_FAR {int(np.linalg.norm(far[:3] - vectors.poses[0][:3]) > 0.06 * program.mechanism.characteristic_length)}", "",
+        f"#define {name.upper()}_VECTOR_FAR {int(_is_too_far(program, far, vectors))}", "",
     ]  # fmt: skip
     for label, table in tables:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)
@@ -261,6 +275,12 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _is_too_far(program: Program, far: np.ndarray, vectors: Vectors) -> bool:
+    """Whether one step of tracking cannot bring the platform there: formulas can."""
+    away = np.linalg.norm(far[:3] - vectors.poses[0][:3])
+    return not is_closed(program.kind) and bool(away > 0.06 * program.mechanism.characteristic_length)
 
 
 def _table(head: str, table: np.ndarray, real: Real) -> list[str]:

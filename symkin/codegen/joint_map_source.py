@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, fill
+from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
 from symkin.codegen.circles import number_counts, numbers_at
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.joint_map import Direction, JointMap
@@ -146,7 +146,7 @@ class JointMapSource:
         n = len(made.given)
         return common_values(self.name, self.real, struct=False) | {
             "nq": n, "nj": n * n, "ny": sum(number_counts(made.coordinates)), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
-            "minus_half": literal(-0.5), "half_turn": literal(np.pi),
+            "minus_half": literal(-0.5), "half_turn": literal(np.pi), "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
         }  # fmt: skip
 
     @cached_property
@@ -192,7 +192,8 @@ class JointMapSource:
         }
         tools = {"angle": "closed_angle.c", "circle": "map_circle_function.c", "turned": "map_turned.c"}
         found = [fill(template, own).rstrip() + "\n\n" for name, template in tools.items() if f"{self.name}_{name}(" in text]
-        return "".join([*found, self._checks])
+        low, high = (", ".join(literal(v) for v in part) for part in zip(*self._limits(self.made.given), strict=True))
+        return "".join([*found, self._checks, fill("map_blame.c", self._common | {"low": low, "high": high})])
 
     def _limits(self, coordinates: Sequence[Coordinate], *, bounded: bool = True) -> list[tuple[float, float]]:
         """Least and largest value of each coordinate: its limits with slack if `bounded`, else how far it may be."""
@@ -369,6 +370,8 @@ class JointMapSource:
             "f": f"{name}_{direction.name}", "track": f"{name}_track" if direction.name == "direct" else f"{name}_track_inverse",
             "k": k, "values": values, "out": out, "nto": n, "nout": n, "begin": indent(begin, 2), "follow": indent(follow, 2),
             "results": results("guess"), "track_results": results(out), "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
+            "blame_values": f"        {name}_blame(info, joints);" if values == "joints" else "",
+            "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
             "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction, wanted),
         })  # fmt: skip
 

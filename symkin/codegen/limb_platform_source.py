@@ -8,13 +8,16 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, condition_within_limits, copy, farthest, fill
+from symkin.codegen.c_templates import common_values, copy, farthest, fill
+from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
+from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.limb_source import limb_text, rates_text
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
 from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.platform_rates import closure_twist, decides_twist, rates_functions, square_twist
 from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
 from symkin.computed_once import cached_property
 from symkin.model.names import identifiers
@@ -52,13 +55,27 @@ class LimbPlatformSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         made, real, values = self.made, self.real, self.values
-        ranges = condition_within_limits(made.actuated, real, made.closure.characteristic_length)
+        ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
         return "".join([
-            fill("pose.c", values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
-            fill("check_limits.c", values | {"positive": "", "ranges": ranges}), *(self._limb_text(block) for block in made.blocks),
-            self._solve_limbs, self.code.text, self._unwrap_joints, self._turn_into_limits, self._check_branch,
-            fill("parallel_direct.c", values), "\n", self._inverse,
+            fill("pose.c", values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values),
+            "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
+            range_functions(ranges, real, values), *(self._limb_text(block) for block in made.blocks),
+            self._solve_limbs, *self._direct, "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,
         ])  # fmt: skip
+
+    @property
+    def _direct(self) -> list[str]:
+        """The direct problem: by formulas where there are some, else by Newton's method."""
+        found, turns = self.made.direct_formulas, [self._unwrap_joints, self._turn_into_limits]
+        if found is not None:
+            return [*turns, fill("no_step.c", self._common), ClosedDirectSource(self.made, found, self._common).text]
+        return [
+            self.code.text,
+            *turns,
+            self._check_branch,
+            fill("no_step.c", self._common),
+            fill("parallel_direct.c", self.values),
+        ]
 
     @cached_property
     def code(self) -> NewtonCode:
@@ -287,7 +304,22 @@ class LimbPlatformSource:
         names = [["0"], indexed("c", int(system.known.shape[0])), made.geometry.names]
         emitter = Emitter(function, names, self.real, prefix=self._prefix(block))
         texts = [emitter.value(0, j) for j in range(len(columns))]
-        return [*emitter.lines, *(f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True))]
+        stores = [f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True)]
+        if not emitter.divisions:
+            return [*emitter.lines, *stores]
+        # where the rod has no length there is no direction
+        first, length = emitter.divisions[0]
+        guarded = [*emitter.lines[first:], *stores]
+        return [*emitter.lines[:first], f"if ({length} > {self.real.literal(0.0)}) {{", *("    " + line for line in guarded), "} else {",
+                f"    status = {self.name.upper()}_SINGULAR;", "}"]  # fmt: skip
+
+    @property
+    def _twist(self) -> str:
+        """NAME_twist."""
+        if decides_twist(self.made.mechanism):
+            return square_twist(self.made.mechanism, self.real, self._common)
+        driver = None if self.made.direct_formulas is not None else self.code.kernel
+        return closure_twist(self.made, self._common, driver)
 
     @property
     def _to_middle(self) -> list[str]:

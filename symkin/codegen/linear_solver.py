@@ -160,11 +160,19 @@ class UnrolledLU:
                 self._subtract(row, factors[k], self.upper[k])
         pivot = row.pop(i, zero)
         emitter.operations["divisions"] += 1
-        self.inverses.append(emitter.assign(f"{emitter.real.literal(1.0)} / {pivot}"))
+        emitter.operations["additions"] += 1
+        self.inverses.append(emitter.assign(f"{emitter.real.literal(1.0)} / ({pivot} + {emitter.real.literal(self._least(i))})"))
         self._store({i: self.inverses[i]}, i)
         self.upper.append(row)
         self.lower.append(factors)
         return pivot
+
+    def _least(self, i: int) -> float:
+        """What is added to pivot i, so that none is zero: below the rounding of every pivot that the guard lets pass. Of the last one,
+        another number: it may be what was added to one before."""
+        scales = [a * b for a, b in zip(self.pivots.row_scale, self.pivots.column_scale, strict=True)]
+        least = 0.5 * GUARD * self.emitter.real.epsilon * min(scales)
+        return rounded(0.7 * least if i == self.n - 1 else least)
 
     def _subtract(self, row: dict[int, str], factor: str, above: Mapping[int, str]) -> None:
         """Subtract a multiple of a row above."""

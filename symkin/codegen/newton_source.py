@@ -291,7 +291,7 @@ class NewtonCode:
         small that the rounding could reach a singularity. Of rods, whose matrix is well scaled, a constant."""
         literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
         if self.retarget:
-            return {"still2": floor, "still_variable": "", "noise": ""}
+            return {"still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh"}
         epsilon = self.real.epsilon
         rounding, least, most = (
             (_ROWS * epsilon * self.kernel.characteristic_length) ** 2,
@@ -301,6 +301,8 @@ class NewtonCode:
         test = f"(w->spread > {literal(least)}) && (w->spread < {literal(rounded(most))})"
         return {
             "still2": "still2", "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
+            # what follows a step that is rounding or nothing tells no ratio of steps
+            "moved": " && (before > still2)", "by_kappa": f"(fresh || !(before > {literal(0.0)}))",
             "noise": indent([f"still2 = ({test}) ? ({literal(rounding)} * w->spread) : {floor};"], 3),
         }  # fmt: skip
 

@@ -18,6 +18,7 @@ from symkin.codegen.limb_platform_source import LimbPlatformSource
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.options import Options
+from symkin.codegen.platform_rates import fastest
 from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
@@ -68,6 +69,8 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
     values = source.values | _header_values(kind, source.code)
+    if not mechanism.serial:
+        values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
         kind=kind,
@@ -104,8 +107,7 @@ def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
         "Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with",
         f"{name.upper()}_OK only; `info` always. config and info may be NULL, guess and {_result(kind)} the same object.",
         *_branch_lines(kind), "",
-        f"One step of Newton's method: {counts} (rows, matrix, factors, step).",
-        f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
+        *_effort_lines(kind, counts), f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
         f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
         f"Model SHA-256 {mechanism.digest}",
     ]  # fmt: skip
@@ -122,6 +124,8 @@ def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
         "track_limit": real.literal(rounded(math.sqrt(main.tuning.tolerance) / main.tuning.kappa2**0.25)),
         "guess_precision": "" if isinstance(kind, JointMap) else _guess_precision(kind),
         "pose_type": "" if isinstance(kind, JointMap) else _pose_type(kind),
+        "track_words": "" if isinstance(kind, JointMap) else _track_words(kind),
+        "pivot_words": _PIVOT_OF_FORMULAS if is_closed(kind) else _PIVOT,
         "size": real.literal(mechanism.characteristic_length), "tolerance": real.literal(main.tuning.tolerance), "max_step": real.literal(mechanism.characteristic_length),
         "geometry": _geometry(kind) if struct else "", "gpd": f"const {name}_geometry *geometry, " if struct else "",
     }  # fmt: skip
@@ -131,7 +135,7 @@ def _of_track(kind: Kind) -> str:
     """What the residual of one step is, as words of a comment."""
     if isinstance(kind, JointMap):
         return f" ({kind.name}_track: predicted error of a step of Newton's method)"
-    return "" if kind.mechanism.serial else f" ({kind.name}_track: predicted error of the pose)"
+    return "" if kind.mechanism.serial or is_closed(kind) else f" ({kind.name}_track: predicted error of the pose)"
 
 
 def _pose_type(kind: Kind) -> str:
@@ -139,6 +143,41 @@ def _pose_type(kind: Kind) -> str:
     relative = ", as changes from home" if kind.options.home_relative else ""
     values = {"p": kind.name, "unit": kind.mechanism.length_unit, "frame": kind.mechanism.frame_name, "relative": relative}
     return "\n" + fill("pose_type.h", values)
+
+
+def is_closed(kind: Kind) -> bool:
+    """Whether formulas solve a platform's direct problem."""
+    return isinstance(kind, LimbPlatform) and kind.direct_formulas is not None
+
+
+def _effort_lines(kind: Kind, counts: str) -> list[str]:
+    """What an iteration is and takes."""
+    if not is_closed(kind):
+        return [f"One step of Newton's method: {counts} (rows, matrix, factors, step)."]
+    return [
+        "Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of the line. Of a",
+        "config max_step is not read; tolerance is what the closure's rows of the answer may leave beside rounding.",
+    ]
+
+
+_PIVOT = (
+    "length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,\n * 0 near a singularity"
+)
+_PIVOT_OF_FORMULAS = "0; min_pivot: smallest root of the answer's formulas over its usual size,\n * 0 near a singularity"
+
+
+def _track_words(kind: Kind) -> str:
+    """What the header says of tracking."""
+    prefix = kind.mechanism.name
+    if is_closed(kind):
+        return (
+            "the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call\n"
+            f" * {prefix}_direct. info->residual is the answer's closure error, beyond {prefix.upper()}_TRACK_LIMIT near a singularity."
+        )
+    return (
+        f"one step from the last pose; info->residual is the predicted error. Up to {prefix.upper()}_TRACK_LIMIT another call\n"
+        f" * with the same joints brings it below the tolerance; beyond it, call {prefix}_direct."
+    )
 
 
 def _guess_precision(kind: Kind) -> str:

@@ -10,9 +10,11 @@ import numpy as np
 from symkin.closure.snapping import snap
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
+from symkin.codegen.joint_ranges import Range, range_functions
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.platform_rates import rates_functions, square_twist
 from symkin.codegen.rod_kernel import Rods, rod_vectors
 from symkin.codegen.rod_platform import RodPlatform, sampled
 from symkin.computed_once import cached_property
@@ -80,10 +82,11 @@ class RodSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         code, values = self.code, self.values
-        retarget = fill("retarget.c", values | {"rod_values": indent(self._rod_value_lines, 2)})
+        retarget = fill("retarget.c", values)
         return "".join([
-            fill("pose.c", values), fill("info.c", values), _limit_check(self.platform, values), code.work, code.functions, self._rod_values,
-            code.target, code.linear.text, retarget, code.driver, fill("parallel_direct.c", values), "\n", self._inverse,
+            fill("pose.c", values), fill("info.c", values), range_functions(_ranges(self.platform), self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
+            code.target, code.linear.text, retarget, code.driver, fill("no_step.c", values), fill("parallel_direct.c", values), "\n", self._inverse,
+            rates_functions(self.platform.mechanism, self.real, values), square_twist(self.platform.mechanism, self.real, values),
         ])  # fmt: skip
 
     @property
@@ -117,7 +120,7 @@ class RodSource:
     @property
     def _rod_values(self) -> str:
         """NAME_rod_values: joint values at a pose, for the inverse problem."""
-        head = f"static void {self.name}_rod_values({self._common['gp']}{self.name}_direct_work *w)"
+        head = f"static {self._common['SHARED']} void {self.name}_rod_values({self._common['gp']}{self.name}_direct_work *w)"
         return f"/* Joint values at the state, into w->k. */\n{head}\n{{\n{indent(self._rod_value_lines)}\n}}\n\n"
 
     @property
@@ -169,40 +172,21 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
             f"    {real.type} *const row = &w->a[6 * i];", *("    " + text for text in entries), "}"]  # fmt: skip
 
 
-def _limit_check(platform: RodPlatform, values: dict[str, object]) -> str:
-    """Ranges: the limbs' own, and lengths that are positive. In float, where room counts, a loop where all are alike."""
-    tests = _range_tests(platform)
-    shown: dict[str, object] = {"before": "", "ranges": "\n        && ".join(tests)}
-    alike = {test.replace(f"[{i}]", "[i]") for i, test in enumerate(tests)}
-    if platform.real.name == "float" and len(tests) == 6 and len(alike) == 1:
-        loop = [
-            "bool inside = true;",
-            "for (int i = 0; i < 6; ++i) {",
-            f"    if (!{alike.pop()}) {{",
-            "        inside = false;",
-            "    }",
-            "}",
-        ]
-        shown = {"before": indent(loop), "ranges": "inside"}
-    return fill("check_limits.c", values | shown | {"positive": " and rods longer than zero"})
-
-
-def _range_tests(platform: RodPlatform) -> list[str]:
-    """C conditions that joint values must all satisfy, joint by joint."""
+def _ranges(platform: RodPlatform) -> list[Range]:
+    """Ranges: the limbs' own, and lengths that are positive."""
     real, size = platform.real, platform.mechanism.characteristic_length
     slack = max(1e-9, 16 * real.epsilon) * size
     zero = platform.zero + np.zeros(6)
-    tests = []
+    found = []
     for i, bar in enumerate(platform.mechanism.bars):
         limits = platform.mechanism.actuated[i].limits
         low = max(-bar.offset + 1e-6 * size, limits[0] - slack if limits else -np.inf) - zero[i]
-        high = limits[1] + slack - zero[i] if limits else FARTHEST * size
+        high = real.literal(limits[1] + slack - zero[i] if limits else FARTHEST * size)
         if platform.options.geometry == "struct" and not limits and not platform.options.home_relative:
-            above = f"joints[{i}] + geometry->offset[{i}] >= {real.literal(1e-6 * size)}"
+            found.append(Range(real.literal(1e-6 * size), high, "joints[{i}] + geometry->offset[{i}]"))
         else:
-            above = f"joints[{i}] >= {real.literal(low)}"
-        tests.append(f"(({above}) && (joints[{i}] <= {real.literal(high)}))")
-    return tests
+            found.append(Range(real.literal(low), high))
+    return found
 
 
 def _jacobian_function(rods: Rods, geometry: ca.SX, size: float) -> ca.Function:

@@ -15,9 +15,10 @@ import numpy as np
 from symkin.closed.plan import Plan, plan_of
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, condition_within_limits, copy, farthest, fill
+from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
+from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
 from symkin.codegen.newton_source import NewtonCode, line_target
 from symkin.codegen.options import Options
@@ -212,13 +213,13 @@ class ArmSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         arm, values, nq = self.arm, self.values, len(self.arm.actuated)
-        ranges = condition_within_limits(arm.actuated, arm.real, arm.mechanism.characteristic_length)
+        ranges = ranges_of(arm.actuated, arm.real, arm.mechanism.characteristic_length)
         functions = fill("serial_functions.c", values | {
             "jacobian": indent(self._jacobian_lines, 2), "to_x": indent(copy("w.x", "guess", nq), 2),
             "out": indent(copy("joints", "w.x", nq), 3),
         })  # fmt: skip
         return "".join([
-            fill("pose.c", values), fill("info.c", values), fill("check_limits.c", values | {"positive": "", "ranges": ranges}),
+            fill("pose.c", values), fill("info.c", values), range_functions(ranges, arm.real, values),
             fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
             "" if self.closed is None else self.closed.text,
         ])  # fmt: skip

@@ -1,8 +1,7 @@
 /* Calls every function of a generated folder with inputs that are wrong, and says what should not have been answered.
  *
  * Macros: NAME, UPPER (the mechanism's name), HEADER, VECTORS (files to include), SERIAL or PARALLEL, STRUCT where the geometry is
- * given with each call, HUGE_FINITE (a number whose square overflows); FUZZ (how many random inputs) and SCALE, or neither: then
- * each number of good inputs is replaced by bad ones in turn. */
+ * given with each call, HUGE_FINITE (a number whose square overflows). Each number of good inputs is replaced by bad ones in turn. */
 #include HEADER
 #include VECTORS
 #include <math.h>
@@ -79,50 +78,6 @@ static void call_all(const real in[COUNT], int status[4])
 #endif
 }
 
-#ifdef FUZZ
-static unsigned long long state = 88172645463325252ULL;
-
-static unsigned long long next(void)
-{
-    state ^= state << 13;
-    state ^= state >> 7;
-    state ^= state << 17;
-    return state;
-}
-
-static real any(double scale)
-{
-    const unsigned long long kind = next() % 24ULL;
-    const double u = (double)(next() >> 11) * 0x1p-53 * 2.0 - 1.0;
-    const double special[6] = { NAN, INFINITY, 0.0, u * 1e30, u * 1e-30, u * HUGE_FINITE };
-    return (real)((kind < 6ULL) ? special[kind] : u * scale);
-}
-
-int main(void)
-{
-    unsigned int answered = 0U;
-    for (int k = 0; k < FUZZ; ++k) {
-        real in[COUNT];
-        int status[4];
-        for (int i = 0; i < COUNT; ++i) {
-            in[i] = any(SCALE);
-        }
-        for (int i = 0; i < 4; ++i) {
-            in[POSE + 3 + i] = (k % 3 == 0) ? any(1.0) : (real)(i == 0);
-        }
-        call_all(in, status);
-        for (int f = 0; f < 4; ++f) {
-            if ((status[f] < 0) || (status[f] > 5)) {
-                (void)printf("input %d, function %d: %d\n", k, f, status[f]);
-                return 1;
-            }
-            answered += (status[f] == 0) ? 1U : 0U;
-        }
-    }
-    (void)printf("%u\n", answered);
-    return 0;
-}
-#else
 /* Whether a function reads a number of the inputs. */
 static int reads(int function, int slot)
 {
@@ -165,4 +120,3 @@ int main(void)
     }
     return (failures == 0) ? 0 : 1;
 }
-#endif

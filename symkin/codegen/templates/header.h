@@ -27,7 +27,9 @@ typedef enum {
 @{pose_type}
 
 /* tolerance: predicted error of the answer (@{unit}, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (@{unit}, angles times the size). NULL in place of a config means the values below. */
+ * max_step: longest single step (@{unit}, angles times the size). Both are above 0 and
+ * their sum at most @{farthest} (a thousand sizes), else the status is @{P}_OUT_OF_RANGE, of NaN and infinity @{P}_NONFINITE;
+ * 0 iterations are @{P}_MAX_ITERATIONS. NULL in place of a config means the values below. */
 typedef struct {
     @{p}_real tolerance;
     uint8_t max_iterations;
@@ -41,13 +43,14 @@ typedef struct {
 #define @{P}_JOINTS (@{nq})
 
 /* iterations: steps taken; residual: largest closure error of the answer@{of_track}, in
- * @{unit}; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity. Written by every call, whatever its status. */
+ * @{unit}; step: @{pivot_words}; joint: the first joint, from 0, whose value is outside its range or not finite, @{P}_JOINTS where it is none
+ * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     @{p}_real residual;
     @{p}_real step;
     @{p}_real min_pivot;
+    uint8_t joint;
 } @{p}_info;
 
 @{declarations}

@@ -8,11 +8,15 @@
     @{real} y[@{ny}];
     @{p}_status status = @{p}_limit_@{values}(@{P}_OK, @{values});
     status = @{p}_bound_@{out}(status, guess);
+    if (config != NULL) {
+        status = @{p}_check_config(config, status);
+    }
     if (status == @{P}_OK) {
         status = @{p}_state_of_@{out}(guess, y);
     }
     if (status != @{P}_OK) {
         @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+@{blame_values}
     } else {
         /* the line begins where the known values are at the guess */
 @{begin}
@@ -24,6 +28,7 @@
         if (status == @{P}_OK) {
 @{store}
         }
+@{blame_result}
     }
     return status;
 }
@@ -40,6 +45,7 @@
 @{step}
     } else {
         @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+@{blame_values}
     }
     if (status == @{P}_OK) {
 @{track_results}
@@ -51,6 +57,7 @@
         if (status == @{P}_OK) {
 @{store}
         }
+@{blame_result}
     }
     return status;
 }

@@ -86,11 +86,11 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 @{real} gain2;
                 if (taken > 0U) {
                     settling = true;
-                    if (was_fresh) {
+                    if (was_fresh@{moved}) {
                         kappa2 = size / (before * before);
                     }
                 }
-                gain2 = @{four} * (fresh ? (kappa2 * size) : (size / before));
+                gain2 = @{four} * (@{by_kappa} ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || @{still};
                 was_fresh = fresh;

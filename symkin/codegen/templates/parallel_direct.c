@@ -20,6 +20,9 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
     @{p}_direct_work w;
     @{p}_status status = @{p}_read_guess(@{ga}&w, joints, guess);
+    if (config != NULL) {
+        status = @{p}_check_config(config, status);
+    }
     if (status == @{P}_OK) {
 @{unwrap}
         status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
@@ -28,7 +31,7 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
             @{p}_write_pose(@{ga}&w, pose);
         }
     } else {
-        @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+        @{p}_write_no_step(@{ga}info, joints);
     }
     return status;
 }
@@ -37,15 +40,16 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
 {
     @{p}_direct_work w;
     @{p}_status status = @{p}_read_guess(@{ga}&w, joints, pose);
+    bool stepped = false;
     if (status == @{P}_OK) {
 @{unwrap}
         /* one step of Newton's method from the last pose */
         @{p}_direct_set_target(@{ga}&w, @{to}@{whole});
         @{p}_direct_rows(@{ga}&w);
         if (@{track_factor}) {
-            @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
             status = @{P}_SINGULAR;
         } else {
+            stepped = true;
             @{p}_direct_solve(&w);
             const @{real} size = @{p}_direct_apply_step(@{ga}&w);
             @{p}_write_info(info, 1U, @{kappa} * size, size, w.spread);
@@ -55,8 +59,9 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
                 status = @{P}_WRONG_BRANCH;
             }
         }
-    } else {
-        @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    }
+    if (!stepped) {
+        @{p}_write_no_step(@{ga}info, joints);
     }
     return status;
 }

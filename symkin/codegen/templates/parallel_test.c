@@ -88,6 +88,7 @@ static void solve_all(void)
         expect(difference(&pose, @{p}_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > @{zero}, "direct's smallest pivot", k);
+        expect(info.joint == @{P}_JOINTS, "no joint to blame", k);
         pose = guess;
         expect(@{p}_direct(@{ga}NULL, @{p}_vector_joints[k], &guess, &pose, NULL) == @{P}_OK, "direct without info", k);
         expect(@{p}_track(@{ga}@{p}_vector_joints[k], &pose, &info) == @{P}_OK, "track", k);
@@ -109,11 +110,22 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const @{p}_real joints[@{P}_JOINTS], const @{p}_pose *home)
+{
+    const @{p}_real wrong[4] = { @{zero}, -@{one}, (@{p}_real)NAN, (@{p}_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const @{p}_real other = wrong[i % 4];
+        const @{p}_config config = { (i < 4) ? other : @{P}_TOLERANCE, @{P}_MAX_STEPS, (i < 4) ? @{P}_MAX_STEP : other };
+        const @{p}_status wanted = (i % 4 < 2) ? @{P}_OUT_OF_RANGE : @{P}_NONFINITE;
+        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
 @{nominal}
     const @{p}_pose home = pose_from(@{p}_vector_home);
-    const @{p}_config one_step = { @{P}_TOLERANCE, 1U, @{P}_MAX_STEP };
+@{one_step}
     const @{p}_config none = { @{P}_TOLERANCE, 0U, @{P}_MAX_STEP };
     @{p}_pose wrong = home;
     @{p}_pose pose = home;
@@ -123,8 +135,19 @@ static void refuse_all(void)
     for (int i = 0; i < @{P}_JOINTS; ++i) {
         joints[i] = @{p}_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+@{one_step_is_few}
     expect(refused(&none, joints, &home, "no step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    refuse_configs(joints, &home);
+    joints[@{P}_JOINTS - 1] = (@{p}_real)NAN;
+    (void)@{p}_direct(@{ga}NULL, joints, &home, &pose, &info);
+    expect(info.joint == @{P}_JOINTS - 1U, "joint of a NaN", 0);
+    joints[@{P}_JOINTS - 1] = -@{far};
+    (void)@{p}_direct(@{ga}NULL, joints, &home, &pose, &info);
+    expect(info.joint == @{P}_JOINTS - 1U, "joint out of range", 0);
+    (void)@{p}_track(@{ga}joints, &pose, &info);
+    expect(info.joint == @{P}_JOINTS - 1U, "joint out of range of track", 0);
+    joints[@{P}_JOINTS - 1] = @{p}_vector_joints[0][@{P}_JOINTS - 1];
+    pose = home;
     joints[0] = (@{p}_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == @{P}_NONFINITE, "NONFINITE", 0);
     joints[0] = (@{p}_real)INFINITY;
@@ -159,9 +182,53 @@ static void refuse_all(void)
 #endif
 }
 
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+static void speeds_of(const @{p}_pose *pose, int k)
+{
+@{nominal}
+    @{p}_real rates[@{P}_JOINTS];
+    @{p}_real again[@{P}_JOINTS];
+    @{p}_real limits[@{P}_JOINTS];
+    @{p}_real twist[6] = { @{zero} };
+    @{p}_real feed = @{zero};
+    double largest = 0.0;
+    for (int i = 0; i < @{P}_JOINTS; ++i) {
+        rates[i] = (@{p}_real)((i % 3 == 0) ? 1.0 : (i % 3 == 1) ? -0.5 : 0.25);
+    }
+    expect(@{p}_twist(@{ga}pose, rates, twist) == @{P}_OK, "twist", k);
+    expect(@{p}_rates(@{ga}pose, twist, again) == @{P}_OK, "rates", k);
+    for (int i = 0; i < @{P}_JOINTS; ++i) {
+        expect(fabs((double)again[i] - (double)rates[i]) <= @{speed_bound}, "rates of the twist of rates", i);
+        limits[i] = (@{p}_real)0.125;
+    }
+    expect(@{p}_feed(@{ga}pose, twist, limits, &feed) == @{P}_OK, "feed", k);
+    for (int i = 0; i < @{P}_JOINTS; ++i) {
+        largest = fmax(largest, fabs((double)feed * (double)again[i]));
+    }
+    expect(fabs(largest - 0.125) <= 1e-6, "feed reaches a limit", k);
+    for (int i = 0; i < @{P}_JOINTS; ++i) {
+        limits[i] = @{four};
+    }
+    expect((@{p}_feed(@{ga}pose, twist, limits, &feed) == @{P}_OK) && (feed == @{one}), "no need for a feed", k);
+    limits[0] = -@{one};
+    expect(@{p}_feed(@{ga}pose, twist, limits, &feed) == @{P}_OUT_OF_RANGE, "a limit below 0", k);
+    limits[0] = (@{p}_real)NAN;
+    expect(@{p}_feed(@{ga}pose, twist, limits, &feed) == @{P}_NONFINITE, "a limit that is not a number", k);
+    twist[5] = (@{p}_real)INFINITY;
+    expect(@{p}_rates(@{ga}pose, twist, again) == @{P}_NONFINITE, "infinite twist", k);
+    rates[0] = (@{p}_real)NAN;
+    expect(@{p}_twist(@{ga}pose, rates, twist) == @{P}_NONFINITE, "NaN among rates", k);
+    rates[0] = (@{p}_real)1e30;
+    expect(@{p}_twist(@{ga}pose, rates, twist) == @{P}_OUT_OF_RANGE, "rates beyond all bounds", k);
+}
+
 int main(void)
 {
     solve_all();
+    for (int k = 0; k < @{P}_VECTOR_JACOBIANS; ++k) {
+        const @{p}_pose pose = pose_from(@{p}_vector_poses[k]);
+        speeds_of(&pose, k);
+    }
     refuse_all();
     (void)printf("@{p}: %d cases, %d failures\n", @{P}_VECTORS, failures);
     return (failures == 0) ? 0 : 1;

@@ -25,18 +25,27 @@
     @{p}_inverse_work w;
     @{real} to[7];
     @{p}_status status = @{p}_check_finite(guess, @{nq}, @{p}_normalise_pose(pose, to));
-    for (int i = 0; i < @{nq}; ++i) {
-        if ((status == @{P}_OK) && (@{fabs}(guess[i]) > @{farthest_joint})) {
-            status = @{P}_OUT_OF_RANGE;
+    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    for (int i = @{nq} - 1; i >= 0; --i) {
+        if (!(@{fabs}(guess[i]) <= @{farthest_joint})) {
+            status = (status == @{P}_OK) ? @{P}_OUT_OF_RANGE : status;
+            if (info != NULL) {
+                info->joint = (uint8_t)i;
+            }
         }
     }
-    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+    if (config != NULL) {
+        status = @{p}_check_config(config, status);
+    }
     if (status == @{P}_OK) {
 @{to_x}
         @{p}_forward(@{ga}w.x, w.at);
         status = @{p}_inverse_newton(@{ga}&w, to, (config != NULL) ? config : &usual, info);
         if (status == @{P}_OK) {
             status = @{p}_check_limits(@{ga}w.x);
+            if (info != NULL) {
+                info->joint = @{p}_first_beyond(@{ga}w.x);
+            }
         }
         if (status == @{P}_OK) {
 @{out}

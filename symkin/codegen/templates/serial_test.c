@@ -83,6 +83,17 @@ static void solve_all(void)
     }
 }
 
+static void refuse_configs(const @{p}_pose *pose, const @{p}_real guess[@{P}_JOINTS])
+{
+    const @{p}_real wrong[4] = { @{zero}, -@{one}, (@{p}_real)NAN, (@{p}_real)INFINITY };
+    for (int i = 0; i < 8; ++i) {
+        const @{p}_real other = wrong[i % 4];
+        const @{p}_config config = { (i < 4) ? other : @{P}_TOLERANCE, @{P}_MAX_STEPS, (i < 4) ? @{P}_MAX_STEP : other };
+        const @{p}_status wanted = (i % 4 < 2) ? @{P}_OUT_OF_RANGE : @{P}_NONFINITE;
+        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config", i);
+    }
+}
+
 static void refuse_all(void)
 {
 @{nominal}
@@ -90,10 +101,18 @@ static void refuse_all(void)
     @{p}_pose pose = pose_from(@{p}_vector_poses[0]);
     @{p}_pose wrong = pose;
     @{p}_real joints[@{P}_JOINTS];
+    @{p}_real other[@{P}_JOINTS];
+    @{p}_info info;
     for (int i = 0; i < @{P}_JOINTS; ++i) {
         joints[i] = @{p}_vector_guesses[0][i];
     }
     expect(refused(&none, &pose, joints, "no step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    refuse_configs(&pose, joints);
+    joints[@{P}_JOINTS - 1] = (@{p}_real)NAN;
+    (void)@{p}_inverse(@{ga}NULL, &pose, joints, other, &info);
+    expect(info.joint == @{P}_JOINTS - 1U, "joint of a NaN guess", 0);
+    joints[@{P}_JOINTS - 1] = @{p}_vector_guesses[0][@{P}_JOINTS - 1];
+    expect((@{p}_inverse(@{ga}NULL, &pose, joints, other, &info) == @{P}_OK) && (info.joint == @{P}_JOINTS), "no joint to blame", 0);
     joints[0] = (@{p}_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == @{P}_NONFINITE, "NONFINITE", 0);
     expect(@{p}_direct(@{ga}joints, &wrong) == @{P}_NONFINITE, "NONFINITE of direct", 0);

@@ -1,5 +1,6 @@
 /* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to @{k}_pivoted. */
+ * pivot is far below its usual size, which is left to @{k}_pivoted. What is added to pivots is below the rounding of any other, and
+ * keeps divisions by zero away. */
 static int @{k}_factor(@{gp}@{k}_work *w)
 {
     @{real} det;

@@ -1,0 +1,85 @@
+"""Sends random inputs to folders of generated C under ASan and UBSan, with floating-point traps on division by zero and overflow,
+and on invalid operations where every input is finite.
+
+    python codegen/bench/fuzz.py [FOLDER ...] [--count 1000000] [--seed 0] [--mode trap|division|count]
+
+Without folders: every committed one, and the fresh ones that no committed folder is like. `division` traps no overflow, `count` nothing: it counts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+BENCH = Path(__file__).parent
+COMMITTED = sorted(path.parent for path in BENCH.parent.glob("*/manifest.json"))
+SANITIZED = [
+    "-O1",
+    "-g",
+    "-fno-omit-frame-pointer",
+    "-ftrapping-math",
+    "-fsanitize=address,undefined",
+    "-fno-sanitize-recover=all",
+]
+EXTRA = ("track", "inverse_nearest", "rates", "twist", "feed")
+"""Functions that some folders have and others have not."""
+
+
+def built(folder: Path, output: Path) -> Path:
+    """The fuzzing program of a folder."""
+    manifest = json.loads((folder / "manifest.json").read_text())
+    name, options = manifest["mechanism"], manifest["options"]
+    header = (folder / f"{name}.h").read_text()
+    serial = re.search(rf"{name}_inverse\([^)]*guess", header) is not None
+    macros = [f"-D{'SERIAL' if serial else 'PARALLEL'}", f"-DNAME={name}", f"-DUPPER={name.upper()}"]
+    macros += [
+        f'-DHEADER="{name}.h"',
+        f'-DVECTORS="{name}_vectors.h"',
+        *(["-DSTRUCT"] if options["geometry"] == "struct" else []),
+    ]
+    macros += [f"-DHAS_{function}" for function in EXTRA if f" {name}_{function}(" in header]
+    command = [
+        "gcc",
+        "-std=gnu99",
+        "-Wall",
+        "-Wextra",
+        *SANITIZED,
+        "-fno-math-errno",
+        "-ffp-contract=off",
+        *macros,
+        f"-I{folder}",
+    ]
+    subprocess.run([*command, str(BENCH / "fuzz.c"), str(folder / f"{name}.c"), "-lm", "-o", str(output)], check=True)
+    return output
+
+
+def fuzzed(folder: Path, count: int, seed: int = 0, mode: str = "trap") -> tuple[bool, str]:
+    """Whether nothing was found in a folder, and what the program said."""
+    with tempfile.TemporaryDirectory() as scratch:
+        program = built(folder, Path(scratch) / "fuzz")
+        done = subprocess.run([str(program), str(count), str(seed), mode], capture_output=True, text=True, check=False)
+    return done.returncode == 0, done.stdout + done.stderr
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folders", nargs="*", type=Path, default=COMMITTED)
+    parser.add_argument("--count", type=int, default=1_000_000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--mode", choices=["trap", "division", "count"], default="trap")
+    given = parser.parse_args()
+    findings = 0
+    for folder in given.folders:
+        clean, said = fuzzed(folder.resolve(), given.count, given.seed, given.mode)
+        findings += not clean
+        print(f"{folder.name}: {'no finding' if clean else 'FOUND'}\n{said}", flush=True)
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

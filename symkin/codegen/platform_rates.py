@@ -1,0 +1,99 @@
+"""Write the C of a platform's speeds: joint rates of a twist, the twist of joint rates, and the feed that keeps speed limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import copy, fill
+from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.newton_kernel import Kernel, system_kernel
+from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.model.mechanism import Mechanism
+
+_FASTEST = 1e6
+"""Speeds beyond this many sizes (and radians) for each unit of time are refused: their products stay far below the largest float."""
+
+
+def fastest(size: float) -> float:
+    """The largest speed that is taken."""
+    return float(f"{_FASTEST * max(size, 1.0):.1g}")
+
+
+def rates_functions(mechanism: Mechanism, real: Real, values: Mapping[str, object]) -> str:
+    """NAME_rates and NAME_feed."""
+    return fill("platform_rates.c", {**values, "fastest": real.literal(fastest(mechanism.characteristic_length))})
+
+
+def decides_twist(mechanism: Mechanism) -> bool:
+    """Whether the Jacobian is square on the motion: joint rates decide the twist by it alone."""
+    return len(mechanism.actuated) == len(COLUMNS[mechanism.motion])
+
+
+def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object]) -> str:
+    """NAME_twist by the Jacobian, its rows scaled to lengths and its columns to lengths of turns."""
+    size, columns = mechanism.characteristic_length, COLUMNS[mechanism.motion]
+    scales = [real.literal(size if c.is_angular else 1.0) for c in mechanism.actuated]
+    shown = {
+        "row_scales": ", ".join(scales), "columns": ", ".join(f"{c}U" for c in columns),
+        "column_scales": ", ".join(real.literal(1.0 / size if c > 2 else 1.0) for c in columns),
+        "others": indent([f"twist[{c}] = {real.literal(0.0)};" for c in range(6) if c not in columns], 2),
+        "singular": real.literal(32.0 * real.epsilon),
+    }  # fmt: skip
+    return fill("square_twist.c", {**values, **shown})
+
+
+def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
+    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure, else one of its own (None: no driver)."""
+    kernel, text = made.direct_kernel, ""
+    if driver is not kernel or kernel.n != made.direct.system.freedom:
+        kernel = system_kernel(
+            "velocity", made.geometry.system(made.direct), made.direct.known_coordinates, made.geometry.symbols
+        )
+        code = _newton_code(made, kernel)
+        text = code.work + code.linear.text
+    k, ga = f"{made.name}_{kernel.name}", str(values["ga"])
+    passive = sum(c.width for c in made.passive)
+    state = [*copy("w->x", "passive", passive), *(f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(values["nc"]))))]
+    shown = {
+        "k": k, "state": indent(state, 2), "sides": indent(_side_lines(made, kernel), 3), "singular_there": singular_condition(kernel, k, "w", ga),
+        "nf": kernel.n, "store": indent(_stores(made, kernel), 2),
+    }  # fmt: skip
+    return text + fill("closure_twist.c", {**values, **shown})
+
+
+def _newton_code(made: LimbPlatform, kernel: Kernel) -> NewtonCode:
+    values = made.geometry.values
+    matrices = np.array([kernel.matrix(s.unknown, s.known, values) for s in made.samples])
+    lines = line_target(made.real, len(made.actuated), None)
+    return NewtonCode(kernel, made.name, made.real, made.geometry.names, matrices, 1.0, lines, known_count=len(made.actuated))
+
+
+def _side_lines(made: LimbPlatform, kernel: Kernel) -> list[str]:
+    """Statements w->f = change of the rows (closure's sign turned) by the joint rates."""
+    rates = ca.SX.sym("v", len(made.actuated))
+    change = snapped_expression(ca.jtimes(kernel.rows, kernel.known, rates), [kernel.state, kernel.known, kernel.geometry, rates])
+    inputs = [kernel.state, kernel.known, kernel.geometry, rates]
+    function = ca.Function("sides", inputs, [ca.densify(change)], {"cse": True})
+    names: list[Sequence[str]] = [
+        indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0])), made.geometry.names,
+        indexed("rates", len(made.actuated)),
+    ]  # fmt: skip
+    emitter = Emitter(function, names, made.real)
+    texts = [emitter.value(0, i) for i in range(kernel.m)]
+    return [*emitter.lines, *(f"w->f[{i}] = {text};" for i, text in enumerate(texts))]
+
+
+def _stores(made: LimbPlatform, kernel: Kernel) -> list[str]:
+    """Statements of the twist from the step's last entries, turns by the size."""
+    columns, literal = COLUMNS[made.mechanism.motion], made.real.literal
+    first = kernel.n - len(columns)
+    per_size = f" * {literal(1.0 / made.closure.characteristic_length)}"
+    texts = {c: f"w->f[{first + i}]" + (per_size if c > 2 else "") for i, c in enumerate(columns)}
+    return [f"twist[{c}] = {texts.get(c, literal(0.0))};" for c in range(6)]

@@ -1,0 +1,12 @@
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+static @{SHARED} uint8_t @{p}_first_beyond(@{gp}const @{real} joints[@{nq}])
+{
+@{tables}
+    uint8_t joint = 0U;
+@{use}
+    while ((joint < @{nq}U) && @{inside}) {
+        ++joint;
+    }
+    return joint;
+}
+
