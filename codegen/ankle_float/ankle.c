@@ -756,6 +756,20 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     ankle_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Sets known values and state: joints as they are given, and the found as they were last. */
+static ANKLE_SHARED void ankle_direct_place(ankle_direct_work *w, const ankle_real joints[2], const ankle_real found[2])
+{
+    ankle_circle(joints[0], &w->numbers[0]);
+    ankle_circle(joints[1], &w->numbers[2]);
+    ankle_direct_coefficients(w->numbers, w->k);
+    w->k0[0] = w->k[0];
+    w->k0[1] = w->k[1];
+    w->k0[2] = w->k[2];
+    w->k0[3] = w->k[3];
+    ankle_circle(found[0], &w->x[0]);
+    ankle_circle(found[1], &w->x[2]);
+}
+
 /* Work space of ankle_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: upper_motor, lower_motor: of angles cosine and sine
  * k: ankle.1, ankle.2: of angles cosine and sine
@@ -764,7 +778,6 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
  */
 typedef struct {
     ankle_real x[4]; /* state */
-    ankle_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
     ankle_real at[2]; /* known values at the guess, where the line begins */
     ankle_real k[4]; /* known values aimed at */
     ankle_real f[2]; /* rows; the linear solver leaves the step in their place */
@@ -1409,6 +1422,15 @@ static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real
     return status;
 }
 
+/* Sets known values and state: found as they are given, and the joints as they were last. */
+static ANKLE_SHARED void ankle_inverse_place(ankle_inverse_work *w, const ankle_real found[2], const ankle_real joints[2])
+{
+    ankle_circle(found[0], &w->k[0]);
+    ankle_circle(found[1], &w->k[2]);
+    ankle_circle(joints[0], &w->x[0]);
+    ankle_circle(joints[1], &w->x[2]);
+}
+
 /* All numbers y of the configuration that has the values: of angles cosine and sine, in the order given, found, passive. The choices
  * that the values leave are those of the reference configuration. */
 static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2], ankle_real y[8])
@@ -1520,16 +1542,7 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
     ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
     status = ankle_bound_found(status, found);
     if (status == ANKLE_OK) {
-        ankle_circle(found[0], &w.x[0]);
-        ankle_circle(found[1], &w.x[2]);
-        ankle_real numbers[4];
-        ankle_circle(joints[0], &numbers[0]);
-        ankle_circle(joints[1], &numbers[2]);
-        ankle_direct_coefficients(numbers, w.k);
-        w.k0[0] = w.k[0];
-        w.k0[1] = w.k[1];
-        w.k0[2] = w.k[2];
-        w.k0[3] = w.k[3];
+        ankle_direct_place(&w, joints, found);
         ankle_direct_rows(&w);
         if ((ankle_direct_factor(&w) == 0) && (ankle_direct_pivoted(&w) == 0)) {
             status = ANKLE_SINGULAR;
@@ -1619,10 +1632,7 @@ ankle_status ankle_track_inverse(const ankle_real found[2], ankle_real joints[2]
         ankle_real sign[2];
         ankle_real d[2];
         ankle_real least = 1.0f;
-        ankle_circle(joints[0], &w.x[0]);
-        ankle_circle(joints[1], &w.x[2]);
-        ankle_circle(found[0], &w.k[0]);
-        ankle_circle(found[1], &w.k[2]);
+        ankle_inverse_place(&w, found, joints);
         ankle_inverse_signs(w.k, w.x, sign, d);
         ankle_inverse_formulas(w.k, sign, w.x, d);
         for (int i = 0; i < 2; ++i) {
@@ -1666,10 +1676,9 @@ static ANKLE_SHARED ankle_status ankle_give(const ankle_real result[2], ankle_re
 }
 
 /* Derivatives of the rows by the joints, row by row. */
-static void ankle_joint_columns(const ankle_direct_work *w, const ankle_real numbers[4], ankle_real sides[4])
+static void ankle_joint_columns(const ankle_direct_work *w, ankle_real sides[4])
 {
     (void)w;
-    (void)numbers;
     const ankle_real t0 = w->x[1] * w->x[3];
     const ankle_real t1 = -6.0111876f * t0;
     const ankle_real t2 = w->x[1] * w->x[2];
@@ -1688,10 +1697,10 @@ static void ankle_joint_columns(const ankle_direct_work *w, const ankle_real num
     const ankle_real t15 = t12 + t14;
     const ankle_real t16 = 0.18f * t15;
     const ankle_real t17 = t7 + t16;
-    const ankle_real t18 = t17 * numbers[0];
+    const ankle_real t18 = t17 * w->numbers[0];
     const ankle_real t19 = 0.02f * t15;
     const ankle_real t20 = t6 + t19;
-    const ankle_real t21 = t20 * numbers[1];
+    const ankle_real t21 = t20 * w->numbers[1];
     const ankle_real t22 = t18 - t21;
     const ankle_real t23 = 6.0111876f * t0;
     const ankle_real t24 = -3.4349644f * t2;
@@ -1707,10 +1716,10 @@ static void ankle_joint_columns(const ankle_direct_work *w, const ankle_real num
     const ankle_real t34 = t32 + t33;
     const ankle_real t35 = 0.25f * t34;
     const ankle_real t36 = t28 + t35;
-    const ankle_real t37 = t36 * numbers[2];
+    const ankle_real t37 = t36 * w->numbers[2];
     const ankle_real t38 = 0.027777778f * t34;
     const ankle_real t39 = t27 + t38;
-    const ankle_real t40 = t39 * numbers[3];
+    const ankle_real t40 = t39 * w->numbers[3];
     const ankle_real t41 = t37 - t40;
     sides[0] = t22;
     sides[1] = 0.0f;
@@ -1724,28 +1733,17 @@ ankle_status ankle_jacobian(const ankle_real joints[2], const ankle_real found[2
     ankle_direct_work w;
     ankle_real sides[4];
     ankle_real rates[4];
-    ankle_real numbers[4] = { 0.0f };
     ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
     status = ankle_limit_found(status, found);
     if (status == ANKLE_OK) {
-        ankle_circle(found[0], &w.x[0]);
-        ankle_circle(found[1], &w.x[2]);
-        ankle_circle(joints[0], &numbers[0]);
-        ankle_circle(joints[1], &numbers[2]);
-        ankle_direct_coefficients(numbers, w.k);
-        w.k0[0] = w.k[0];
-        w.k0[1] = w.k[1];
-        w.k0[2] = w.k[2];
-        w.k0[3] = w.k[3];
-    }
-    if (status == ANKLE_OK) {
+        ankle_direct_place(&w, joints, found);
         ankle_direct_rows(&w);
         if (!(ankle_direct_residual(&w) <= 2.6201146f)) {
             status = ANKLE_OUT_OF_RANGE; /* no configuration has both */
         } else if ((ankle_direct_factor(&w) == 0) && (ankle_direct_pivoted(&w) == 0)) {
             status = ANKLE_SINGULAR;
         } else {
-            ankle_joint_columns(&w, numbers, sides);
+            ankle_joint_columns(&w, sides);
             for (int j = 0; j < 2; ++j) {
                 for (int i = 0; i < 2; ++i) {
                     w.f[i] = sides[2 * i + j];

@@ -160,7 +160,7 @@ class JointMapSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         made = self.made
-        parts = [self._solver_text(direction) for direction in (made.direct, made.inverse)]
+        parts = [self._solver_text(d) + self._place_text(d) for d in (made.direct, made.inverse)]
         parts += [self._state_text(made.inverse), self._state_text(made.direct)]
         parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
         parts += [fill("map_give.c", self._common), self._rates_text]
@@ -231,7 +231,8 @@ class JointMapSource:
         text = closed.text
         if self.real.name == "float":
             text = text.replace("atan2f(", f"{self.name}_angle(")
-        return code.work + code.functions + code.target + code.linear.text + finish + text
+        work = "\n".join(line for line in code.work.split("\n") if " x0[" not in line)
+        return work + code.functions + code.target + code.linear.text + finish + text
 
     # --- numbers -----------------------------------------------------------------------------------------------------
 
@@ -272,6 +273,18 @@ class JointMapSource:
         """C text of an angle moved by whole turns next to another, within its limits."""
         ((low, high),) = self._limits([c])
         return f"{self.name}_turned({angle}, {near}, {self.real.literal(low)}, {self.real.literal(high)})"
+
+    def _turned(self, c: Coordinate, angle: str, near: str) -> str:
+        """C text of an angle moved by whole turns next to another, within its limits."""
+        ((low, high),) = self._limits([c])
+        return f"{self.name}_turned({angle}, {near}, {self.real.literal(low)}, {self.real.literal(high)})"
+
+    def _state_by_values(self, direction: Direction, values: str, wanted: Sequence[Coordinate]) -> list[str]:
+        """Statements that set the state by values of the wanted coordinates, which are all of it."""
+        places = self._unknown_places(direction, wanted)
+        lines = [f"{self.real.type} state[{len(places)}] = {{ {self.real.literal(0.0)} }};"]
+        lines += self._circles(values, wanted, "state", range(len(places)))
+        return [*lines, *(f"w.x[{place}] = state[{i}];" for i, place in enumerate(places))]
 
     def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str) -> list[str]:
         """C text of the values of coordinates by their numbers, angles next to `near`."""
@@ -372,7 +385,7 @@ class JointMapSource:
             "results": results("guess"), "track_results": results(out), "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
             "blame_values": f"        {name}_blame(info, joints);" if values == "joints" else "",
             "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
-            "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction, wanted),
+            "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
         })  # fmt: skip
 
     def _unknown_places(self, direction: Direction, wanted: Sequence[Coordinate]) -> list[int]:
@@ -383,23 +396,19 @@ class JointMapSource:
             start += count
         return [i for c in wanted for i in places[c.name]]
 
-    def _step(self, direction: Direction, wanted: Sequence[Coordinate]) -> dict[str, str]:
+    def _step(self, direction: Direction) -> dict[str, str]:
         """Statements of one step: from the last values' configuration, by Newton's method or by formulas."""
         values, out = self._words(direction)
         k, kind, prefix, literal = f"{self.name}_{direction.name}", self.real.type, self.name.upper(), self.real.literal
         code, closed = self._code_of(direction), self._closed.get(direction.name)
-        ny = self._common["ny"]
+        y, last = [], []
         if self.made.passive:
-            y = [f"{kind} y[{ny}];"]
+            y = [f"{kind} y[{self._common['ny']}];"]
             last = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_{out}({out}, y);", "}"]
-            start = self._copies("w.x", direction.unknown)
-        else:
-            y, last = [], []
-            start = self._circles(out, wanted, "w.x", self._unknown_places(direction, wanted))
-        numbers = self._circles(values, direction.known, "w.k", range(sum(number_counts(direction.known))))
+        place = f"{k}_place(&w, {values}, {'y' if self.made.passive else out});"
         if closed is None:
             step = [
-                *start, *self._known_by_values(direction, values), f"{k}_rows(&w);", f"if ({singular_condition(code.kernel, k, '&w')}) {{",
+                place, f"{k}_rows(&w);", f"if ({singular_condition(code.kernel, k, '&w')}) {{",
                 f"    status = {prefix}_SINGULAR;", "} else {", f"    {k}_solve(&w);", f"    const {kind} size = {k}_apply_step(&w);",
                 f"    {self.name}_write_info(info, 1U, {literal(float(np.sqrt(code.tuning.kappa2)))} * size, size, w.spread);", "}",
             ]  # fmt: skip
@@ -407,19 +416,33 @@ class JointMapSource:
             names = closed.values
             step = [
                 f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
-                f"{kind} sign[{names['signs']}];", f"{kind} d[{names['conditions']}];", f"{kind} least = {literal(1.0)};", *start, *numbers,
+                f"{kind} sign[{names['signs']}];", f"{kind} d[{names['conditions']}];", f"{kind} least = {literal(1.0)};", place,
                 f"{k}_signs(w.k, w.x, sign, d);", f"{k}_formulas(w.k, sign, w.x, d);",
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", "    least = (d[i] < least) ? d[i] : least;", "}",
                 f"status = (least > {literal(_NOT_DECIDED)}) ? {k}_finish(&w, 1U, least, &usual, info) : {prefix}_SINGULAR;",
             ]  # fmt: skip
         return {"y": indent(y), "last": indent(last), "step": indent(step, 2)}
 
-    def _known_by_values(self, direction: Direction, values: str) -> list[str]:
-        """Statements that set the kernel's known values, the matrix's too, by values of the known coordinates."""
-        count = sum(number_counts(direction.known))
-        lines = [f"{self.real.type} numbers[{count}];", *self._circles(values, direction.known, "numbers", range(count)),
-                 *self._known_lines(direction, "numbers", "w.k")]  # fmt: skip
-        return lines if direction.is_closed else [*lines, *copy("w.k0", "w.k", int(direction.kernel.known.shape[0]))]
+    def _place_text(self, direction: Direction) -> str:
+        """The function that sets known values, the matrix's too, and the state: by the wanted values where these are all of it."""
+        values, out = self._words(direction)
+        wanted = self.made.found if direction.name == "direct" else self.made.given
+        count, k = sum(number_counts(direction.known)), f"{self.name}_{direction.name}"
+        target = "w->k" if direction.circles.is_plain else "w->numbers"
+        lines = self._circles(values, direction.known, target, range(count))
+        if not direction.circles.is_plain:
+            lines.append(f"{k}_coefficients(w->numbers, w->k);")
+        if not direction.is_closed:
+            lines += copy("w->k0", "w->k", int(direction.kernel.known.shape[0]))
+        if self.made.passive:
+            lines += self._copies("w->x", direction.unknown)
+        else:
+            lines += self._circles(out, wanted, "w->x", self._unknown_places(direction, wanted))
+        return fill("map_place.c", self._common | {
+            "k": k, "values": values, "nto": len(direction.known), "from": "y" if self.made.passive else out,
+            "nfrom": self._common["ny"] if self.made.passive else len(wanted), "lines": indent(lines), "known": values,
+            "source": "the rest as in the configuration y" if self.made.passive else f"the {out} as they were last",
+        })  # fmt: skip
 
     # --- rates -------------------------------------------------------------------------------------------------------
 
@@ -430,18 +453,11 @@ class JointMapSource:
         y, state = [], []
         if made.passive:
             y = [f"{self.real.type} y[{self._common['ny']}];"]
-            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y);", "}",
-                     f"if (status == {prefix}_OK) {{", *("    " + line for line in self._copies("w.x", direct.unknown))]  # fmt: skip
-        else:
-            state = [f"if (status == {prefix}_OK) {{",
-                     *("    " + line for line in self._circles("found", made.found, "w.x", self._unknown_places(direct, made.found)))]  # fmt: skip
-        known = self._known_by_values(direct, "joints")
-        state += ["    " + line for line in known[1:]]
-        state.append("}")
-        y = [known[0].removesuffix(";") + f" = {{ {literal(0.0)} }};", *y]
+            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y);", "}"]
+        set_ = [f"{self.name}_direct_place(&w, joints, {'y' if made.passive else 'found'});"]
         rows = [f"rates[{n * i} + j] = w.f[{column}]{scale};" for i, (column, scale) in enumerate(self._found_columns)]
         return fill("map_rates.c", self._common | {
-            "nsides": kernel.m * n, "nn": sum(number_counts(made.given)), "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state),
+            "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state), "set": indent(set_, 2),
             "near": literal(_BELONG * made.size), "singular": singular_condition(kernel, f"{self.name}_direct", "&w"), "rates": indent(rows, 4),
         })  # fmt: skip
 
@@ -470,7 +486,12 @@ class JointMapSource:
         sides = snapped_expression(ca.mtimes(ca.jacobian(circles.rows_by_numbers, numbers), tangent), [kernel.state, numbers])
         function = ca.Function("sides", [kernel.state, numbers], [ca.densify(sides)], {"cse": True})
         emitter = Emitter(
-            function, [indexed("w->x", int(kernel.state.shape[0])), indexed("numbers", int(numbers.shape[0]))], self.real
+            function,
+            [
+                indexed("w->x", int(kernel.state.shape[0])),
+                indexed("w->k" if circles.is_plain else "w->numbers", int(numbers.shape[0])),
+            ],
+            self.real,
         )
         stores = [f"sides[{len(given) * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(len(given))]
         return [*emitter.lines, *stores]

@@ -1,8 +1,7 @@
 /* Derivatives of the rows by the joints, row by row. */
-static void @{p}_joint_columns(const @{p}_direct_work *w, const @{real} numbers[@{nn}], @{real} sides[@{nsides}])
+static void @{p}_joint_columns(const @{p}_direct_work *w, @{real} sides[@{nsides}])
 {
     (void)w;
-    (void)numbers;
 @{sides}
 }
 
@@ -17,13 +16,14 @@ static void @{p}_joint_columns(const @{p}_direct_work *w, const @{real} numbers[
     status = @{p}_limit_found(status, found);
 @{state}
     if (status == @{P}_OK) {
+@{set}
         @{p}_direct_rows(&w);
         if (!(@{p}_direct_residual(&w) <= @{near})) {
             status = @{P}_OUT_OF_RANGE; /* no configuration has both */
         } else if (@{singular}) {
             status = @{P}_SINGULAR;
         } else {
-            @{p}_joint_columns(&w, numbers, sides);
+            @{p}_joint_columns(&w, sides);
             for (int j = 0; j < @{nq}; ++j) {
                 for (int i = 0; i < @{m}; ++i) {
                     w.f[i] = sides[@{nq} * i + j];
