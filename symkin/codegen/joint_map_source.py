@@ -274,18 +274,6 @@ class JointMapSource:
         ((low, high),) = self._limits([c])
         return f"{self.name}_turned({angle}, {near}, {self.real.literal(low)}, {self.real.literal(high)})"
 
-    def _turned(self, c: Coordinate, angle: str, near: str) -> str:
-        """C text of an angle moved by whole turns next to another, within its limits."""
-        ((low, high),) = self._limits([c])
-        return f"{self.name}_turned({angle}, {near}, {self.real.literal(low)}, {self.real.literal(high)})"
-
-    def _state_by_values(self, direction: Direction, values: str, wanted: Sequence[Coordinate]) -> list[str]:
-        """Statements that set the state by values of the wanted coordinates, which are all of it."""
-        places = self._unknown_places(direction, wanted)
-        lines = [f"{self.real.type} state[{len(places)}] = {{ {self.real.literal(0.0)} }};"]
-        lines += self._circles(values, wanted, "state", range(len(places)))
-        return [*lines, *(f"w.x[{place}] = state[{i}];" for i, place in enumerate(places))]
-
     def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str) -> list[str]:
         """C text of the values of coordinates by their numbers, angles next to `near`."""
         found, k = [], 0
