@@ -15,8 +15,10 @@
 #define DELTA_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count, delta_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count,
+    delta_status otherwise)
 {
     delta_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,12 +30,17 @@ static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7])
 {
     const delta_real *const q = pose->quaternion;
-    const delta_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 443000.0f) && (fabsf(pose->position[1]) <= 443000.0f)
+            && (fabsf(pose->position[2]) <= 443000.0f);
+    const delta_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0f;
     delta_status status = DELTA_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -52,9 +59,10 @@ static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7]
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual, delta_real size, delta_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual,
+    delta_real size, delta_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -71,8 +79,10 @@ static DELTA_COLD delta_status delta_check_config(const delta_config *config, de
     const delta_real tolerance = config->tolerance;
     const delta_real longest = config->max_step;
     delta_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 443000.0f - longest)) && (before != DELTA_NONFINITE)) {
-        const delta_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 443000.0f - longest))
+        && (before != DELTA_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const delta_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
     }
     return status;
@@ -91,14 +101,16 @@ static delta_status delta_pose_coordinates(const delta_pose *pose, delta_real c[
         c[0] = x[0];
         c[1] = x[1];
         c[2] = x[2];
-        if (!((fabsf(t0) <= 0.0016885364f) && (fabsf(t1) <= 0.0016885364f) && (fabsf(t2) <= 0.0016885364f))) {
+        if (!((fabsf(t0) <= 0.0016885364f) && (fabsf(t1) <= 0.0016885364f)
+            && (fabsf(t2) <= 0.0016885364f))) {
             status = DELTA_OUT_OF_RANGE;
         }
     }
     return status;
 }
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static DELTA_SHARED uint8_t delta_first_beyond(const delta_real joints[3])
 {
     uint8_t joint = 0U;
@@ -118,42 +130,42 @@ static delta_status delta_check_limits(const delta_real joints[3])
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 33.19764f;
-    const delta_real t1 = t0 + (-132.01114f);
-    const delta_real t2 = -0.25302747f * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.25302747f * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0f;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0f);
-    const delta_real t14 = 0.001129587f * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.8135f;
+    const delta_real t1 = -0.25302747f * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.25302747f * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0f;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0f;
+    const delta_real t13 = 0.001129587f * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 2.25e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.25e-09f) {
-        const delta_real t19 = t2 * r1;
-        const delta_real t20 = t4 * t14;
-        const delta_real t21 = t19 - t20;
-        const delta_real t22 = 1.0f / t6;
-        const delta_real t23 = t21 * t22;
-        const delta_real t24 = t2 * t14;
-        const delta_real t25 = t4 * r1;
-        const delta_real t26 = t24 + t25;
-        const delta_real t27 = t26 * t22;
-        const delta_real t28 = -t27;
-        const delta_real t29 = atan2f(t23, t28);
-        x[0] = t29;
+        const delta_real t18 = t1 * r1;
+        const delta_real t19 = t3 * t13;
+        const delta_real t20 = t18 - t19;
+        const delta_real t21 = 1.0f / t5;
+        const delta_real t22 = t20 * t21;
+        const delta_real t23 = t1 * t13;
+        const delta_real t24 = t3 * r1;
+        const delta_real t25 = t23 + t24;
+        const delta_real t26 = t25 * t21;
+        const delta_real t27 = -t26;
+        const delta_real t28 = atan2f(t22, t27);
+        x[0] = t28;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -161,105 +173,105 @@ static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 33.19764f;
-    const delta_real t1 = t0 + (-132.01114f);
-    const delta_real t2 = -0.25302747f * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.25302747f * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0f;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0f);
-    const delta_real t14 = 0.001129587f * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.8135f;
+    const delta_real t1 = -0.25302747f * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.25302747f * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0f;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0f;
+    const delta_real t13 = 0.001129587f * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 0.000619f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000619f) {
-        const delta_real t19 = t1 + t1;
-        const delta_real t20 = t2 * r1;
-        const delta_real t21 = t4 * t14;
-        const delta_real t22 = t20 - t21;
-        const delta_real t23 = 1.0f / t6;
-        const delta_real t24 = t22 * t23;
-        const delta_real t25 = t24 * t24;
-        const delta_real t26 = t2 * t14;
-        const delta_real t27 = t4 * r1;
-        const delta_real t28 = t26 + t27;
-        const delta_real t29 = t28 * t23;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t25 + t30;
-        const delta_real t32 = 1.0f / t31;
-        const delta_real t33 = t24 * t32;
-        const delta_real t34 = t33 * t23;
-        const delta_real t35 = t2 * t34;
-        const delta_real t36 = t29 * t32;
-        const delta_real t37 = t36 * t23;
-        const delta_real t38 = t4 * t37;
-        const delta_real t39 = t35 + t38;
-        const delta_real t40 = 0.001129587f * t39;
-        const delta_real t41 = t19 * t40;
-        const delta_real t42 = t14 * t34;
-        const delta_real t43 = -0.50605494f * t1;
-        const delta_real t44 = t24 * t23;
-        const delta_real t45 = t44 * t36;
-        const delta_real t46 = t29 * t23;
-        const delta_real t47 = t46 * t33;
-        const delta_real t48 = t45 - t47;
-        const delta_real t49 = t43 * t48;
-        const delta_real t50 = t42 + t49;
-        const delta_real t51 = r1 * t37;
-        const delta_real t52 = t50 - t51;
-        const delta_real t53 = -0.25302747f * t52;
-        const delta_real t54 = t41 + t53;
-        const delta_real t55 = t4 * t23;
-        const delta_real t56 = t33 * t55;
-        const delta_real t57 = t2 * t23;
-        const delta_real t58 = t36 * t57;
-        const delta_real t59 = t56 - t58;
-        const delta_real t60 = 0.1280458f * t1;
-        const delta_real t61 = 2.5519332e-06f * t13;
-        const delta_real t62 = t19 * t61;
-        const delta_real t63 = t60 - t62;
-        const delta_real t64 = r1 + r1;
-        const delta_real t65 = 1.0f / t64;
-        const delta_real t66 = t63 * t65;
-        const delta_real t67 = t59 * t66;
-        const delta_real t68 = t54 + t67;
-        const delta_real t69 = c[1] + c[1];
-        const delta_real t70 = t69 * t40;
-        const delta_real t71 = t69 * t61;
-        const delta_real t72 = t71 * t65;
-        const delta_real t73 = t59 * t72;
-        const delta_real t74 = t70 - t73;
-        const delta_real t75 = c[2] + c[2];
-        const delta_real t76 = t75 * t40;
-        const delta_real t77 = r1 * t34;
-        const delta_real t78 = 0.50605494f * c[2];
-        const delta_real t79 = t78 * t48;
-        const delta_real t80 = t77 + t79;
-        const delta_real t81 = t14 * t37;
-        const delta_real t82 = t80 + t81;
-        const delta_real t83 = 0.25302747f * t82;
-        const delta_real t84 = t76 + t83;
-        const delta_real t85 = 0.1280458f * c[2];
-        const delta_real t86 = t75 * t61;
-        const delta_real t87 = t85 - t86;
-        const delta_real t88 = t87 * t65;
-        const delta_real t89 = t59 * t88;
-        const delta_real t90 = t84 + t89;
-        rates[0] = t68;
-        rates[1] = t74;
-        rates[2] = t90;
+        const delta_real t18 = t0 + t0;
+        const delta_real t19 = t1 * r1;
+        const delta_real t20 = t3 * t13;
+        const delta_real t21 = t19 - t20;
+        const delta_real t22 = 1.0f / t5;
+        const delta_real t23 = t21 * t22;
+        const delta_real t24 = t23 * t23;
+        const delta_real t25 = t1 * t13;
+        const delta_real t26 = t3 * r1;
+        const delta_real t27 = t25 + t26;
+        const delta_real t28 = t27 * t22;
+        const delta_real t29 = t28 * t28;
+        const delta_real t30 = t24 + t29;
+        const delta_real t31 = 1.0f / t30;
+        const delta_real t32 = t23 * t31;
+        const delta_real t33 = t32 * t22;
+        const delta_real t34 = t1 * t33;
+        const delta_real t35 = t28 * t31;
+        const delta_real t36 = t35 * t22;
+        const delta_real t37 = t3 * t36;
+        const delta_real t38 = t34 + t37;
+        const delta_real t39 = 0.001129587f * t38;
+        const delta_real t40 = t18 * t39;
+        const delta_real t41 = t13 * t33;
+        const delta_real t42 = -0.50605494f * t0;
+        const delta_real t43 = t23 * t22;
+        const delta_real t44 = t43 * t35;
+        const delta_real t45 = t28 * t22;
+        const delta_real t46 = t45 * t32;
+        const delta_real t47 = t44 - t46;
+        const delta_real t48 = t42 * t47;
+        const delta_real t49 = t41 + t48;
+        const delta_real t50 = r1 * t36;
+        const delta_real t51 = t49 - t50;
+        const delta_real t52 = -0.25302747f * t51;
+        const delta_real t53 = t40 + t52;
+        const delta_real t54 = t3 * t22;
+        const delta_real t55 = t32 * t54;
+        const delta_real t56 = t1 * t22;
+        const delta_real t57 = t35 * t56;
+        const delta_real t58 = t55 - t57;
+        const delta_real t59 = 0.1280458f * t0;
+        const delta_real t60 = 2.5519332e-06f * t12;
+        const delta_real t61 = t18 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = r1 + r1;
+        const delta_real t64 = 1.0f / t63;
+        const delta_real t65 = t62 * t64;
+        const delta_real t66 = t58 * t65;
+        const delta_real t67 = t53 + t66;
+        const delta_real t68 = c[1] + c[1];
+        const delta_real t69 = t68 * t39;
+        const delta_real t70 = t68 * t60;
+        const delta_real t71 = t70 * t64;
+        const delta_real t72 = t58 * t71;
+        const delta_real t73 = t69 - t72;
+        const delta_real t74 = c[2] + c[2];
+        const delta_real t75 = t74 * t39;
+        const delta_real t76 = r1 * t33;
+        const delta_real t77 = 0.50605494f * c[2];
+        const delta_real t78 = t77 * t47;
+        const delta_real t79 = t76 + t78;
+        const delta_real t80 = t13 * t36;
+        const delta_real t81 = t79 + t80;
+        const delta_real t82 = 0.25302747f * t81;
+        const delta_real t83 = t75 + t82;
+        const delta_real t84 = 0.1280458f * c[2];
+        const delta_real t85 = t74 * t60;
+        const delta_real t86 = t84 - t85;
+        const delta_real t87 = t86 * t64;
+        const delta_real t88 = t58 * t87;
+        const delta_real t89 = t83 + t88;
+        rates[0] = t67;
+        rates[1] = t73;
+        rates[2] = t89;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -269,47 +281,46 @@ static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 0.72168785f;
-    const delta_real t1 = t0 + 48.685062f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + 38.75f;
-    const delta_real t4 = t3 + (-124.325f);
-    const delta_real t5 = -193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] - 85.575f;
+    const delta_real t3 = -193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 2.1e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.1e-09f) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0f / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2f(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0f / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2f(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -317,114 +328,113 @@ static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 0.72168785f;
-    const delta_real t1 = t0 + 48.685062f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + 38.75f;
-    const delta_real t4 = t3 + (-124.325f);
-    const delta_real t5 = -193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] - 85.575f;
+    const delta_real t3 = -193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 0.000576f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000576f) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0f / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0f / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129587f * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259174f * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.12651373f * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.00028581652f * t6;
-        const delta_real t66 = 2.5519332e-06f * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0f / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = -0.21912822f * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = -0.0004950487f * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.50605494f * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.25302747f * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.1280458f * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0f / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0f / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129587f * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259174f * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.12651373f * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.00028581652f * t4;
+        const delta_real t64 = 2.5519332e-06f * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0f / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = -0.21912822f * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = -0.0004950487f * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.50605494f * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.25302747f * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.1280458f * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -434,47 +444,46 @@ static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + (-33.919327f);
-    const delta_real t1 = t0 + 83.32608f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + (-18.75f);
-    const delta_real t4 = t3 + 104.325f;
-    const delta_real t5 = 193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] + 85.575f;
+    const delta_real t3 = 193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 2.39e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.39e-09f) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0f / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2f(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0f / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2f(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -482,114 +491,113 @@ static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + (-33.919327f);
-    const delta_real t1 = t0 + 83.32608f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + (-18.75f);
-    const delta_real t4 = t3 + 104.325f;
-    const delta_real t5 = 193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] + 85.575f;
+    const delta_real t3 = 193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 0.000658f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000658f) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0f / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0f / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129587f * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259174f * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.12651373f * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.00028581652f * t6;
-        const delta_real t66 = 2.5519332e-06f * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0f / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = 0.21912822f * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = 0.0004950487f * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.50605494f * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.25302747f * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.1280458f * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0f / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0f / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129587f * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259174f * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.12651373f * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.00028581652f * t4;
+        const delta_real t64 = 2.5519332e-06f * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0f / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = 0.21912822f * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = 0.0004950487f * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.50605494f * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.25302747f * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.1280458f * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -599,7 +607,8 @@ static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
+ * reference configuration. */
 static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], delta_real passive[1])
 {
     delta_status status = DELTA_OK;
@@ -625,8 +634,10 @@ static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], de
     return status;
 }
 
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
-static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3], delta_real given[3])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
+ * `at` is meant. */
+static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3],
+    delta_real given[3])
 {
     static const bool turns[3] = { true, true, true };
     for (int i = 0; i < 3; ++i) {
@@ -640,8 +651,8 @@ static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[
     }
 }
 
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real joints[3])
 {
     delta_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -650,17 +661,21 @@ static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real jo
     }
 }
 
-/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next quarter. */
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
 static void delta_cosine_and_sine(delta_real angle, delta_real u[2])
 {
     const delta_real number = angle * 0.63661975f;
     const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-    /* the quarter turn in three parts, the first of which have few digits, so that their products are exact */
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
     const delta_real k = (delta_real)quarter;
     const delta_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
     const delta_real square = x * x;
-    const delta_real s = x + x * square * (-0.16666651f + square * (0.008331973f + square * -0.00019494935f));
-    const delta_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const delta_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const delta_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
     const bool odd = (((unsigned int)quarter) & 1U) != 0U;
     const delta_real cosine = odd ? s : c;
     const delta_real sine = odd ? c : s;
@@ -668,9 +683,10 @@ static void delta_cosine_and_sine(delta_real angle, delta_real u[2])
     u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
 }
 
-/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
- * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: the smallest root over its usual size. */
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     delta_real at[6];
     delta_real u[6];
@@ -679,6 +695,7 @@ typedef struct {
     delta_real guard[2];
     delta_real y[3];
     delta_real share;
+    delta_real over;
 } delta_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -687,7 +704,7 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
     delta_real x[7];
     delta_status status = delta_normalise_pose(guess, x);
     if (status == DELTA_OK) {
-        const delta_real t0 = -98.8135f + x[0];
+        const delta_real t0 = x[0] - 98.8135f;
         const delta_real t1 = -0.25302747f * t0;
         const delta_real t2 = t1 * t1;
         const delta_real t3 = 0.25302747f * x[2];
@@ -697,9 +714,9 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
         const delta_real t7 = x[1] * x[1];
         const delta_real t8 = t6 + t7;
         const delta_real t9 = x[2] * x[2];
-        const delta_real t10 = 12544.0f + t9;
+        const delta_real t10 = t9 + 12544.0f;
         const delta_real t11 = t8 + t10;
-        const delta_real t12 = t11 + (-53824.0f);
+        const delta_real t12 = t11 - 53824.0f;
         const delta_real t13 = 0.001129587f * t12;
         const delta_real t14 = t13 * t13;
         const delta_real t15 = t5 - t14;
@@ -711,32 +728,32 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
         const delta_real t21 = t19 + t20;
         const delta_real t22 = t21 * t21;
         const delta_real t23 = t22 + t4;
-        const delta_real t24 = 49.40675f + x[0];
+        const delta_real t24 = x[0] + 49.40675f;
         const delta_real t25 = t24 * t24;
-        const delta_real t26 = -85.575f + x[1];
+        const delta_real t26 = x[1] - 85.575f;
         const delta_real t27 = t26 * t26;
         const delta_real t28 = t25 + t27;
         const delta_real t29 = t28 + t10;
-        const delta_real t30 = t29 + (-53824.0f);
+        const delta_real t30 = t29 - 53824.0f;
         const delta_real t31 = 0.001129587f * t30;
         const delta_real t32 = t31 * t31;
         const delta_real t33 = t23 - t32;
         const delta_real d2 = t33;
         const delta_real r2 = (d2 > 2.1e-09f) ? sqrtf(d2) : 1.0f;
         const delta_real t36 = 0.21912822f * x[1];
-        const delta_real t37 = 25.00253f + t36;
+        const delta_real t37 = t36 + 25.00253f;
         const delta_real t38 = t37 + t20;
         const delta_real t39 = t38 * t38;
         const delta_real t40 = 0.25302747f * x[2];
         const delta_real t41 = t40 * t40;
         const delta_real t42 = t39 + t41;
-        const delta_real t43 = 49.40675f + x[0];
+        const delta_real t43 = x[0] + 49.40675f;
         const delta_real t44 = t43 * t43;
-        const delta_real t45 = 85.575f + x[1];
+        const delta_real t45 = x[1] + 85.575f;
         const delta_real t46 = t45 * t45;
         const delta_real t47 = t44 + t46;
         const delta_real t48 = t47 + t10;
-        const delta_real t49 = t48 + (-53824.0f);
+        const delta_real t49 = t48 - 53824.0f;
         const delta_real t50 = 0.001129587f * t49;
         const delta_real t51 = t50 * t50;
         const delta_real t52 = t42 - t51;
@@ -745,7 +762,9 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
         const delta_real t55 = 885.27936f * x[4];
         const delta_real t56 = 885.27936f * x[5];
         const delta_real t57 = 885.27936f * x[6];
-        if (!((d1 > 2.25e-09f) && (d2 > 2.1e-09f) && (d3 > 2.39e-09f) && (fabsf(t55) <= 0.0016885364f) && (fabsf(t56) <= 0.0016885364f) && (fabsf(t57) <= 0.0016885364f))) {
+        if (!((d1 > 2.25e-09f) && (d2 > 2.1e-09f) && (d3 > 2.39e-09f)
+            && (fabsf(t55) <= 0.0016885364f) && (fabsf(t56) <= 0.0016885364f)
+            && (fabsf(t57) <= 0.0016885364f))) {
             status = DELTA_OUT_OF_RANGE;
         } else {
             const delta_real t58 = t1 * t13;
@@ -785,7 +804,7 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
             w->at[4] = t83;
             w->at[5] = t87;
             const delta_real t94 = 0.21912822f * t72;
-            const delta_real t95 = -0.1933288f + t94;
+            const delta_real t95 = t94 - 0.1933288f;
             const delta_real t96 = -0.25302747f * t67;
             const delta_real t97 = -0.25302747f * t87;
             const delta_real t98 = t96 - t97;
@@ -821,7 +840,7 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
                 const delta_real t125 = t105 * x[0];
                 const delta_real t126 = 0.001129587f * t125;
                 const delta_real t127 = 0.12651373f * t62;
-                const delta_real t128 = -0.11161844f + t127;
+                const delta_real t128 = t127 - 0.11161844f;
                 const delta_real t129 = t128 * t105;
                 const delta_real t130 = t126 + t129;
                 const delta_real t131 = t115 * x[1];
@@ -863,17 +882,17 @@ static void delta_direct_formulas(delta_direct_work *w)
     const delta_real t8 = -0.25302747f * w->u[3];
     const delta_real t9 = t4 - t8;
     const delta_real t10 = 0.21912822f * w->u[4];
-    const delta_real t11 = 0.1933288f + t10;
+    const delta_real t11 = t10 + 0.1933288f;
     const delta_real t12 = t9 * t11;
     const delta_real t13 = t7 - t12;
     const delta_real t14 = 56.0f * w->u[2];
-    const delta_real t15 = 49.40675f + t14;
+    const delta_real t15 = t14 + 49.40675f;
     const delta_real t16 = 0.002259174f * t15;
     const delta_real t17 = 0.002259174f * t1;
     const delta_real t18 = t16 - t17;
     const delta_real t19 = t18 * t11;
     const delta_real t20 = 0.12651373f * w->u[4];
-    const delta_real t21 = 0.33485532f + t20;
+    const delta_real t21 = t20 + 0.33485532f;
     const delta_real t22 = 0.25302747f * w->u[0];
     const delta_real t23 = t21 + t22;
     const delta_real t24 = t3 * t23;
@@ -950,7 +969,7 @@ static void delta_direct_formulas(delta_direct_work *w)
         const delta_real t94 = -112.0f * w->u[1];
         const delta_real t95 = t94 * t94;
         const delta_real t96 = t93 + t95;
-        const delta_real t97 = t96 + (-53824.0f);
+        const delta_real t97 = t96 - 53824.0f;
         const delta_real t98 = 0.001129587f * t97;
         const delta_real t99 = t92 + t98;
         const delta_real t100 = t65 * t65;
@@ -994,9 +1013,10 @@ static void delta_direct_set(delta_direct_work *w, const delta_real joints[3])
     delta_cosine_and_sine(joints[2], &w->u[4]);
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
- * changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool delta_line_keeps(const delta_direct_work *w, const delta_real change[3])
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool delta_line_keeps(delta_direct_work *w, const delta_real change[3])
 {
     bool kept = true;
     /* pose.x_pose.y_pose.z */
@@ -1005,17 +1025,26 @@ static bool delta_line_keeps(const delta_direct_work *w, const delta_real change
     const delta_real lesser0 = (a0 < b0) ? a0 : b0;
     const delta_real sum0 = change[0] + change[1] + change[2];
     const delta_real bend0 = 7140.0f * sum0;
-    kept = kept && (lesser0 > 0.0f) && (bend0 < a0 + b0 + lesser0 + lesser0);
+    const delta_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0f) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0f)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
     /* divisor 1 */
     const delta_real a1 = w->left[1] - 1.39e-06f;
     const delta_real b1 = w->guard[1] - 1.39e-06f;
     const delta_real lesser1 = (a1 < b1) ? a1 : b1;
     const delta_real bend1 = 0.196f * sum0;
-    kept = kept && (lesser1 > 0.0f) && (bend1 < a1 + b1 + lesser1 + lesser1);
+    const delta_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0f) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0f)) ? (bend1 / most1) : w->over;
+        kept = false;
+    }
     return kept;
 }
 
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
 static delta_real delta_angle(delta_real s, delta_real c)
 {
     const delta_real x = fabsf(c);
@@ -1023,7 +1052,9 @@ static delta_real delta_angle(delta_real s, delta_real c)
     const bool steep = y > x;
     const delta_real ratio = steep ? (x / y) : (y / x);
     const delta_real square = ratio * ratio;
-    delta_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    delta_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
     if (steep) {
         angle = 1.5707964f - angle;
     }
@@ -1033,14 +1064,17 @@ static delta_real delta_angle(delta_real s, delta_real c)
     return (s < 0.0f) ? -angle : angle;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved where they are not. */
-static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3], unsigned int most, unsigned int *count)
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
+static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3],
+    unsigned int most, unsigned int *count)
 {
     delta_real at[3];
     delta_real given[3];
     delta_real change[3];
     delta_real done = 0.0f;
     delta_real part = 0.5f;
+    bool refused = true;
     delta_status status = DELTA_MAX_ITERATIONS;
     delta_real at_end[3];
     at[0] = delta_angle(w->at[1], w->at[0]);
@@ -1048,16 +1082,17 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     at[2] = delta_angle(w->at[5], w->at[4]);
     delta_unwrap_joints(at, joints, given);
     while ((status == DELTA_MAX_ITERATIONS) && (*count < most)) {
-        const delta_real end = done + part;
+        const delta_real end = (done + part < 0.9999f) ? (done + part) : 1.0f;
         bool above = true;
         for (int i = 0; i < 3; ++i) {
             const delta_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0f) ? (at[i] + end * way) : given[i];
         }
         delta_direct_set(w, at_end);
         delta_direct_formulas(w);
         ++*count;
+        w->over = 4.0f;
         for (int j = 0; j < 2; ++j) {
             above = above && (w->guard[j] > 0.0f);
         }
@@ -1069,12 +1104,15 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0f * part <= 1.0f) ? (2.0f * part) : part;
+            part = refused ? part : (2.0f * part);
+            refused = false;
             if (done >= 1.0f) {
                 status = DELTA_OK;
             }
         } else {
-            part *= 0.5f;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0f) ? (0.9f / sqrtf(w->over)) : 0.1f);
+            refused = true;
             if (part < 0.00024414062f) {
                 status = DELTA_WRONG_BRANCH;
             }
@@ -1083,11 +1121,13 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     return status;
 }
 
-/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes its pose. */
-static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance, delta_pose *pose, delta_real *residual)
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance,
+    delta_pose *pose, delta_real *residual)
 {
     delta_status status = DELTA_OK;
-    const delta_real t0 = -98.8135f + w->y[0];
+    const delta_real t0 = w->y[0] - 98.8135f;
     const delta_real t1 = 112.0f * w->u[0];
     const delta_real t2 = t0 - t1;
     const delta_real t3 = t2 * t2;
@@ -1102,11 +1142,11 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     const delta_real t12 = 224.0f * w->u[3];
     const delta_real t13 = w->y[2] + t12;
     const delta_real t14 = w->y[2] * t13;
-    const delta_real t15 = -31515.893f + t14;
-    const delta_real t16 = -171.15f + w->y[1];
+    const delta_real t15 = t14 - 31515.893f;
+    const delta_real t16 = w->y[1] - 171.15f;
     const delta_real t17 = w->y[1] * t16;
     const delta_real t18 = t15 + t17;
-    const delta_real t19 = 98.8135f + w->y[0];
+    const delta_real t19 = w->y[0] + 98.8135f;
     const delta_real t20 = w->y[0] * t19;
     const delta_real t21 = t18 + t20;
     const delta_real t22 = 193.98969f * w->y[1];
@@ -1119,15 +1159,15 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     const delta_real t29 = 224.0f * w->u[5];
     const delta_real t30 = w->y[2] + t29;
     const delta_real t31 = w->y[2] * t30;
-    const delta_real t32 = -31515.893f + t31;
-    const delta_real t33 = 171.15f + w->y[1];
+    const delta_real t32 = t31 - 31515.893f;
+    const delta_real t33 = w->y[1] + 171.15f;
     const delta_real t34 = w->y[1] * t33;
     const delta_real t35 = t32 + t34;
-    const delta_real t36 = 98.8135f + w->y[0];
+    const delta_real t36 = w->y[0] + 98.8135f;
     const delta_real t37 = w->y[0] * t36;
     const delta_real t38 = t35 + t37;
     const delta_real t39 = 193.98969f * w->y[1];
-    const delta_real t40 = 22134.225f + t39;
+    const delta_real t40 = t39 + 22134.225f;
     const delta_real t41 = t40 + t24;
     const delta_real t42 = w->u[4] * t41;
     const delta_real t43 = t38 + t42;
@@ -1152,7 +1192,7 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     const delta_real t59 = -0.25302747f * w->y[2];
     const delta_real t60 = w->u[4] * t59;
     const delta_real t61 = 0.21912822f * w->y[1];
-    const delta_real t62 = 25.00253f + t61;
+    const delta_real t62 = t61 + 25.00253f;
     const delta_real t63 = t62 + t54;
     const delta_real t64 = w->u[5] * t63;
     const delta_real t65 = t60 + t64;
@@ -1177,8 +1217,10 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
-static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess, delta_pose *pose, const delta_config *config, delta_info *info)
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess,
+    delta_pose *pose, const delta_config *config, delta_info *info)
 {
     static const delta_config usual = { DELTA_TOLERANCE, DELTA_MAX_STEPS, DELTA_MAX_STEP };
     delta_direct_work w;
@@ -1187,6 +1229,7 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     delta_status status = delta_read_guess(&w, guess);
     const delta_status limits = delta_check_limits(joints);
     w.share = 0.0f;
+    w.over = 4.0f;
     /* NaN or infinity anywhere comes first */
     if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
         status = limits;
@@ -1204,23 +1247,23 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
             delta_direct_set(&w, joints);
             delta_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const delta_real move0 = w.u[0] - w.at[0];
             const delta_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0f);
-            change[0] *= 1.2338f;
+            const delta_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0f);
+            change[0] = chord0 + 0.117f * chord0 * chord0;
             const delta_real move2 = w.u[2] - w.at[2];
             const delta_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0f);
-            change[1] *= 1.2338f;
+            const delta_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0f);
+            change[1] = chord1 + 0.117f * chord1 * chord1;
             const delta_real move4 = w.u[4] - w.at[4];
             const delta_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0f);
-            change[2] *= 1.2338f;
+            const delta_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0f);
+            change[2] = chord2 + 0.117f * chord2 * chord2;
             kept = kept && delta_line_keeps(&w, change);
         }
         if (!kept) {
@@ -1244,7 +1287,8 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     return status;
 }
 
-delta_status delta_direct(const delta_config *config, const delta_real joints[3], const delta_pose *guess, delta_pose *pose, delta_info *info)
+delta_status delta_direct(const delta_config *config, const delta_real joints[3],
+    const delta_pose *guess, delta_pose *pose, delta_info *info)
 {
     return delta_direct_reach(joints, guess, pose, config, info);
 }
@@ -1280,7 +1324,8 @@ delta_status delta_inverse(const delta_pose *pose, delta_real joints[3])
     return status;
 }
 
-/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand
+ * sides. */
 delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
 {
     delta_real c[3];
@@ -1327,7 +1372,8 @@ delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
 static delta_status delta_check_speeds(const delta_real speeds[], int count, delta_status status)
 {
     delta_status found = delta_check_finite(speeds, count, status);
@@ -1357,7 +1403,8 @@ delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delt
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const delta_real rate_limits[3], delta_real *feed)
+delta_status delta_feed(const delta_pose *pose, const delta_real twist[6],
+    const delta_real rate_limits[3], delta_real *feed)
 {
     delta_real rates[3];
     delta_status status = delta_check_finite(rate_limits, 3, delta_rates(pose, twist, rates));
@@ -1378,7 +1425,8 @@ delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
 delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delta_real twist[6])
 {
     static const delta_real row_scale[3] = { 442.63968f, 442.63968f, 442.63968f };

@@ -15,8 +15,10 @@
 #define ZHAO2000_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real values[], int count, zhao2000_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real values[], int count,
+    zhao2000_status otherwise)
 {
     zhao2000_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,12 +30,17 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
-    const zhao2000_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 240000.0) && (fabs(pose->position[1]) <= 240000.0)
+            && (fabs(pose->position[2]) <= 240000.0);
+    const zhao2000_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
+        + q[3] * q[3]) : 0.0;
     zhao2000_status status = ZHAO2000_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -52,9 +59,10 @@ static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao20
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int count, zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int count,
+    zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -66,13 +74,16 @@ static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int 
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config *config, zhao2000_status before)
+static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config *config,
+    zhao2000_status before)
 {
     const zhao2000_real tolerance = config->tolerance;
     const zhao2000_real longest = config->max_step;
     zhao2000_status status = before;
-    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 240000.0 - longest)) && (before != ZHAO2000_NONFINITE)) {
-        const zhao2000_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 240000.0 - longest))
+        && (before != ZHAO2000_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const zhao2000_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0) ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_NONFINITE;
     }
     return status;
@@ -106,11 +117,14 @@ static zhao2000_status zhao2000_pose_coordinates(const zhao2000_pose *pose, zhao
     return status;
 }
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static ZHAO2000_SHARED uint8_t zhao2000_first_beyond(const zhao2000_real joints[4])
 {
-    static const zhao2000_real low[4] = { -1000.000000001, -1000.000000001, -1000.000000001, 0.00023975999999999997 };
-    static const zhao2000_real high[4] = { 1000.000000001, 1000.000000001, 1000.000000001, 240000.00000024 };
+    static const zhao2000_real low[4] = { -1000.000000001, -1000.000000001, -1000.000000001,
+        0.00023975999999999997 };
+    static const zhao2000_real high[4] = { 1000.000000001, 1000.000000001, 1000.000000001,
+        240000.00000024 };
     uint8_t joint = 0U;
     while ((joint < 4U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
         ++joint;
@@ -131,7 +145,8 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -146,7 +161,7 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t9 = t2 * t3;
     const zhao2000_real t10 = -t9;
     const zhao2000_real t11 = t10 + t10;
-    const zhao2000_real t12 = -69.28203230275508 + t11;
+    const zhao2000_real t12 = t11 - 69.28203230275508;
     const zhao2000_real t13 = c[1] + t12;
     const zhao2000_real t14 = t13 + 138.56406460551017;
     const zhao2000_real t15 = t14 * t14;
@@ -176,7 +191,8 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -191,7 +207,7 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t9 = t2 * t3;
     const zhao2000_real t10 = -t9;
     const zhao2000_real t11 = t10 + t10;
-    const zhao2000_real t12 = -69.28203230275508 + t11;
+    const zhao2000_real t12 = t11 - 69.28203230275508;
     const zhao2000_real t13 = c[1] + t12;
     const zhao2000_real t14 = t13 + 138.56406460551017;
     const zhao2000_real t15 = t14 * t14;
@@ -279,7 +295,8 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -292,17 +309,17 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = 60.0 + t9;
+    const zhao2000_real t10 = t9 + 60.0;
     const zhao2000_real t11 = c[0] + t10;
-    const zhao2000_real t12 = t11 + (-120.0);
+    const zhao2000_real t12 = t11 - 120.0;
     const zhao2000_real t13 = t12 * t12;
     const zhao2000_real t14 = t1 * t5;
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
@@ -331,7 +348,8 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -344,17 +362,17 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = 60.0 + t9;
+    const zhao2000_real t10 = t9 + 60.0;
     const zhao2000_real t11 = c[0] + t10;
-    const zhao2000_real t12 = t11 + (-120.0);
+    const zhao2000_real t12 = t11 - 120.0;
     const zhao2000_real t13 = t12 * t12;
     const zhao2000_real t14 = t1 * t5;
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
@@ -458,7 +476,8 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -471,7 +490,7 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = -60.0 + t9;
+    const zhao2000_real t10 = t9 - 60.0;
     const zhao2000_real t11 = c[0] + t10;
     const zhao2000_real t12 = t11 + 120.0;
     const zhao2000_real t13 = t12 * t12;
@@ -479,9 +498,9 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
@@ -508,7 +527,8 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -521,7 +541,7 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = -60.0 + t9;
+    const zhao2000_real t10 = t9 - 60.0;
     const zhao2000_real t11 = c[0] + t10;
     const zhao2000_real t12 = t11 + 120.0;
     const zhao2000_real t13 = t12 * t12;
@@ -529,9 +549,9 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
@@ -635,8 +655,10 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
-static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4], zhao2000_real passive[6])
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
+ * reference configuration. */
+static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4],
+    zhao2000_real passive[6])
 {
     zhao2000_status status = ZHAO2000_OK;
     (void)passive;
@@ -675,8 +697,10 @@ static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
-static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4], zhao2000_real given[4])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
+ * `at` is meant. */
+static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4],
+    zhao2000_real given[4])
 {
     static const bool turns[4] = { true, true, true, false };
     for (int i = 0; i < 4; ++i) {
@@ -690,8 +714,8 @@ static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_rea
     }
 }
 
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao2000_real joints[4])
 {
     zhao2000_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -700,9 +724,10 @@ static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao
     }
 }
 
-/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
- * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: the smallest root over its usual size. */
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     zhao2000_real at[7];
     zhao2000_real u[7];
@@ -711,6 +736,7 @@ typedef struct {
     zhao2000_real guard[4];
     zhao2000_real y[11];
     zhao2000_real share;
+    zhao2000_real over;
     unsigned int reach;
 } zhao2000_direct_work;
 
@@ -725,13 +751,13 @@ static zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao20
         const zhao2000_real t2 = t1 + x[0];
         const zhao2000_real t3 = t2 * t2;
         const zhao2000_real t4 = x[6] * t0;
-        const zhao2000_real t5 = 69.28203230275508 + t4;
+        const zhao2000_real t5 = t4 + 69.28203230275508;
         const zhao2000_real t6 = t5 + x[1];
         const zhao2000_real t7 = t6 * t6;
         const zhao2000_real t8 = t3 + t7;
         const zhao2000_real d1 = t8;
         const zhao2000_real r1 = (d1 > 6.56e-26) ? sqrt(d1) : 1.0;
-        const zhao2000_real t11 = -60.0 + x[0];
+        const zhao2000_real t11 = x[0] - 60.0;
         const zhao2000_real t12 = -120.0 * x[6];
         const zhao2000_real t13 = 69.28203230275508 * x[3];
         const zhao2000_real t14 = t12 - t13;
@@ -744,14 +770,14 @@ static zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao20
         const zhao2000_real t21 = x[6] * t20;
         const zhao2000_real t22 = t19 - t21;
         const zhao2000_real t23 = t22 + t22;
-        const zhao2000_real t24 = 34.64101615137754 + t23;
+        const zhao2000_real t24 = t23 + 34.64101615137754;
         const zhao2000_real t25 = x[1] + t24;
-        const zhao2000_real t26 = t25 + (-69.28203230275508);
+        const zhao2000_real t26 = t25 - 69.28203230275508;
         const zhao2000_real t27 = t26 * t26;
         const zhao2000_real t28 = t17 + t27;
         const zhao2000_real d2 = t28;
         const zhao2000_real r2 = (d2 > 5.98e-26) ? sqrt(d2) : 1.0;
-        const zhao2000_real t31 = 60.0 + x[0];
+        const zhao2000_real t31 = x[0] + 60.0;
         const zhao2000_real t32 = 120.0 * x[6];
         const zhao2000_real t33 = t32 - t13;
         const zhao2000_real t34 = x[6] * t33;
@@ -761,16 +787,17 @@ static zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao20
         const zhao2000_real t38 = x[3] * t37;
         const zhao2000_real t39 = t38 - t21;
         const zhao2000_real t40 = t39 + t39;
-        const zhao2000_real t41 = 34.64101615137754 + t40;
+        const zhao2000_real t41 = t40 + 34.64101615137754;
         const zhao2000_real t42 = x[1] + t41;
-        const zhao2000_real t43 = t42 + (-69.28203230275508);
+        const zhao2000_real t43 = t42 - 69.28203230275508;
         const zhao2000_real t44 = t43 * t43;
         const zhao2000_real t45 = t36 + t44;
         const zhao2000_real d3 = t45;
         const zhao2000_real r3 = (d3 > 6.39e-26) ? sqrt(d3) : 1.0;
         const zhao2000_real t48 = 480.0 * x[4];
         const zhao2000_real t49 = 480.0 * x[5];
-        if (!((d1 > 6.56e-26) && (d2 > 5.98e-26) && (d3 > 6.39e-26) && (fabs(t48) <= 0.00023999999999999998) && (fabs(t49) <= 0.00023999999999999998))) {
+        if (!((d1 > 6.56e-26) && (d2 > 5.98e-26) && (d3 > 6.39e-26)
+            && (fabs(t48) <= 0.00023999999999999998) && (fabs(t49) <= 0.00023999999999999998))) {
             status = ZHAO2000_OUT_OF_RANGE;
         } else {
             const zhao2000_real t50 = r1 * t2;
@@ -1088,9 +1115,10 @@ static void zhao2000_direct_set(zhao2000_direct_work *w, const zhao2000_real joi
     w->u[6] = joints[3];
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
- * changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_real change[4])
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real change[4])
 {
     bool kept = true;
     /* pose.gamma */
@@ -1099,7 +1127,11 @@ static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_re
     const zhao2000_real lesser0 = (a0 < b0) ? a0 : b0;
     const zhao2000_real sum0 = change[0] + change[1] + change[2];
     const zhao2000_real bend0 = 216000.0 * sum0;
-    kept = kept && (lesser0 > 0.0) && (bend0 < a0 + b0 + lesser0 + lesser0);
+    const zhao2000_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
     const zhao2000_real least0 = lesser0 - 0.25 * bend0;
     kept = kept && (least0 > 0.0);
     const zhao2000_real under0 = (least0 > 0.0) ? least0 : 1.0;
@@ -1107,34 +1139,51 @@ static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_re
     const zhao2000_real a1 = w->left[1] - 2.7;
     const zhao2000_real b1 = w->guard[1] - 2.7;
     const zhao2000_real lesser1 = (a1 < b1) ? a1 : b1;
-    static const zhao2000_real plain1_0[3] = { 214000000000000.0, 344000000000000.0, 1540000000000000.0 };
+    static const zhao2000_real plain1_0[3] = { 214000000000000.0, 344000000000000.0,
+        1540000000000000.0 };
     static const zhao2000_real plain1_3[3] = { 567000000000.0, 959000000000.0, 2530000000000.0 };
     const zhao2000_real per1 = 1.0 / sqrt(under0);
-    const zhao2000_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3] + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.37e+20 * sum0));
-    kept = kept && (lesser1 > 0.0) && (bend1 < a1 + b1 + lesser1 + lesser1);
+    const zhao2000_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
+        + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.37e+20 * sum0));
+    const zhao2000_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
+        kept = false;
+    }
     /* divisor 1 */
     const zhao2000_real a2 = w->left[2] - 2.3e-10;
     const zhao2000_real b2 = w->guard[2] - 2.3e-10;
     const zhao2000_real lesser2 = (a2 < b2) ? a2 : b2;
     const zhao2000_real bend2 = 57600.0 * sum0;
-    kept = kept && (lesser2 > 0.0) && (bend2 < a2 + b2 + lesser2 + lesser2);
+    const zhao2000_real most2 = a2 + b2 + lesser2 + lesser2;
+    if (!((lesser2 > 0.0) && (bend2 < most2))) {
+        w->over = (kept && (lesser2 > 0.0)) ? (bend2 / most2) : w->over;
+        kept = false;
+    }
     /* divisor 2 */
     const zhao2000_real a3 = w->left[3] - 2.13e-14;
     const zhao2000_real b3 = w->guard[3] - 2.13e-14;
     const zhao2000_real lesser3 = (a3 < b3) ? a3 : b3;
     const zhao2000_real bend3 = 4.0 * sum0;
-    kept = kept && (lesser3 > 0.0) && (bend3 < a3 + b3 + lesser3 + lesser3);
+    const zhao2000_real most3 = a3 + b3 + lesser3 + lesser3;
+    if (!((lesser3 > 0.0) && (bend3 < most3))) {
+        w->over = (kept && (lesser3 > 0.0)) ? (bend3 / most3) : w->over;
+        kept = false;
+    }
     return kept;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved where they are not. */
-static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *w, const zhao2000_real joints[4], unsigned int most, unsigned int *count)
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
+static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *w,
+    const zhao2000_real joints[4], unsigned int most, unsigned int *count)
 {
     zhao2000_real at[4];
     zhao2000_real given[4];
     zhao2000_real change[4];
     zhao2000_real done = 0.0;
     zhao2000_real part = 0.5;
+    bool refused = true;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
     zhao2000_real at_end[4];
     at[0] = atan2(w->at[1], w->at[0]);
@@ -1143,16 +1192,17 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
     at[3] = w->at[6];
     zhao2000_unwrap_joints(at, joints, given);
     while ((status == ZHAO2000_MAX_ITERATIONS) && (*count < most)) {
-        const zhao2000_real end = done + part;
+        const zhao2000_real end = (done + part < 0.9999) ? (done + part) : 1.0;
         bool above = true;
         for (int i = 0; i < 4; ++i) {
             const zhao2000_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0) ? (at[i] + end * way) : given[i];
         }
         zhao2000_direct_set(w, at_end);
         zhao2000_direct_formulas(w);
         ++*count;
+        w->over = 4.0;
         for (int j = 0; j < 4; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
@@ -1164,12 +1214,15 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0 * part <= 1.0) ? (2.0 * part) : part;
+            part = refused ? part : (2.0 * part);
+            refused = false;
             if (done >= 1.0) {
                 status = ZHAO2000_OK;
             }
         } else {
-            part *= 0.5;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0) ? (0.9 / sqrt(w->over)) : 0.1);
+            refused = true;
             if (part < 0.000244140625) {
                 status = ZHAO2000_WRONG_BRANCH;
             }
@@ -1178,8 +1231,10 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
     return status;
 }
 
-/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes its pose. */
-static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zhao2000_real tolerance, zhao2000_pose *pose, zhao2000_real *residual)
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w,
+    zhao2000_real tolerance, zhao2000_pose *pose, zhao2000_real *residual)
 {
     zhao2000_status status = ZHAO2000_OK;
     zhao2000_real h[2];
@@ -1199,12 +1254,12 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t3 = w->u[0] * w->y[0];
     const zhao2000_real t4 = t2 - t3;
     const zhao2000_real t5 = h[1] * t0;
-    const zhao2000_real t6 = 69.28203230275508 + t5;
+    const zhao2000_real t6 = t5 + 69.28203230275508;
     const zhao2000_real t7 = t6 + w->y[7];
     const zhao2000_real t8 = w->u[1] * w->y[0];
     const zhao2000_real t9 = t7 - t8;
     const zhao2000_real t10 = w->y[8] - w->y[1];
-    const zhao2000_real t11 = -60.0 + w->y[6];
+    const zhao2000_real t11 = w->y[6] - 60.0;
     const zhao2000_real t12 = w->u[2] * w->y[2];
     const zhao2000_real t13 = t11 - t12;
     const zhao2000_real t14 = -120.0 * h[1];
@@ -1212,7 +1267,7 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = h[1] * t16;
     const zhao2000_real t18 = t13 + t17;
-    const zhao2000_real t19 = -34.64101615137754 + w->y[7];
+    const zhao2000_real t19 = w->y[7] - 34.64101615137754;
     const zhao2000_real t20 = w->u[3] * w->y[2];
     const zhao2000_real t21 = t19 - t20;
     const zhao2000_real t22 = -69.28203230275508 * h[1];
@@ -1221,7 +1276,7 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t25 = h[1] * t24;
     const zhao2000_real t26 = t21 + t25;
     const zhao2000_real t27 = w->y[8] - w->y[3];
-    const zhao2000_real t28 = 60.0 + w->y[6];
+    const zhao2000_real t28 = w->y[6] + 60.0;
     const zhao2000_real t29 = w->u[4] * w->y[4];
     const zhao2000_real t30 = t28 - t29;
     const zhao2000_real t31 = 120.0 * h[1];
@@ -1242,7 +1297,8 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t46 = w->u[6] * w->u[6];
     const zhao2000_real t47 = t45 - t46;
     const zhao2000_real t48 = t47 * 0.0020833333333333333;
-    *residual = sqrt(t4 * t4 + t9 * t9 + t10 * t10 + t18 * t18 + t26 * t26 + t27 * t27 + t34 * t34 + t39 * t39 + t40 * t40 + t48 * t48);
+    *residual = sqrt(t4 * t4 + t9 * t9 + t10 * t10 + t18 * t18 + t26 * t26 + t27 * t27 + t34 * t34
+        + t39 * t39 + t40 * t40 + t48 * t48);
     if (!(*residual <= tolerance + 1.71e-12)) {
         status = ZHAO2000_SINGULAR;
     }
@@ -1267,16 +1323,21 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
-static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, const zhao2000_config *config, zhao2000_info *info)
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
+    const zhao2000_pose *guess, zhao2000_pose *pose, const zhao2000_config *config,
+    zhao2000_info *info)
 {
-    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
+    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS,
+        ZHAO2000_MAX_STEP };
     zhao2000_direct_work w;
     unsigned int count = 0U;
     zhao2000_real residual = HUGE_VAL;
     zhao2000_status status = zhao2000_read_guess(&w, guess);
     const zhao2000_status limits = zhao2000_check_limits(joints);
     w.share = 0.0;
+    w.over = 4.0;
     w.reach = 0U;
     /* NaN or infinity anywhere comes first */
     if ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) {
@@ -1308,23 +1369,23 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4], cons
             zhao2000_direct_set(&w, joints);
             zhao2000_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const zhao2000_real move0 = w.u[0] - w.at[0];
             const zhao2000_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0);
-            change[0] *= 1.2338;
+            const zhao2000_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0);
+            change[0] = chord0 + 0.117 * chord0 * chord0;
             const zhao2000_real move2 = w.u[2] - w.at[2];
             const zhao2000_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0);
-            change[1] *= 1.2338;
+            const zhao2000_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0);
+            change[1] = chord1 + 0.117 * chord1 * chord1;
             const zhao2000_real move4 = w.u[4] - w.at[4];
             const zhao2000_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0);
-            change[2] *= 1.2338;
+            const zhao2000_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0);
+            change[2] = chord2 + 0.117 * chord2 * chord2;
             const zhao2000_real move6 = w.u[6] - w.at[6];
             change[3] = move6 * move6;
             kept = kept && zhao2000_line_keeps(&w, change);
@@ -1350,12 +1411,14 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4], cons
     return status;
 }
 
-zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
+zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4],
+    const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
 {
     return zhao2000_direct_reach(joints, guess, pose, config, info);
 }
 
-zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose, zhao2000_info *info)
+zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose,
+    zhao2000_info *info)
 {
     /* one evaluation */
     static const zhao2000_config once = { ZHAO2000_TOLERANCE, 1U, ZHAO2000_MAX_STEP };
@@ -1387,7 +1450,8 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
     return status;
 }
 
-/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand
+ * sides. */
 zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates[4 * 6])
 {
     zhao2000_real c[4];
@@ -1440,7 +1504,8 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
         } else {
             status = ZHAO2000_SINGULAR;
         }
-        if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6, ZHAO2000_OK) != ZHAO2000_OK)) {
+        if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6,
+            ZHAO2000_OK) != ZHAO2000_OK)) {
             status = ZHAO2000_SINGULAR;
         }
         if (status == ZHAO2000_OK) {
@@ -1456,8 +1521,10 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count, zhao2000_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count,
+    zhao2000_status status)
 {
     zhao2000_status found = zhao2000_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1469,10 +1536,12 @@ static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int c
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
-zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6], zhao2000_real rates[4])
+zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    zhao2000_real rates[4])
 {
     zhao2000_real jacobian[4 * 6];
-    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose, jacobian));
+    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose,
+        jacobian));
     if (status == ZHAO2000_OK) {
         for (int i = 0; i < 4; ++i) {
             zhao2000_real sum = 0.0;
@@ -1486,10 +1555,12 @@ zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real tw
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6], const zhao2000_real rate_limits[4], zhao2000_real *feed)
+zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    const zhao2000_real rate_limits[4], zhao2000_real *feed)
 {
     zhao2000_real rates[4];
-    zhao2000_status status = zhao2000_check_finite(rate_limits, 4, zhao2000_rates(pose, twist, rates));
+    zhao2000_status status = zhao2000_check_finite(rate_limits, 4, zhao2000_rates(pose, twist,
+        rates));
     zhao2000_real most = 1.0;
     for (int i = 0; (i < 4) && (status == ZHAO2000_OK); ++i) {
         const zhao2000_real rate = fabs(rates[i]);
@@ -1507,8 +1578,10 @@ zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twi
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4], zhao2000_real twist[6])
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
+zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4],
+    zhao2000_real twist[6])
 {
     static const zhao2000_real row_scale[4] = { 240.0, 240.0, 240.0, 1.0 };
     static const zhao2000_real column_scale[4] = { 1.0, 1.0, 1.0, 0.004166666666666667 };

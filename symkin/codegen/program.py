@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
 
+from symkin.codegen.arm_speeds import arm_speeds_header
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.c_templates import fill
 from symkin.codegen.home_pose import home_pose
@@ -69,7 +70,9 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
     values = source.values | _header_values(kind, source.code)
-    if not mechanism.serial:
+    if mechanism.serial:
+        values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
+    else:
         values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
@@ -124,10 +127,25 @@ def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
         "track_limit": real.literal(rounded(math.sqrt(main.tuning.tolerance) / main.tuning.kappa2**0.25)),
         "guess_precision": "" if isinstance(kind, JointMap) else _guess_precision(kind),
         "pose_type": "" if isinstance(kind, JointMap) else _pose_type(kind),
-        "track_words": _track_words(kind), "pivot_words": _PIVOT_OF_FORMULAS if is_closed(kind) else _PIVOT,
+        "track_words": "" if isinstance(kind, JointMap) else _track_words(kind),
+        "pivot_words": _PIVOT_OF_FORMULAS if is_closed(kind) else _PIVOT,
         "size": real.literal(mechanism.characteristic_length), "tolerance": real.literal(main.tuning.tolerance), "max_step": real.literal(mechanism.characteristic_length),
         "geometry": _geometry(kind) if struct else "", "gpd": f"const {name}_geometry *geometry, " if struct else "",
     }  # fmt: skip
+
+
+def _of_track(kind: Kind) -> str:
+    """What the residual of one step is, as words of a comment."""
+    if isinstance(kind, JointMap):
+        return f" ({kind.name}_track: predicted error of a step of Newton's method)"
+    return "" if kind.mechanism.serial or is_closed(kind) else f" ({kind.name}_track: predicted error of the pose)"
+
+
+def _pose_type(kind: Kind) -> str:
+    """The type of poses."""
+    relative = ", as changes from home" if kind.options.home_relative else ""
+    values = {"p": kind.name, "unit": kind.mechanism.length_unit, "frame": kind.mechanism.frame_name, "relative": relative}
+    return "\n" + fill("pose_type.h", values)
 
 
 def is_closed(kind: Kind) -> bool:
@@ -163,20 +181,6 @@ def _track_words(kind: Kind) -> str:
         f"one step from the last pose; info->residual is the predicted error. Up to {prefix.upper()}_TRACK_LIMIT another call\n"
         f" * with the same joints brings it below the tolerance; beyond it, call {prefix}_direct."
     )
-
-
-def _of_track(kind: Kind) -> str:
-    """What the residual of one step is, as words of a comment."""
-    if isinstance(kind, JointMap):
-        return f" ({kind.name}_track: predicted error of a step of Newton's method)"
-    return "" if kind.mechanism.serial or is_closed(kind) else f" ({kind.name}_track: predicted error of the pose)"
-
-
-def _pose_type(kind: Kind) -> str:
-    """The type of poses."""
-    relative = ", as changes from home" if kind.options.home_relative else ""
-    values = {"p": kind.name, "unit": kind.mechanism.length_unit, "frame": kind.mechanism.frame_name, "relative": relative}
-    return "\n" + fill("pose_type.h", values)
 
 
 def _guess_precision(kind: Kind) -> str:
