@@ -686,7 +686,7 @@ static void delta_cosine_and_sine(delta_real angle, delta_real u[2])
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
  * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
  * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
- * share: the smallest root over its usual size. */
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     delta_real at[6];
     delta_real u[6];
@@ -695,6 +695,7 @@ typedef struct {
     delta_real guard[2];
     delta_real y[3];
     delta_real share;
+    delta_real over;
 } delta_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -1015,7 +1016,7 @@ static void delta_direct_set(delta_direct_work *w, const delta_real joints[3])
 /* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
  * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
  * these allow (README.md). */
-static bool delta_line_keeps(const delta_direct_work *w, const delta_real change[3])
+static bool delta_line_keeps(delta_direct_work *w, const delta_real change[3])
 {
     bool kept = true;
     /* pose.x_pose.y_pose.z */
@@ -1024,13 +1025,21 @@ static bool delta_line_keeps(const delta_direct_work *w, const delta_real change
     const delta_real lesser0 = (a0 < b0) ? a0 : b0;
     const delta_real sum0 = change[0] + change[1] + change[2];
     const delta_real bend0 = 7140.0f * sum0;
-    kept = kept && (lesser0 > 0.0f) && (bend0 < a0 + b0 + lesser0 + lesser0);
+    const delta_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0f) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0f)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
     /* divisor 1 */
     const delta_real a1 = w->left[1] - 1.39e-06f;
     const delta_real b1 = w->guard[1] - 1.39e-06f;
     const delta_real lesser1 = (a1 < b1) ? a1 : b1;
     const delta_real bend1 = 0.196f * sum0;
-    kept = kept && (lesser1 > 0.0f) && (bend1 < a1 + b1 + lesser1 + lesser1);
+    const delta_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0f) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0f)) ? (bend1 / most1) : w->over;
+        kept = false;
+    }
     return kept;
 }
 
@@ -1055,8 +1064,8 @@ static delta_real delta_angle(delta_real s, delta_real c)
     return (s < 0.0f) ? -angle : angle;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved
- * where they are not. */
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
 static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3],
     unsigned int most, unsigned int *count)
 {
@@ -1065,6 +1074,7 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     delta_real change[3];
     delta_real done = 0.0f;
     delta_real part = 0.5f;
+    bool refused = true;
     delta_status status = DELTA_MAX_ITERATIONS;
     delta_real at_end[3];
     at[0] = delta_angle(w->at[1], w->at[0]);
@@ -1072,16 +1082,17 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     at[2] = delta_angle(w->at[5], w->at[4]);
     delta_unwrap_joints(at, joints, given);
     while ((status == DELTA_MAX_ITERATIONS) && (*count < most)) {
-        const delta_real end = done + part;
+        const delta_real end = (done + part < 0.9999f) ? (done + part) : 1.0f;
         bool above = true;
         for (int i = 0; i < 3; ++i) {
             const delta_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0f) ? (at[i] + end * way) : given[i];
         }
         delta_direct_set(w, at_end);
         delta_direct_formulas(w);
         ++*count;
+        w->over = 4.0f;
         for (int j = 0; j < 2; ++j) {
             above = above && (w->guard[j] > 0.0f);
         }
@@ -1093,12 +1104,15 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0f * part <= 1.0f) ? (2.0f * part) : part;
+            part = refused ? part : (2.0f * part);
+            refused = false;
             if (done >= 1.0f) {
                 status = DELTA_OK;
             }
         } else {
-            part *= 0.5f;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0f) ? (0.9f / sqrtf(w->over)) : 0.1f);
+            refused = true;
             if (part < 0.00024414062f) {
                 status = DELTA_WRONG_BRANCH;
             }
@@ -1215,6 +1229,7 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     delta_status status = delta_read_guess(&w, guess);
     const delta_status limits = delta_check_limits(joints);
     w.share = 0.0f;
+    w.over = 4.0f;
     /* NaN or infinity anywhere comes first */
     if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
         status = limits;
@@ -1232,24 +1247,23 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
             delta_direct_set(&w, joints);
             delta_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right
-             * angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const delta_real move0 = w.u[0] - w.at[0];
             const delta_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0f);
-            change[0] *= 1.2338f;
+            const delta_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0f);
+            change[0] = chord0 + 0.117f * chord0 * chord0;
             const delta_real move2 = w.u[2] - w.at[2];
             const delta_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0f);
-            change[1] *= 1.2338f;
+            const delta_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0f);
+            change[1] = chord1 + 0.117f * chord1 * chord1;
             const delta_real move4 = w.u[4] - w.at[4];
             const delta_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0f);
-            change[2] *= 1.2338f;
+            const delta_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0f);
+            change[2] = chord2 + 0.117f * chord2 * chord2;
             kept = kept && delta_line_keeps(&w, change);
         }
         if (!kept) {

@@ -727,7 +727,7 @@ static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
  * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
  * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
- * share: the smallest root over its usual size. */
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     zhao2000_real at[7];
     zhao2000_real u[7];
@@ -736,6 +736,7 @@ typedef struct {
     zhao2000_real guard[4];
     zhao2000_real y[11];
     zhao2000_real share;
+    zhao2000_real over;
     unsigned int reach;
 } zhao2000_direct_work;
 
@@ -1117,7 +1118,7 @@ static void zhao2000_direct_set(zhao2000_direct_work *w, const zhao2000_real joi
 /* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
  * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
  * these allow (README.md). */
-static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_real change[4])
+static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real change[4])
 {
     bool kept = true;
     /* pose.gamma */
@@ -1126,7 +1127,11 @@ static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_re
     const zhao2000_real lesser0 = (a0 < b0) ? a0 : b0;
     const zhao2000_real sum0 = change[0] + change[1] + change[2];
     const zhao2000_real bend0 = 216000.0 * sum0;
-    kept = kept && (lesser0 > 0.0) && (bend0 < a0 + b0 + lesser0 + lesser0);
+    const zhao2000_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
     const zhao2000_real least0 = lesser0 - 0.25 * bend0;
     kept = kept && (least0 > 0.0);
     const zhao2000_real under0 = (least0 > 0.0) ? least0 : 1.0;
@@ -1140,24 +1145,36 @@ static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_re
     const zhao2000_real per1 = 1.0 / sqrt(under0);
     const zhao2000_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
         + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.37e+20 * sum0));
-    kept = kept && (lesser1 > 0.0) && (bend1 < a1 + b1 + lesser1 + lesser1);
+    const zhao2000_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
+        kept = false;
+    }
     /* divisor 1 */
     const zhao2000_real a2 = w->left[2] - 2.3e-10;
     const zhao2000_real b2 = w->guard[2] - 2.3e-10;
     const zhao2000_real lesser2 = (a2 < b2) ? a2 : b2;
     const zhao2000_real bend2 = 57600.0 * sum0;
-    kept = kept && (lesser2 > 0.0) && (bend2 < a2 + b2 + lesser2 + lesser2);
+    const zhao2000_real most2 = a2 + b2 + lesser2 + lesser2;
+    if (!((lesser2 > 0.0) && (bend2 < most2))) {
+        w->over = (kept && (lesser2 > 0.0)) ? (bend2 / most2) : w->over;
+        kept = false;
+    }
     /* divisor 2 */
     const zhao2000_real a3 = w->left[3] - 2.13e-14;
     const zhao2000_real b3 = w->guard[3] - 2.13e-14;
     const zhao2000_real lesser3 = (a3 < b3) ? a3 : b3;
     const zhao2000_real bend3 = 4.0 * sum0;
-    kept = kept && (lesser3 > 0.0) && (bend3 < a3 + b3 + lesser3 + lesser3);
+    const zhao2000_real most3 = a3 + b3 + lesser3 + lesser3;
+    if (!((lesser3 > 0.0) && (bend3 < most3))) {
+        w->over = (kept && (lesser3 > 0.0)) ? (bend3 / most3) : w->over;
+        kept = false;
+    }
     return kept;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved
- * where they are not. */
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
 static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *w,
     const zhao2000_real joints[4], unsigned int most, unsigned int *count)
 {
@@ -1166,6 +1183,7 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
     zhao2000_real change[4];
     zhao2000_real done = 0.0;
     zhao2000_real part = 0.5;
+    bool refused = true;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
     zhao2000_real at_end[4];
     at[0] = atan2(w->at[1], w->at[0]);
@@ -1174,16 +1192,17 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
     at[3] = w->at[6];
     zhao2000_unwrap_joints(at, joints, given);
     while ((status == ZHAO2000_MAX_ITERATIONS) && (*count < most)) {
-        const zhao2000_real end = done + part;
+        const zhao2000_real end = (done + part < 0.9999) ? (done + part) : 1.0;
         bool above = true;
         for (int i = 0; i < 4; ++i) {
             const zhao2000_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0) ? (at[i] + end * way) : given[i];
         }
         zhao2000_direct_set(w, at_end);
         zhao2000_direct_formulas(w);
         ++*count;
+        w->over = 4.0;
         for (int j = 0; j < 4; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
@@ -1195,12 +1214,15 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0 * part <= 1.0) ? (2.0 * part) : part;
+            part = refused ? part : (2.0 * part);
+            refused = false;
             if (done >= 1.0) {
                 status = ZHAO2000_OK;
             }
         } else {
-            part *= 0.5;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0) ? (0.9 / sqrt(w->over)) : 0.1);
+            refused = true;
             if (part < 0.000244140625) {
                 status = ZHAO2000_WRONG_BRANCH;
             }
@@ -1315,6 +1337,7 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
     zhao2000_status status = zhao2000_read_guess(&w, guess);
     const zhao2000_status limits = zhao2000_check_limits(joints);
     w.share = 0.0;
+    w.over = 4.0;
     w.reach = 0U;
     /* NaN or infinity anywhere comes first */
     if ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) {
@@ -1346,24 +1369,23 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
             zhao2000_direct_set(&w, joints);
             zhao2000_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right
-             * angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const zhao2000_real move0 = w.u[0] - w.at[0];
             const zhao2000_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0);
-            change[0] *= 1.2338;
+            const zhao2000_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0);
+            change[0] = chord0 + 0.117 * chord0 * chord0;
             const zhao2000_real move2 = w.u[2] - w.at[2];
             const zhao2000_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0);
-            change[1] *= 1.2338;
+            const zhao2000_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0);
+            change[1] = chord1 + 0.117 * chord1 * chord1;
             const zhao2000_real move4 = w.u[4] - w.at[4];
             const zhao2000_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0);
-            change[2] *= 1.2338;
+            const zhao2000_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0);
+            change[2] = chord2 + 0.117 * chord2 * chord2;
             const zhao2000_real move6 = w.u[6] - w.at[6];
             change[3] = move6 * move6;
             kept = kept && zhao2000_line_keeps(&w, change);

@@ -35,6 +35,8 @@ _LEAST_PART = 2.0**-12
 _WIDE = 1.5 * np.pi
 """Range of a limited angle (rad) from which the way between two of its values may be longer than half a turn and ends within a right
 angle all the same."""
+_ARC = 0.117
+"""An angle up to a right one squared is its chord squared, c, and less than this times c^2: (pi^2 / 8 - 1) / 2."""
 _ALIKE = 0.01
 """Relative difference of weights that are taken as equal: as the largest of them."""
 _SINE = (-0.16666650571233543, 0.008331973139100734, -0.00019494934002867504)
@@ -298,8 +300,8 @@ class ClosedDirectSource:
                 lines.append(f"const {real.type} move{n} = w.u[{n}] - w.at[{n}];")
             square = " + ".join(f"move{n} * move{n}" for n in places)
             if c.is_angular:
-                lines += [f"change[{i}] = {square};", f"kept = kept && (change[{i}] <= {real.literal(2.0)});",
-                          f"change[{i}] *= {real.literal(1.2338)};"]  # fmt: skip
+                lines += [f"const {real.type} chord{i} = {square};", f"kept = kept && (chord{i} <= {real.literal(2.0)});",
+                          f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};"]  # fmt: skip
             else:
                 lines += [f"change[{i}] = {square};"]
         return lines
@@ -458,7 +460,7 @@ class ClosedDirectSource:
             "nu": self._count, "nk": max(1, len(self.found.formulas.names)), "ng": len(self.found.guards), "ny": int(self._y.shape[0]),
             "guess_lines": indent(self._guess_lines, 2), "formula_lines": indent(self._formula_lines), "set_lines": indent(self._set_lines),
             "keep_lines": indent(self._keep_lines), "reach_member": self._reach_member, "no_reach": "    w.reach = 0U;" if self._reach_member else "",
-            "p_angle": angle, "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(self._at_lines),
+            "p_angle": angle, "near_one": literal(0.9999), "hundred": literal(80.0), "nine_tenths": literal(0.9), "tenth": literal(0.1), "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(self._at_lines),
             "span_lines": indent(self._span_lines), "change_lines": indent(self._change_lines, 3), "near": "false" if any(wide) else "true",
             "half_lines": indent(self._half_lines), "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
             **self._answer_lines,
@@ -490,7 +492,8 @@ class ClosedDirectSource:
                 cube = self._weighted(f"thrice{j}", [weights.by_cube for weights in guard.weights], lines, sums)
                 bend = f"{bend} + per{j} * ({once} + per{j} * per{j} * ({cube}))"
             lines.append(f"const {real.type} bend{j} = {bend};")
-            lines.append(f"kept = kept && (lesser{j} > {zero}) && (bend{j} < a{j} + b{j} + lesser{j} + lesser{j});")
+            lines += [f"const {real.type} most{j} = a{j} + b{j} + lesser{j} + lesser{j};", f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
+                      f"    w->over = (kept && (lesser{j} > {zero})) ? (bend{j} / most{j}) : w->over;", "    kept = false;", "}"]  # fmt: skip
             if j in roots:
                 lines.append(f"const {real.type} least{j} = lesser{j} - {real.literal(0.25)} * bend{j};")
                 lines.append(f"kept = kept && (least{j} > {zero});")
