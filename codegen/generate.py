@@ -1,4 +1,4 @@
-"""Writes one folder of C for each shipped mechanism of limbs and real type into this directory.
+"""Writes one folder of C for each shipped mechanism of limbs, each map between joints and real type into this directory.
 
     python codegen/generate.py [-o DIR]
 
@@ -18,6 +18,8 @@ from symkin.model.file import shipped_names
 HERE = Path(__file__).parent
 HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
 """Homes where the file's reference is singular: the middle of the bench's workspace."""
+MAPS = {"ankle": (("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))}
+"""Maps between joints: given and found coordinates."""
 REALS = ("float", "double")
 
 
@@ -27,6 +29,7 @@ def variants() -> list[tuple[str, str, Options]]:
     home = HOMES["zhang2009"]
     return [
         *plain,
+        *((f"{n}_{r}", n, Options(r, given=given, find=find)) for n, (given, find) in MAPS.items() for r in REALS),  # type: ignore[arg-type]
         ("zhang2009_float_home_relative", "zhang2009", Options("float", home_relative=True, home=home)),
         ("zhang2009_double_struct", "zhang2009", Options("double", geometry="struct", home=home)),
     ]

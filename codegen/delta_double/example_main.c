@@ -1,4 +1,5 @@
-/* A control loop with delta: where the platform is, cycle after cycle, and what to do when that is not known.
+/* A control loop with delta: where the platform is, cycle after cycle, and what to do when that is
+ * not known.
  * SPDX-License-Identifier: MIT */
 #include "delta.h"
 #include "delta_vectors.h"
@@ -29,7 +30,8 @@ static void cycle(loop_state *state, const delta_real joints[DELTA_JOINTS])
         ++state->recovered;
         state->pose = pose;
     } else {
-        /* joint info.joint is to blame, if it is below DELTA_JOINTS; the pose stays the last good one */
+        /* joint info.joint is to blame, if it is below DELTA_JOINTS; the pose stays the last good
+         * one */
         ++state->held;
     }
 }
@@ -48,7 +50,8 @@ int main(void)
         (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a number */
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
+     * number */
     for (int k = 1; k <= CYCLES; ++k) {
         const delta_real part = (delta_real)k / (delta_real)CYCLES;
         delta_real joints[DELTA_JOINTS];
@@ -62,7 +65,9 @@ int main(void)
             cycle(&state, joints);
         }
     }
-    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n", (double)state.pose.position[0],
-        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked, state.recovered, state.held);
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
+            state.recovered, state.held);
     return 0;
 }

@@ -15,8 +15,10 @@
 #define DELTA_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count, delta_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count,
+    delta_status otherwise)
 {
     delta_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,8 +30,8 @@ static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7])
 {
     const delta_real *const q = pose->quaternion;
@@ -52,9 +54,10 @@ static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7]
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual, delta_real size, delta_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual,
+    delta_real size, delta_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -71,8 +74,10 @@ static DELTA_COLD delta_status delta_check_config(const delta_config *config, de
     const delta_real tolerance = config->tolerance;
     const delta_real longest = config->max_step;
     delta_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 443000.0f - longest)) && (before != DELTA_NONFINITE)) {
-        const delta_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 443000.0f - longest))
+        && (before != DELTA_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const delta_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
     }
     return status;
@@ -91,26 +96,16 @@ static delta_status delta_pose_coordinates(const delta_pose *pose, delta_real c[
         c[0] = x[0];
         c[1] = x[1];
         c[2] = x[2];
-        if (!((fabsf(t0) <= 0.0016885364f) && (fabsf(t1) <= 0.0016885364f) && (fabsf(t2) <= 0.0016885364f))) {
+        if (!((fabsf(t0) <= 0.0016885364f) && (fabsf(t1) <= 0.0016885364f)
+            && (fabsf(t2) <= 0.0016885364f))) {
             status = DELTA_OUT_OF_RANGE;
         }
     }
     return status;
 }
 
-/* The pose of pose coordinates. */
-static void delta_pose_from_coordinates(const delta_real c[3], delta_pose *pose)
-{
-    pose->position[0] = c[0];
-    pose->position[1] = c[1];
-    pose->position[2] = c[2];
-    pose->quaternion[0] = 1.0f;
-    pose->quaternion[1] = 0.0f;
-    pose->quaternion[2] = 0.0f;
-    pose->quaternion[3] = 0.0f;
-}
-
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static DELTA_SHARED uint8_t delta_first_beyond(const delta_real joints[3])
 {
     uint8_t joint = 0U;
@@ -130,42 +125,42 @@ static delta_status delta_check_limits(const delta_real joints[3])
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 33.19764f;
-    const delta_real t1 = t0 + (-132.01114f);
-    const delta_real t2 = -0.25302747f * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.25302747f * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0f;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0f);
-    const delta_real t14 = 0.001129587f * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.8135f;
+    const delta_real t1 = -0.25302747f * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.25302747f * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0f;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0f;
+    const delta_real t13 = 0.001129587f * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 2.25e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.25e-09f) {
-        const delta_real t19 = t2 * r1;
-        const delta_real t20 = t4 * t14;
-        const delta_real t21 = t19 - t20;
-        const delta_real t22 = 1.0f / t6;
-        const delta_real t23 = t21 * t22;
-        const delta_real t24 = t2 * t14;
-        const delta_real t25 = t4 * r1;
-        const delta_real t26 = t24 + t25;
-        const delta_real t27 = t26 * t22;
-        const delta_real t28 = -t27;
-        const delta_real t29 = atan2f(t23, t28);
-        x[0] = t29;
+        const delta_real t18 = t1 * r1;
+        const delta_real t19 = t3 * t13;
+        const delta_real t20 = t18 - t19;
+        const delta_real t21 = 1.0f / t5;
+        const delta_real t22 = t20 * t21;
+        const delta_real t23 = t1 * t13;
+        const delta_real t24 = t3 * r1;
+        const delta_real t25 = t23 + t24;
+        const delta_real t26 = t25 * t21;
+        const delta_real t27 = -t26;
+        const delta_real t28 = atan2f(t22, t27);
+        x[0] = t28;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -173,105 +168,105 @@ static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 33.19764f;
-    const delta_real t1 = t0 + (-132.01114f);
-    const delta_real t2 = -0.25302747f * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.25302747f * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0f;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0f);
-    const delta_real t14 = 0.001129587f * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.8135f;
+    const delta_real t1 = -0.25302747f * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.25302747f * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0f;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0f;
+    const delta_real t13 = 0.001129587f * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 0.000619f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000619f) {
-        const delta_real t19 = t1 + t1;
-        const delta_real t20 = t2 * r1;
-        const delta_real t21 = t4 * t14;
-        const delta_real t22 = t20 - t21;
-        const delta_real t23 = 1.0f / t6;
-        const delta_real t24 = t22 * t23;
-        const delta_real t25 = t24 * t24;
-        const delta_real t26 = t2 * t14;
-        const delta_real t27 = t4 * r1;
-        const delta_real t28 = t26 + t27;
-        const delta_real t29 = t28 * t23;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t25 + t30;
-        const delta_real t32 = 1.0f / t31;
-        const delta_real t33 = t24 * t32;
-        const delta_real t34 = t33 * t23;
-        const delta_real t35 = t2 * t34;
-        const delta_real t36 = t29 * t32;
-        const delta_real t37 = t36 * t23;
-        const delta_real t38 = t4 * t37;
-        const delta_real t39 = t35 + t38;
-        const delta_real t40 = 0.001129587f * t39;
-        const delta_real t41 = t19 * t40;
-        const delta_real t42 = t14 * t34;
-        const delta_real t43 = -0.50605494f * t1;
-        const delta_real t44 = t24 * t23;
-        const delta_real t45 = t44 * t36;
-        const delta_real t46 = t29 * t23;
-        const delta_real t47 = t46 * t33;
-        const delta_real t48 = t45 - t47;
-        const delta_real t49 = t43 * t48;
-        const delta_real t50 = t42 + t49;
-        const delta_real t51 = r1 * t37;
-        const delta_real t52 = t50 - t51;
-        const delta_real t53 = -0.25302747f * t52;
-        const delta_real t54 = t41 + t53;
-        const delta_real t55 = t4 * t23;
-        const delta_real t56 = t33 * t55;
-        const delta_real t57 = t2 * t23;
-        const delta_real t58 = t36 * t57;
-        const delta_real t59 = t56 - t58;
-        const delta_real t60 = 0.1280458f * t1;
-        const delta_real t61 = 2.5519332e-06f * t13;
-        const delta_real t62 = t19 * t61;
-        const delta_real t63 = t60 - t62;
-        const delta_real t64 = r1 + r1;
-        const delta_real t65 = 1.0f / t64;
-        const delta_real t66 = t63 * t65;
-        const delta_real t67 = t59 * t66;
-        const delta_real t68 = t54 + t67;
-        const delta_real t69 = c[1] + c[1];
-        const delta_real t70 = t69 * t40;
-        const delta_real t71 = t69 * t61;
-        const delta_real t72 = t71 * t65;
-        const delta_real t73 = t59 * t72;
-        const delta_real t74 = t70 - t73;
-        const delta_real t75 = c[2] + c[2];
-        const delta_real t76 = t75 * t40;
-        const delta_real t77 = r1 * t34;
-        const delta_real t78 = 0.50605494f * c[2];
-        const delta_real t79 = t78 * t48;
-        const delta_real t80 = t77 + t79;
-        const delta_real t81 = t14 * t37;
-        const delta_real t82 = t80 + t81;
-        const delta_real t83 = 0.25302747f * t82;
-        const delta_real t84 = t76 + t83;
-        const delta_real t85 = 0.1280458f * c[2];
-        const delta_real t86 = t75 * t61;
-        const delta_real t87 = t85 - t86;
-        const delta_real t88 = t87 * t65;
-        const delta_real t89 = t59 * t88;
-        const delta_real t90 = t84 + t89;
-        rates[0] = t68;
-        rates[1] = t74;
-        rates[2] = t90;
+        const delta_real t18 = t0 + t0;
+        const delta_real t19 = t1 * r1;
+        const delta_real t20 = t3 * t13;
+        const delta_real t21 = t19 - t20;
+        const delta_real t22 = 1.0f / t5;
+        const delta_real t23 = t21 * t22;
+        const delta_real t24 = t23 * t23;
+        const delta_real t25 = t1 * t13;
+        const delta_real t26 = t3 * r1;
+        const delta_real t27 = t25 + t26;
+        const delta_real t28 = t27 * t22;
+        const delta_real t29 = t28 * t28;
+        const delta_real t30 = t24 + t29;
+        const delta_real t31 = 1.0f / t30;
+        const delta_real t32 = t23 * t31;
+        const delta_real t33 = t32 * t22;
+        const delta_real t34 = t1 * t33;
+        const delta_real t35 = t28 * t31;
+        const delta_real t36 = t35 * t22;
+        const delta_real t37 = t3 * t36;
+        const delta_real t38 = t34 + t37;
+        const delta_real t39 = 0.001129587f * t38;
+        const delta_real t40 = t18 * t39;
+        const delta_real t41 = t13 * t33;
+        const delta_real t42 = -0.50605494f * t0;
+        const delta_real t43 = t23 * t22;
+        const delta_real t44 = t43 * t35;
+        const delta_real t45 = t28 * t22;
+        const delta_real t46 = t45 * t32;
+        const delta_real t47 = t44 - t46;
+        const delta_real t48 = t42 * t47;
+        const delta_real t49 = t41 + t48;
+        const delta_real t50 = r1 * t36;
+        const delta_real t51 = t49 - t50;
+        const delta_real t52 = -0.25302747f * t51;
+        const delta_real t53 = t40 + t52;
+        const delta_real t54 = t3 * t22;
+        const delta_real t55 = t32 * t54;
+        const delta_real t56 = t1 * t22;
+        const delta_real t57 = t35 * t56;
+        const delta_real t58 = t55 - t57;
+        const delta_real t59 = 0.1280458f * t0;
+        const delta_real t60 = 2.5519332e-06f * t12;
+        const delta_real t61 = t18 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = r1 + r1;
+        const delta_real t64 = 1.0f / t63;
+        const delta_real t65 = t62 * t64;
+        const delta_real t66 = t58 * t65;
+        const delta_real t67 = t53 + t66;
+        const delta_real t68 = c[1] + c[1];
+        const delta_real t69 = t68 * t39;
+        const delta_real t70 = t68 * t60;
+        const delta_real t71 = t70 * t64;
+        const delta_real t72 = t58 * t71;
+        const delta_real t73 = t69 - t72;
+        const delta_real t74 = c[2] + c[2];
+        const delta_real t75 = t74 * t39;
+        const delta_real t76 = r1 * t33;
+        const delta_real t77 = 0.50605494f * c[2];
+        const delta_real t78 = t77 * t47;
+        const delta_real t79 = t76 + t78;
+        const delta_real t80 = t13 * t36;
+        const delta_real t81 = t79 + t80;
+        const delta_real t82 = 0.25302747f * t81;
+        const delta_real t83 = t75 + t82;
+        const delta_real t84 = 0.1280458f * c[2];
+        const delta_real t85 = t74 * t60;
+        const delta_real t86 = t84 - t85;
+        const delta_real t87 = t86 * t64;
+        const delta_real t88 = t58 * t87;
+        const delta_real t89 = t83 + t88;
+        rates[0] = t67;
+        rates[1] = t73;
+        rates[2] = t89;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -281,47 +276,46 @@ static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 0.72168785f;
-    const delta_real t1 = t0 + 48.685062f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + 38.75f;
-    const delta_real t4 = t3 + (-124.325f);
-    const delta_real t5 = -193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] - 85.575f;
+    const delta_real t3 = -193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 2.1e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.1e-09f) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0f / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2f(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0f / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2f(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -329,114 +323,113 @@ static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 0.72168785f;
-    const delta_real t1 = t0 + 48.685062f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + 38.75f;
-    const delta_real t4 = t3 + (-124.325f);
-    const delta_real t5 = -193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] - 85.575f;
+    const delta_real t3 = -193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 0.000576f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000576f) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0f / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0f / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129587f * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259174f * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.12651373f * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.00028581652f * t6;
-        const delta_real t66 = 2.5519332e-06f * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0f / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = -0.21912822f * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = -0.0004950487f * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.50605494f * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.25302747f * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.1280458f * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0f / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0f / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129587f * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259174f * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.12651373f * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.00028581652f * t4;
+        const delta_real t64 = 2.5519332e-06f * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0f / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = -0.21912822f * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = -0.0004950487f * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.50605494f * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.25302747f * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.1280458f * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -446,47 +439,46 @@ static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + (-33.919327f);
-    const delta_real t1 = t0 + 83.32608f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + (-18.75f);
-    const delta_real t4 = t3 + 104.325f;
-    const delta_real t5 = 193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] + 85.575f;
+    const delta_real t3 = 193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 2.39e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.39e-09f) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0f / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2f(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0f / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2f(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -494,114 +486,113 @@ static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + (-33.919327f);
-    const delta_real t1 = t0 + 83.32608f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + (-18.75f);
-    const delta_real t4 = t3 + 104.325f;
-    const delta_real t5 = 193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] + 85.575f;
+    const delta_real t3 = 193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 0.000658f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000658f) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0f / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0f / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129587f * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259174f * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.12651373f * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.00028581652f * t6;
-        const delta_real t66 = 2.5519332e-06f * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0f / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = 0.21912822f * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = 0.0004950487f * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.50605494f * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.25302747f * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.1280458f * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0f / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0f / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129587f * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259174f * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.12651373f * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.00028581652f * t4;
+        const delta_real t64 = 2.5519332e-06f * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0f / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = 0.21912822f * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = 0.0004950487f * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.50605494f * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.25302747f * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.1280458f * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -611,7 +602,8 @@ static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
+ * reference configuration. */
 static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], delta_real passive[1])
 {
     delta_status status = DELTA_OK;
@@ -637,533 +629,10 @@ static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], de
     return status;
 }
 
-/* Work space of delta_direct_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: x, y, z
- * k: motor1, motor2, motor3
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    delta_real x[3]; /* state */
-    delta_real x0[3]; /* state at the part of the line that is done, to which a failed try returns */
-    delta_real at[3]; /* known values at the guess, where the line begins */
-    delta_real k[3]; /* known values aimed at */
-    delta_real f[6]; /* rows; the linear solver leaves the step in their place */
-    delta_real a[18]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    delta_real r[9]; /* R of QR, reciprocals on its diagonal */
-    delta_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[3]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} delta_direct_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void delta_direct_rows(delta_direct_work *w)
-{
-    /* row 1 */
-    const delta_real t0 = w->x[0] + 33.19764f;
-    const delta_real t1 = cosf(w->k[0]);
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = 132.01114f + t2;
-    const delta_real t4 = t0 - t3;
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = w->x[1] * w->x[1];
-    const delta_real t7 = t5 + t6;
-    const delta_real t8 = sinf(w->k[0]);
-    const delta_real t9 = -112.0f * t8;
-    const delta_real t10 = w->x[2] - t9;
-    const delta_real t11 = t10 * t10;
-    const delta_real t12 = t7 + t11;
-    const delta_real t13 = t12 - 53824.0f;
-    const delta_real t14 = t13 * 0.001129587f;
-    const delta_real t15 = -t14;
-    w->f[0] = t15;
-    /* row 2 */
-    w->f[1] = t15;
-    /* row 3 */
-    const delta_real t18 = w->x[0] + 0.72168785f;
-    const delta_real t19 = cosf(w->k[1]);
-    const delta_real t20 = -38.679493f * t19;
-    const delta_real t21 = 1.0f - t19;
-    const delta_real t22 = 17.320509f * t21;
-    const delta_real t23 = t20 + t22;
-    const delta_real t24 = -66.00557f + t23;
-    const delta_real t25 = t18 - t24;
-    const delta_real t26 = t25 * t25;
-    const delta_real t27 = w->x[1] + 38.75f;
-    const delta_real t28 = 106.99484f * t19;
-    const delta_real t29 = 10.0f * t21;
-    const delta_real t30 = t28 + t29;
-    const delta_real t31 = 114.325f + t30;
-    const delta_real t32 = t27 - t31;
-    const delta_real t33 = t32 * t32;
-    const delta_real t34 = t26 + t33;
-    const delta_real t35 = sinf(w->k[1]);
-    const delta_real t36 = -112.0f * t35;
-    const delta_real t37 = w->x[2] - t36;
-    const delta_real t38 = t37 * t37;
-    const delta_real t39 = t34 + t38;
-    const delta_real t40 = t39 - 53824.0f;
-    const delta_real t41 = t40 * 0.001129587f;
-    const delta_real t42 = -t41;
-    w->f[2] = t42;
-    /* row 4 */
-    const delta_real t44 = w->x[0] + (-33.919327f);
-    const delta_real t45 = -73.32051f * t19;
-    const delta_real t46 = -17.320509f * t21;
-    const delta_real t47 = t45 + t46;
-    const delta_real t48 = -66.00557f + t47;
-    const delta_real t49 = t44 - t48;
-    const delta_real t50 = t49 * t49;
-    const delta_real t51 = w->x[1] + 18.75f;
-    const delta_real t52 = 86.99484f * t19;
-    const delta_real t53 = -10.0f * t21;
-    const delta_real t54 = t52 + t53;
-    const delta_real t55 = 114.325f + t54;
-    const delta_real t56 = t51 - t55;
-    const delta_real t57 = t56 * t56;
-    const delta_real t58 = t50 + t57;
-    const delta_real t59 = t58 + t38;
-    const delta_real t60 = t59 - 53824.0f;
-    const delta_real t61 = t60 * 0.001129587f;
-    const delta_real t62 = -t61;
-    w->f[3] = t62;
-    /* row 5 */
-    const delta_real t64 = w->x[0] + (-33.919327f);
-    const delta_real t65 = cosf(w->k[2]);
-    const delta_real t66 = -73.32051f * t65;
-    const delta_real t67 = 1.0f - t65;
-    const delta_real t68 = -17.320509f * t67;
-    const delta_real t69 = t66 + t68;
-    const delta_real t70 = -66.00557f + t69;
-    const delta_real t71 = t64 - t70;
-    const delta_real t72 = t71 * t71;
-    const delta_real t73 = w->x[1] + (-18.75f);
-    const delta_real t74 = -86.99484f * t65;
-    const delta_real t75 = 10.0f * t67;
-    const delta_real t76 = t74 + t75;
-    const delta_real t77 = -114.325f + t76;
-    const delta_real t78 = t73 - t77;
-    const delta_real t79 = t78 * t78;
-    const delta_real t80 = t72 + t79;
-    const delta_real t81 = sinf(w->k[2]);
-    const delta_real t82 = -112.0f * t81;
-    const delta_real t83 = w->x[2] - t82;
-    const delta_real t84 = t83 * t83;
-    const delta_real t85 = t80 + t84;
-    const delta_real t86 = t85 - 53824.0f;
-    const delta_real t87 = t86 * 0.001129587f;
-    const delta_real t88 = -t87;
-    w->f[4] = t88;
-    /* row 6 */
-    const delta_real t90 = w->x[0] + 0.72168785f;
-    const delta_real t91 = -38.679493f * t65;
-    const delta_real t92 = 17.320509f * t67;
-    const delta_real t93 = t91 + t92;
-    const delta_real t94 = -66.00557f + t93;
-    const delta_real t95 = t90 - t94;
-    const delta_real t96 = t95 * t95;
-    const delta_real t97 = w->x[1] + (-38.75f);
-    const delta_real t98 = -106.99484f * t65;
-    const delta_real t99 = -10.0f * t67;
-    const delta_real t100 = t98 + t99;
-    const delta_real t101 = -114.325f + t100;
-    const delta_real t102 = t97 - t101;
-    const delta_real t103 = t102 * t102;
-    const delta_real t104 = t96 + t103;
-    const delta_real t105 = t104 + t84;
-    const delta_real t106 = t105 - 53824.0f;
-    const delta_real t107 = t106 * 0.001129587f;
-    const delta_real t108 = -t107;
-    w->f[5] = t108;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static DELTA_SHARED delta_real delta_direct_residual(const delta_direct_work *w)
-{
-    delta_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 6; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static delta_real delta_direct_apply_step(delta_direct_work *w)
-{
-    const delta_real t0 = w->x[0] + w->f[0];
-    const delta_real t1 = w->x[1] + w->f[1];
-    const delta_real t2 = w->x[2] + w->f[2];
-    const delta_real t3 = w->f[0] * w->f[0];
-    const delta_real t4 = w->f[1] * w->f[1];
-    const delta_real t5 = t3 + t4;
-    const delta_real t6 = w->f[2] * w->f[2];
-    const delta_real t7 = t5 + t6;
-    w->x[0] = t0;
-    w->x[1] = t1;
-    w->x[2] = t2;
-    return t7;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static DELTA_SHARED void delta_direct_set_target(delta_direct_work *w, const delta_real to[3], delta_real part)
-{
-    for (int i = 0; i < 3; ++i) {
-        w->k[i] = to[i];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 3; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-    }
-}
-
-/* The matrix into w->a, row by row. */
-static void delta_direct_matrix(delta_direct_work *w)
-{
-    const delta_real t0 = w->x[0] + 33.19764f;
-    const delta_real t1 = cosf(w->k[0]);
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = 132.01114f + t2;
-    const delta_real t4 = t0 - t3;
-    const delta_real t5 = 0.002259174f * t4;
-    w->a[0] = t5;
-    const delta_real t7 = 0.002259174f * w->x[1];
-    w->a[1] = t7;
-    const delta_real t9 = sinf(w->k[0]);
-    const delta_real t10 = -112.0f * t9;
-    const delta_real t11 = w->x[2] - t10;
-    const delta_real t12 = 0.002259174f * t11;
-    w->a[2] = t12;
-    w->a[3] = t5;
-    w->a[4] = t7;
-    w->a[5] = t12;
-    const delta_real t17 = w->x[0] + 0.72168785f;
-    const delta_real t18 = cosf(w->k[1]);
-    const delta_real t19 = -38.679493f * t18;
-    const delta_real t20 = 1.0f - t18;
-    const delta_real t21 = 17.320509f * t20;
-    const delta_real t22 = t19 + t21;
-    const delta_real t23 = -66.00557f + t22;
-    const delta_real t24 = t17 - t23;
-    const delta_real t25 = 0.002259174f * t24;
-    w->a[6] = t25;
-    const delta_real t27 = w->x[1] + 38.75f;
-    const delta_real t28 = 106.99484f * t18;
-    const delta_real t29 = 10.0f * t20;
-    const delta_real t30 = t28 + t29;
-    const delta_real t31 = 114.325f + t30;
-    const delta_real t32 = t27 - t31;
-    const delta_real t33 = 0.002259174f * t32;
-    w->a[7] = t33;
-    const delta_real t35 = sinf(w->k[1]);
-    const delta_real t36 = -112.0f * t35;
-    const delta_real t37 = w->x[2] - t36;
-    const delta_real t38 = 0.002259174f * t37;
-    w->a[8] = t38;
-    const delta_real t40 = w->x[0] + (-33.919327f);
-    const delta_real t41 = -73.32051f * t18;
-    const delta_real t42 = -17.320509f * t20;
-    const delta_real t43 = t41 + t42;
-    const delta_real t44 = -66.00557f + t43;
-    const delta_real t45 = t40 - t44;
-    const delta_real t46 = 0.002259174f * t45;
-    w->a[9] = t46;
-    const delta_real t48 = w->x[1] + 18.75f;
-    const delta_real t49 = 86.99484f * t18;
-    const delta_real t50 = -10.0f * t20;
-    const delta_real t51 = t49 + t50;
-    const delta_real t52 = 114.325f + t51;
-    const delta_real t53 = t48 - t52;
-    const delta_real t54 = 0.002259174f * t53;
-    w->a[10] = t54;
-    w->a[11] = t38;
-    const delta_real t57 = w->x[0] + (-33.919327f);
-    const delta_real t58 = cosf(w->k[2]);
-    const delta_real t59 = -73.32051f * t58;
-    const delta_real t60 = 1.0f - t58;
-    const delta_real t61 = -17.320509f * t60;
-    const delta_real t62 = t59 + t61;
-    const delta_real t63 = -66.00557f + t62;
-    const delta_real t64 = t57 - t63;
-    const delta_real t65 = 0.002259174f * t64;
-    w->a[12] = t65;
-    const delta_real t67 = w->x[1] + (-18.75f);
-    const delta_real t68 = -86.99484f * t58;
-    const delta_real t69 = 10.0f * t60;
-    const delta_real t70 = t68 + t69;
-    const delta_real t71 = -114.325f + t70;
-    const delta_real t72 = t67 - t71;
-    const delta_real t73 = 0.002259174f * t72;
-    w->a[13] = t73;
-    const delta_real t75 = sinf(w->k[2]);
-    const delta_real t76 = -112.0f * t75;
-    const delta_real t77 = w->x[2] - t76;
-    const delta_real t78 = 0.002259174f * t77;
-    w->a[14] = t78;
-    const delta_real t80 = w->x[0] + 0.72168785f;
-    const delta_real t81 = -38.679493f * t58;
-    const delta_real t82 = 17.320509f * t60;
-    const delta_real t83 = t81 + t82;
-    const delta_real t84 = -66.00557f + t83;
-    const delta_real t85 = t80 - t84;
-    const delta_real t86 = 0.002259174f * t85;
-    w->a[15] = t86;
-    const delta_real t88 = w->x[1] + (-38.75f);
-    const delta_real t89 = -106.99484f * t58;
-    const delta_real t90 = -10.0f * t60;
-    const delta_real t91 = t89 + t90;
-    const delta_real t92 = -114.325f + t91;
-    const delta_real t93 = t88 - t92;
-    const delta_real t94 = 0.002259174f * t93;
-    w->a[16] = t94;
-    w->a[17] = t78;
-}
-
-/* QR of the 6 x 3 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. */
-static int delta_direct_factor(delta_direct_work *w)
-{
-    delta_direct_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 3; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        delta_real squared = 0.0f;
-        for (int i = 0; i < 6; ++i) {
-            squared += w->a[3 * i + c] * w->a[3 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const delta_real inverse = 1.0f / sqrtf(squared);
-        w->r[3 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 6; ++i) {
-            w->a[3 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 3; ++j) {
-            delta_real r = 0.0f;
-            for (int i = 0; i < 6; ++i) {
-                r += w->a[3 * i + c] * w->a[3 * i + j];
-            }
-            w->r[3 * c + j] = r;
-            for (int i = 0; i < 6; ++i) {
-                w->a[3 * i + j] -= r * w->a[3 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 3 entries of w->f. */
-static void delta_direct_solve(delta_direct_work *w)
-{
-    delta_real y[3];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 3; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 6; ++i) {
-            y[c] += w->a[3 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 6; ++i) {
-            w->f[i] -= y[c] * w->a[3 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 3 - 1; c >= 0; --c) {
-        for (int j = c + 1; j < 3; ++j) {
-            y[c] -= w->r[3 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[3 * c + c];
-    }
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static DELTA_COLD bool delta_direct_reaches_middle(delta_direct_work *w, const delta_real to[3], delta_real middle, delta_real still2)
-{
-    delta_real end[3];
-    delta_real size[3];
-    for (int i = 0; i < 3; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    delta_direct_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        delta_direct_rows(w);
-        delta_direct_solve(w);
-        size[i] = delta_direct_apply_step(w);
-    }
-    for (int i = 0; i < 3; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 0.5 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static delta_status delta_direct_newton(delta_direct_work *w, const delta_real to[3], const delta_config *config, delta_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const delta_real tolerance2 = config->tolerance * config->tolerance;
-    const delta_real longest2 = config->max_step * config->max_step;
-    delta_status status = DELTA_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    delta_real done = 0.0f;
-    delta_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    delta_real size = 0.0f;
-    delta_real kappa2 = 2.63169e-05f;
-    delta_real limit;
-    delta_real residual = HUGE_VALF;
-    delta_real still2 = 2.8511552e-06f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    delta_real turn2 = 0.0f;
-    static const uint8_t places[3] = { 0, 1, 2 };
-    static const delta_real radians[3] = { 1.0f, 1.0f, 1.0f };
-    for (int i = 0; i < 3; ++i) {
-        const delta_real turned = radians[i] * (to[places[i]] - w->at[places[i]]);
-        if (turned * turned > turn2) {
-            turn2 = turned * turned;
-        }
-    }
-    if (turn2 > 0.25f) {
-        aim = 0.5f / sqrtf(turn2);
-    }
-    delta_direct_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    for (;;) {
-        delta_direct_rows(w);
-        if (verify) {
-            residual = delta_direct_residual(w);
-            if (residual <= config->tolerance + 0.0016885364f) {
-                status = DELTA_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                delta_direct_set_target(w, to, done);
-            }
-            int turn = delta_direct_factor(w);
-            if (taken == 0U) {
-                delta_direct_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = DELTA_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = DELTA_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f)) ? (4.45493e-08f * w->spread) : 2.8511552e-06f;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        delta_direct_solve(w);
-        const delta_real before = size;
-        size = delta_direct_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = delta_direct_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
-            delta_direct_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                delta_real error2;
-                delta_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const delta_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 3; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                delta_direct_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 3; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            delta_direct_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = DELTA_WRONG_BRANCH;
-            break;
-        }
-    }
-    delta_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
-static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3], delta_real given[3])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
+ * `at` is meant. */
+static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3],
+    delta_real given[3])
 {
     static const bool turns[3] = { true, true, true };
     for (int i = 0; i < 3; ++i) {
@@ -1177,64 +646,8 @@ static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[
     }
 }
 
-/* Checks the branch of an answer, passive joints and pose coordinates x: whether each limb stands on the reference's side of its dead
- * centres, which is a sign. Else a limb has passed one on the way, which is a singularity. */
-static DELTA_COLD delta_status delta_check_branch(const delta_real x[3], const delta_real given[3])
-{
-    delta_status status = DELTA_OK;
-    (void)x;
-    (void)given;
-    const delta_real limb1_t0 = x[0] + 33.19764f;
-    const delta_real limb1_t1 = limb1_t0 + (-132.01114f);
-    const delta_real limb1_t2 = -0.25302747f * limb1_t1;
-    const delta_real limb1_t3 = sinf(given[0]);
-    const delta_real limb1_t4 = limb1_t2 * limb1_t3;
-    const delta_real limb1_t5 = 0.25302747f * x[2];
-    const delta_real limb1_t6 = cosf(given[0]);
-    const delta_real limb1_t7 = limb1_t5 * limb1_t6;
-    const delta_real limb1_t8 = limb1_t4 - limb1_t7;
-    if (!(limb1_t8 >= -0.0243f)) { /* motor1 */
-        status = DELTA_WRONG_BRANCH;
-    }
-    const delta_real limb2_t0 = x[0] + 0.72168785f;
-    const delta_real limb2_t1 = limb2_t0 + 48.685062f;
-    const delta_real limb2_t2 = 112.0f * limb2_t1;
-    const delta_real limb2_t3 = x[1] + 38.75f;
-    const delta_real limb2_t4 = limb2_t3 + (-124.325f);
-    const delta_real limb2_t5 = -193.98969f * limb2_t4;
-    const delta_real limb2_t6 = limb2_t2 + limb2_t5;
-    const delta_real limb2_t7 = 0.001129587f * limb2_t6;
-    const delta_real limb2_t8 = sinf(given[1]);
-    const delta_real limb2_t9 = limb2_t7 * limb2_t8;
-    const delta_real limb2_t10 = 0.25302747f * x[2];
-    const delta_real limb2_t11 = cosf(given[1]);
-    const delta_real limb2_t12 = limb2_t10 * limb2_t11;
-    const delta_real limb2_t13 = limb2_t9 - limb2_t12;
-    if (!(limb2_t13 >= -0.0234f)) { /* motor2 */
-        status = DELTA_WRONG_BRANCH;
-    }
-    const delta_real limb3_t0 = x[0] + (-33.919327f);
-    const delta_real limb3_t1 = limb3_t0 + 83.32608f;
-    const delta_real limb3_t2 = 112.0f * limb3_t1;
-    const delta_real limb3_t3 = x[1] + (-18.75f);
-    const delta_real limb3_t4 = limb3_t3 + 104.325f;
-    const delta_real limb3_t5 = 193.98969f * limb3_t4;
-    const delta_real limb3_t6 = limb3_t2 + limb3_t5;
-    const delta_real limb3_t7 = 0.001129587f * limb3_t6;
-    const delta_real limb3_t8 = sinf(given[2]);
-    const delta_real limb3_t9 = limb3_t7 * limb3_t8;
-    const delta_real limb3_t10 = 0.25302747f * x[2];
-    const delta_real limb3_t11 = cosf(given[2]);
-    const delta_real limb3_t12 = limb3_t10 * limb3_t11;
-    const delta_real limb3_t13 = limb3_t9 - limb3_t12;
-    if (!(limb3_t13 >= -0.0251f)) { /* motor3 */
-        status = DELTA_WRONG_BRANCH;
-    }
-    return status;
-}
-
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real joints[3])
 {
     delta_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -1243,84 +656,740 @@ static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real jo
     }
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static DELTA_SHARED delta_status delta_read_guess(delta_direct_work *w, const delta_real joints[3], const delta_pose *guess)
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
+static void delta_cosine_and_sine(delta_real angle, delta_real u[2])
 {
-    const delta_status limits = delta_check_limits(joints);
-    delta_status status;
-    delta_real c[3];
-    delta_real passive[1] = { 0.0f };
-    status = delta_pose_coordinates(guess, c);
+    const delta_real number = angle * 0.63661975f;
+    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
+    const delta_real k = (delta_real)quarter;
+    const delta_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    const delta_real square = x * x;
+    const delta_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const delta_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
+    const delta_real cosine = odd ? s : c;
+    const delta_real sine = odd ? c : s;
+    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
+    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+}
+
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: largest square of a usual root over a root's. */
+typedef struct {
+    delta_real at[6];
+    delta_real u[6];
+    delta_real sign[1];
+    delta_real left[2];
+    delta_real guard[2];
+    delta_real y[3];
+    delta_real share;
+} delta_direct_work;
+
+/* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
+static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *guess)
+{
+    delta_real x[7];
+    delta_status status = delta_normalise_pose(guess, x);
     if (status == DELTA_OK) {
-        status = delta_solve_limbs(c, w->at, passive);
-        w->x[0] = c[0];
-        w->x[1] = c[1];
-        w->x[2] = c[2];
-        status = (status == DELTA_OK) ? status : DELTA_OUT_OF_RANGE;
+        const delta_real t0 = x[0] - 98.8135f;
+        const delta_real t1 = -0.25302747f * t0;
+        const delta_real t2 = t1 * t1;
+        const delta_real t3 = 0.25302747f * x[2];
+        const delta_real t4 = t3 * t3;
+        const delta_real t5 = t2 + t4;
+        const delta_real t6 = t0 * t0;
+        const delta_real t7 = x[1] * x[1];
+        const delta_real t8 = t6 + t7;
+        const delta_real t9 = x[2] * x[2];
+        const delta_real t10 = t9 + 12544.0f;
+        const delta_real t11 = t8 + t10;
+        const delta_real t12 = t11 - 53824.0f;
+        const delta_real t13 = 0.001129587f * t12;
+        const delta_real t14 = t13 * t13;
+        const delta_real t15 = t5 - t14;
+        const delta_real d1 = t15;
+        const delta_real r1 = (d1 > 2.25e-09f) ? sqrtf(d1) : 1.0f;
+        const delta_real t18 = x[0] + 49.40675f;
+        const delta_real t19 = 112.0f * t18;
+        const delta_real t20 = x[1] - 85.575f;
+        const delta_real t21 = -193.98969f * t20;
+        const delta_real t22 = t19 + t21;
+        const delta_real t23 = 0.001129587f * t22;
+        const delta_real t24 = t23 * t23;
+        const delta_real t25 = t24 + t4;
+        const delta_real t26 = t18 * t18;
+        const delta_real t27 = t20 * t20;
+        const delta_real t28 = t26 + t27;
+        const delta_real t29 = t28 + t10;
+        const delta_real t30 = t29 - 53824.0f;
+        const delta_real t31 = 0.001129587f * t30;
+        const delta_real t32 = t31 * t31;
+        const delta_real t33 = t25 - t32;
+        const delta_real d2 = t33;
+        const delta_real r2 = (d2 > 2.1e-09f) ? sqrtf(d2) : 1.0f;
+        const delta_real t36 = x[0] + 49.40675f;
+        const delta_real t37 = 112.0f * t36;
+        const delta_real t38 = x[1] + 85.575f;
+        const delta_real t39 = 193.98969f * t38;
+        const delta_real t40 = t37 + t39;
+        const delta_real t41 = 0.001129587f * t40;
+        const delta_real t42 = t41 * t41;
+        const delta_real t43 = 0.25302747f * x[2];
+        const delta_real t44 = t43 * t43;
+        const delta_real t45 = t42 + t44;
+        const delta_real t46 = t36 * t36;
+        const delta_real t47 = t38 * t38;
+        const delta_real t48 = t46 + t47;
+        const delta_real t49 = t48 + t10;
+        const delta_real t50 = t49 - 53824.0f;
+        const delta_real t51 = 0.001129587f * t50;
+        const delta_real t52 = t51 * t51;
+        const delta_real t53 = t45 - t52;
+        const delta_real d3 = t53;
+        const delta_real r3 = (d3 > 2.39e-09f) ? sqrtf(d3) : 1.0f;
+        const delta_real t56 = t1 * t13;
+        const delta_real t57 = t3 * r1;
+        const delta_real t58 = t56 + t57;
+        const delta_real t59 = 1.0f / t5;
+        const delta_real t60 = t58 * t59;
+        const delta_real t61 = -t60;
+        const delta_real t62 = t1 * r1;
+        const delta_real t63 = t3 * t13;
+        const delta_real t64 = t62 - t63;
+        const delta_real t65 = t64 * t59;
+        const delta_real t66 = t23 * t31;
+        const delta_real t67 = t3 * r2;
+        const delta_real t68 = t66 + t67;
+        const delta_real t69 = 1.0f / t25;
+        const delta_real t70 = t68 * t69;
+        const delta_real t71 = -t70;
+        const delta_real t72 = t23 * r2;
+        const delta_real t73 = t3 * t31;
+        const delta_real t74 = t72 - t73;
+        const delta_real t75 = t74 * t69;
+        const delta_real t76 = t41 * t51;
+        const delta_real t77 = t43 * r3;
+        const delta_real t78 = t76 + t77;
+        const delta_real t79 = 1.0f / t45;
+        const delta_real t80 = t78 * t79;
+        const delta_real t81 = -t80;
+        const delta_real t82 = t41 * r3;
+        const delta_real t83 = t43 * t51;
+        const delta_real t84 = t82 - t83;
+        const delta_real t85 = t84 * t79;
+        w->at[0] = t61;
+        w->at[1] = t65;
+        w->at[2] = t71;
+        w->at[3] = t75;
+        w->at[4] = t81;
+        w->at[5] = t85;
+        const delta_real t92 = t70 + 1.0f;
+        const delta_real t93 = 17.320509f * t92;
+        const delta_real t94 = -38.679493f * t70;
+        const delta_real t95 = t93 - t94;
+        const delta_real t96 = t95 - 66.00557f;
+        const delta_real t97 = 0.72168785f - t96;
+        const delta_real t98 = t97 * t97;
+        const delta_real t99 = 10.0f * t92;
+        const delta_real t100 = 106.99484f * t70;
+        const delta_real t101 = t99 - t100;
+        const delta_real t102 = t101 + 114.325f;
+        const delta_real t103 = 38.75f - t102;
+        const delta_real t104 = t103 * t103;
+        const delta_real t105 = t98 + t104;
+        const delta_real t106 = -112.0f * t75;
+        const delta_real t107 = t106 * t106;
+        const delta_real t108 = t105 + t107;
+        const delta_real t109 = t108 - 53824.0f;
+        const delta_real t110 = 0.001129587f * t109;
+        const delta_real t111 = 112.0f * t60;
+        const delta_real t112 = 132.01114f - t111;
+        const delta_real t113 = 33.19764f - t112;
+        const delta_real t114 = t113 * t113;
+        const delta_real t115 = -112.0f * t65;
+        const delta_real t116 = t115 * t115;
+        const delta_real t117 = t114 + t116;
+        const delta_real t118 = t117 - 53824.0f;
+        const delta_real t119 = 0.001129587f * t118;
+        const delta_real t120 = t110 - t119;
+        const delta_real t121 = t80 + 1.0f;
+        const delta_real t122 = 10.0f * t121;
+        const delta_real t123 = -86.99484f * t80;
+        const delta_real t124 = t122 - t123;
+        const delta_real t125 = t124 - 114.325f;
+        const delta_real t126 = -18.75f - t125;
+        const delta_real t127 = 0.002259174f * t126;
+        const delta_real t128 = 0.002259174f * t97;
+        const delta_real t129 = 0.002259174f * t113;
+        const delta_real t130 = t128 - t129;
+        const delta_real t131 = t130 * t127;
+        const delta_real t132 = 0.002259174f * t103;
+        const delta_real t133 = -17.320509f * t121;
+        const delta_real t134 = -73.32051f * t80;
+        const delta_real t135 = t133 - t134;
+        const delta_real t136 = t135 - 66.00557f;
+        const delta_real t137 = -33.919327f - t136;
+        const delta_real t138 = 0.002259174f * t137;
+        const delta_real t139 = t138 - t129;
+        const delta_real t140 = t132 * t139;
+        const delta_real t141 = t131 - t140;
+        const delta_real t142 = t127 * t141;
+        const delta_real t143 = -0.25302747f * t65;
+        const delta_real t144 = -0.25302747f * t85;
+        const delta_real t145 = t143 - t144;
+        const delta_real t146 = -0.25302747f * t75;
+        const delta_real t147 = t143 - t146;
+        const delta_real t148 = t147 * t139;
+        const delta_real t149 = t130 * t145;
+        const delta_real t150 = t148 - t149;
+        const delta_real t151 = t145 * t150;
+        const delta_real t152 = t142 - t151;
+        const delta_real t153 = t120 * t152;
+        const delta_real t154 = t137 * t137;
+        const delta_real t155 = t126 * t126;
+        const delta_real t156 = t154 + t155;
+        const delta_real t157 = -112.0f * t85;
+        const delta_real t158 = t157 * t157;
+        const delta_real t159 = t156 + t158;
+        const delta_real t160 = t159 - 53824.0f;
+        const delta_real t161 = 0.001129587f * t160;
+        const delta_real t162 = t161 - t119;
+        const delta_real t163 = t150 * t147;
+        const delta_real t164 = t141 * t132;
+        const delta_real t165 = t163 - t164;
+        const delta_real t166 = t162 * t165;
+        const delta_real t167 = t153 + t166;
+        const delta_real t168 = t132 * t145;
+        const delta_real t169 = t147 * t127;
+        const delta_real t170 = t168 - t169;
+        const delta_real t171 = t170 * t170;
+        const delta_real t172 = t150 * t150;
+        const delta_real t173 = t171 + t172;
+        const delta_real t174 = t141 * t141;
+        const delta_real t175 = t173 + t174;
+        const delta_real t176 = 1.0f / t175;
+        const delta_real t177 = t167 * t176;
+        const delta_real t178 = x[0] + t177;
+        const delta_real t179 = t178 * t170;
+        const delta_real t180 = t145 * t170;
+        const delta_real t181 = t139 * t141;
+        const delta_real t182 = t180 - t181;
+        const delta_real t183 = t120 * t182;
+        const delta_real t184 = t141 * t130;
+        const delta_real t185 = t170 * t147;
+        const delta_real t186 = t184 - t185;
+        const delta_real t187 = t162 * t186;
+        const delta_real t188 = t183 + t187;
+        const delta_real t189 = t188 * t176;
+        const delta_real t190 = x[1] + t189;
+        const delta_real t191 = t190 * t150;
+        const delta_real t192 = t179 + t191;
+        const delta_real t193 = t139 * t150;
+        const delta_real t194 = t127 * t170;
+        const delta_real t195 = t193 - t194;
+        const delta_real t196 = t120 * t195;
+        const delta_real t197 = t170 * t132;
+        const delta_real t198 = t150 * t130;
+        const delta_real t199 = t197 - t198;
+        const delta_real t200 = t162 * t199;
+        const delta_real t201 = t196 + t200;
+        const delta_real t202 = t201 * t176;
+        const delta_real t203 = x[2] + t202;
+        const delta_real t204 = t203 * t141;
+        const delta_real t205 = t192 + t204;
+        const delta_real t206 = t205 * t176;
+        const delta_real t207 = 0.001129587f * t113;
+        const delta_real t208 = t207 * t170;
+        const delta_real t209 = t170 * t177;
+        const delta_real t210 = 0.001129587f * t209;
+        const delta_real t211 = t208 - t210;
+        const delta_real t212 = t150 * t189;
+        const delta_real t213 = 0.001129587f * t212;
+        const delta_real t214 = t211 - t213;
+        const delta_real t215 = t141 * t202;
+        const delta_real t216 = 0.001129587f * t215;
+        const delta_real t217 = t214 - t216;
+        const delta_real t218 = -0.12651373f * t65;
+        const delta_real t219 = t218 * t141;
+        const delta_real t220 = t217 - t219;
+        const delta_real t221 = 0.001129587f * t170;
+        const delta_real t222 = t221 * t170;
+        const delta_real t223 = 0.001129587f * t150;
+        const delta_real t224 = t223 * t150;
+        const delta_real t225 = t222 + t224;
+        const delta_real t226 = 0.001129587f * t141;
+        const delta_real t227 = t226 * t141;
+        const delta_real t228 = t225 + t227;
+        const delta_real t229 = t220 / t228;
+        const delta_real t230 = t206 + t229;
+        w->sign[0] = (t230 < 0.0f) ? -1.0f : 1.0f;
+        const delta_real t232 = t228 * t228;
+        const delta_real t233 = t230 * t230;
+        const delta_real t234 = t232 * t233;
+        w->left[0] = t234;
+        w->left[1] = t175;
+        const delta_real t237 = 885.27936f * x[4];
+        const delta_real t238 = 885.27936f * x[5];
+        const delta_real t239 = 885.27936f * x[6];
+        if (!((d1 > 2.25e-09f) && (d2 > 2.1e-09f) && (d3 > 2.39e-09f)
+            && (fabsf(t237) <= 0.0016885364f) && (fabsf(t238) <= 0.0016885364f)
+            && (fabsf(t239) <= 0.0016885364f))) {
+            status = DELTA_OUT_OF_RANGE;
+        }
+        if ((status == DELTA_OK) && !((w->left[0] > 4.15e-08f) && (w->left[1] > 1.39e-06f))) {
+            status = DELTA_SINGULAR;
+        }
     }
-    /* NaN or infinity anywhere comes first */
-    return ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) ? limits : status;
+    return status;
 }
 
-/* Writes the pose of the state. */
-static DELTA_SHARED void delta_write_pose(const delta_direct_work *w, delta_pose *pose)
+/* The formulas (README.md) at w->u: unknowns and guards. */
+static void delta_direct_formulas(delta_direct_work *w)
 {
-    delta_pose_from_coordinates(&w->x[0], pose);
+    const delta_real t0 = 112.0f * w->u[0];
+    const delta_real t1 = t0 + 132.01114f;
+    const delta_real t2 = 33.19764f - t1;
+    const delta_real t3 = 0.001129587f * t2;
+    const delta_real t4 = 106.99484f * w->u[2];
+    const delta_real t5 = 1.0f - w->u[2];
+    const delta_real t6 = 10.0f * t5;
+    const delta_real t7 = t4 + t6;
+    const delta_real t8 = t7 + 114.325f;
+    const delta_real t9 = 38.75f - t8;
+    const delta_real t10 = 0.002259174f * t9;
+    const delta_real t11 = -0.25302747f * w->u[1];
+    const delta_real t12 = -0.25302747f * w->u[5];
+    const delta_real t13 = t11 - t12;
+    const delta_real t14 = t10 * t13;
+    const delta_real t15 = -0.25302747f * w->u[3];
+    const delta_real t16 = t11 - t15;
+    const delta_real t17 = -86.99484f * w->u[4];
+    const delta_real t18 = 1.0f - w->u[4];
+    const delta_real t19 = 10.0f * t18;
+    const delta_real t20 = t17 + t19;
+    const delta_real t21 = t20 - 114.325f;
+    const delta_real t22 = -18.75f - t21;
+    const delta_real t23 = 0.002259174f * t22;
+    const delta_real t24 = t16 * t23;
+    const delta_real t25 = t14 - t24;
+    const delta_real t26 = t3 * t25;
+    const delta_real t27 = -38.679493f * w->u[2];
+    const delta_real t28 = 17.320509f * t5;
+    const delta_real t29 = t27 + t28;
+    const delta_real t30 = t29 - 66.00557f;
+    const delta_real t31 = 0.72168785f - t30;
+    const delta_real t32 = t31 * t31;
+    const delta_real t33 = t9 * t9;
+    const delta_real t34 = t32 + t33;
+    const delta_real t35 = -112.0f * w->u[3];
+    const delta_real t36 = t35 * t35;
+    const delta_real t37 = t34 + t36;
+    const delta_real t38 = t37 - 53824.0f;
+    const delta_real t39 = 0.001129587f * t38;
+    const delta_real t40 = t2 * t2;
+    const delta_real t41 = -112.0f * w->u[1];
+    const delta_real t42 = t41 * t41;
+    const delta_real t43 = t40 + t42;
+    const delta_real t44 = t43 - 53824.0f;
+    const delta_real t45 = 0.001129587f * t44;
+    const delta_real t46 = t39 - t45;
+    const delta_real t47 = 0.002259174f * t31;
+    const delta_real t48 = 0.002259174f * t2;
+    const delta_real t49 = t47 - t48;
+    const delta_real t50 = t49 * t23;
+    const delta_real t51 = -73.32051f * w->u[4];
+    const delta_real t52 = -17.320509f * t18;
+    const delta_real t53 = t51 + t52;
+    const delta_real t54 = t53 - 66.00557f;
+    const delta_real t55 = -33.919327f - t54;
+    const delta_real t56 = 0.002259174f * t55;
+    const delta_real t57 = t56 - t48;
+    const delta_real t58 = t10 * t57;
+    const delta_real t59 = t50 - t58;
+    const delta_real t60 = t23 * t59;
+    const delta_real t61 = t16 * t57;
+    const delta_real t62 = t49 * t13;
+    const delta_real t63 = t61 - t62;
+    const delta_real t64 = t13 * t63;
+    const delta_real t65 = t60 - t64;
+    const delta_real t66 = t46 * t65;
+    const delta_real t67 = t55 * t55;
+    const delta_real t68 = t22 * t22;
+    const delta_real t69 = t67 + t68;
+    const delta_real t70 = -112.0f * w->u[5];
+    const delta_real t71 = t70 * t70;
+    const delta_real t72 = t69 + t71;
+    const delta_real t73 = t72 - 53824.0f;
+    const delta_real t74 = 0.001129587f * t73;
+    const delta_real t75 = t74 - t45;
+    const delta_real t76 = t63 * t16;
+    const delta_real t77 = t59 * t10;
+    const delta_real t78 = t76 - t77;
+    const delta_real t79 = t75 * t78;
+    const delta_real t80 = t66 + t79;
+    const delta_real t81 = t25 * t25;
+    const delta_real t82 = t63 * t63;
+    const delta_real t83 = t81 + t82;
+    const delta_real t84 = t59 * t59;
+    const delta_real t85 = t83 + t84;
+    const delta_real t86 = 1.0f / t85;
+    const delta_real t87 = t80 * t86;
+    const delta_real t88 = t25 * t87;
+    const delta_real t89 = 0.001129587f * t88;
+    const delta_real t90 = t26 - t89;
+    const delta_real t91 = t13 * t25;
+    const delta_real t92 = t57 * t59;
+    const delta_real t93 = t91 - t92;
+    const delta_real t94 = t46 * t93;
+    const delta_real t95 = t59 * t49;
+    const delta_real t96 = t25 * t16;
+    const delta_real t97 = t95 - t96;
+    const delta_real t98 = t75 * t97;
+    const delta_real t99 = t94 + t98;
+    const delta_real t100 = t99 * t86;
+    const delta_real t101 = t63 * t100;
+    const delta_real t102 = 0.001129587f * t101;
+    const delta_real t103 = t90 - t102;
+    const delta_real t104 = t57 * t63;
+    const delta_real t105 = t23 * t25;
+    const delta_real t106 = t104 - t105;
+    const delta_real t107 = t46 * t106;
+    const delta_real t108 = t25 * t10;
+    const delta_real t109 = t63 * t49;
+    const delta_real t110 = t108 - t109;
+    const delta_real t111 = t75 * t110;
+    const delta_real t112 = t107 + t111;
+    const delta_real t113 = t112 * t86;
+    const delta_real t114 = t59 * t113;
+    const delta_real t115 = 0.001129587f * t114;
+    const delta_real t116 = t103 - t115;
+    const delta_real t117 = -0.12651373f * w->u[1];
+    const delta_real t118 = t117 * t59;
+    const delta_real t119 = t116 - t118;
+    const delta_real t120 = 0.001129587f * t25;
+    const delta_real t121 = t120 * t25;
+    const delta_real t122 = 0.001129587f * t63;
+    const delta_real t123 = t122 * t63;
+    const delta_real t124 = t121 + t123;
+    const delta_real t125 = 0.001129587f * t59;
+    const delta_real t126 = t125 * t59;
+    const delta_real t127 = t124 + t126;
+    const delta_real t128 = 1.0f / t127;
+    const delta_real t129 = t119 * t128;
+    const delta_real t130 = t129 * t129;
+    const delta_real t131 = t87 * t87;
+    const delta_real t132 = 0.001129587f * t131;
+    const delta_real t133 = t48 * t87;
+    const delta_real t134 = t132 - t133;
+    const delta_real t135 = t134 + t45;
+    const delta_real t136 = t100 * t100;
+    const delta_real t137 = 0.001129587f * t136;
+    const delta_real t138 = t135 + t137;
+    const delta_real t139 = t113 * t113;
+    const delta_real t140 = 0.001129587f * t139;
+    const delta_real t141 = t138 + t140;
+    const delta_real t142 = t11 * t113;
+    const delta_real t143 = t141 + t142;
+    const delta_real t144 = t143 * t128;
+    const delta_real t145 = t130 - t144;
+    const delta_real d1 = t145; /* above 0 where pose.x_pose.y_pose.z has two values */
+    const delta_real r1 = w->sign[0] * sqrtf((d1 > 0.0f) ? d1 : 0.0f);
+    const delta_real t148 = t127 * t127;
+    const delta_real t149 = t148 * t145;
+    w->guard[0] = t149;
+    w->guard[1] = t85;
+    const delta_real t152 = r1 - t129;
+    const delta_real t153 = t152 * t25;
+    const delta_real t154 = t153 - t87;
+    w->y[0] = t154;
+    const delta_real t156 = t152 * t63;
+    const delta_real t157 = t156 - t100;
+    w->y[1] = t157;
+    const delta_real t159 = t152 * t59;
+    const delta_real t160 = t159 - t113;
+    w->y[2] = t160;
+    w->share = 27900.0f / d1;
 }
 
-delta_status delta_direct(const delta_config *config, const delta_real joints[3], const delta_pose *guess, delta_pose *pose, delta_info *info)
+/* Sets w->u to joint values. */
+static void delta_direct_set(delta_direct_work *w, const delta_real joints[3])
+{
+    delta_cosine_and_sine(joints[0], &w->u[0]);
+    delta_cosine_and_sine(joints[1], &w->u[2]);
+    delta_cosine_and_sine(joints[2], &w->u[4]);
+}
+
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool delta_line_keeps(const delta_direct_work *w, const delta_real change[3])
+{
+    static const delta_real weights[2][3] = {
+        { 0.00911f, 0.00911f, 0.00911f }, { 0.196f, 0.196f, 0.196f }
+    };
+    static const delta_real least[2] = { 4.15e-08f, 1.39e-06f };
+    bool kept = true;
+    for (int j = 0; j < 2; ++j) {
+        const delta_real a = w->left[j] - least[j];
+        const delta_real b = w->guard[j] - least[j];
+        const delta_real lesser = (a < b) ? a : b;
+        delta_real bend = 0.0f;
+        for (int i = 0; i < 3; ++i) {
+            bend += weights[j][i] * change[i];
+        }
+        kept = kept && (lesser > 0.0f) && (bend < a + b + lesser + lesser);
+    }
+    return kept;
+}
+
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
+static delta_real delta_angle(delta_real s, delta_real c)
+{
+    const delta_real x = fabsf(c);
+    const delta_real y = fabsf(s);
+    const bool steep = y > x;
+    const delta_real ratio = steep ? (x / y) : (y / x);
+    const delta_real square = ratio * ratio;
+    delta_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
+}
+
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved
+ * where they are not. */
+static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3],
+    unsigned int most, unsigned int *count)
+{
+    delta_real at[3];
+    delta_real given[3];
+    delta_real change[3];
+    delta_real done = 0.0f;
+    delta_real part = 0.5f;
+    delta_status status = DELTA_MAX_ITERATIONS;
+    delta_real at_end[3];
+    at[0] = delta_angle(w->at[1], w->at[0]);
+    at[1] = delta_angle(w->at[3], w->at[2]);
+    at[2] = delta_angle(w->at[5], w->at[4]);
+    delta_unwrap_joints(at, joints, given);
+    while ((status == DELTA_MAX_ITERATIONS) && (*count < most)) {
+        const delta_real end = done + part;
+        bool above = true;
+        for (int i = 0; i < 3; ++i) {
+            const delta_real way = given[i] - at[i];
+            change[i] = (part * way) * (part * way);
+            at_end[i] = (end < 1.0f) ? (at[i] + end * way) : given[i];
+        }
+        delta_direct_set(w, at_end);
+        delta_direct_formulas(w);
+        ++*count;
+        for (int j = 0; j < 2; ++j) {
+            above = above && (w->guard[j] > 0.0f);
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = DELTA_WRONG_BRANCH;
+        } else if (delta_line_keeps(w, change)) {
+            for (int j = 0; j < 2; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = (done + 2.0f * part <= 1.0f) ? (2.0f * part) : part;
+            if (done >= 1.0f) {
+                status = DELTA_OK;
+            }
+        } else {
+            part *= 0.5f;
+            if (part < 0.00024414062f) {
+                status = DELTA_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance,
+    delta_pose *pose, delta_real *residual)
+{
+    delta_status status = DELTA_OK;
+    const delta_real t0 = w->y[0] - 98.8135f;
+    const delta_real t1 = 112.0f * w->u[0];
+    const delta_real t2 = t0 - t1;
+    const delta_real t3 = t2 * t2;
+    const delta_real t4 = w->y[1] * w->y[1];
+    const delta_real t5 = t3 + t4;
+    const delta_real t6 = -112.0f * w->u[1];
+    const delta_real t7 = w->y[2] - t6;
+    const delta_real t8 = t7 * t7;
+    const delta_real t9 = t5 + t8;
+    const delta_real t10 = sqrtf(t9);
+    const delta_real t11 = t10 - 232.0f;
+    const delta_real t12 = w->y[0] + 49.40675f;
+    const delta_real t13 = 56.0f * w->u[2];
+    const delta_real t14 = t12 + t13;
+    const delta_real t15 = t14 * t14;
+    const delta_real t16 = w->y[1] - 85.575f;
+    const delta_real t17 = 96.99484f * w->u[2];
+    const delta_real t18 = t16 - t17;
+    const delta_real t19 = t18 * t18;
+    const delta_real t20 = t15 + t19;
+    const delta_real t21 = -112.0f * w->u[3];
+    const delta_real t22 = w->y[2] - t21;
+    const delta_real t23 = t22 * t22;
+    const delta_real t24 = t20 + t23;
+    const delta_real t25 = sqrtf(t24);
+    const delta_real t26 = t25 - 232.0f;
+    const delta_real t27 = w->y[0] + 49.40675f;
+    const delta_real t28 = 56.0f * w->u[4];
+    const delta_real t29 = t27 + t28;
+    const delta_real t30 = t29 * t29;
+    const delta_real t31 = w->y[1] + 85.575f;
+    const delta_real t32 = 96.99484f * w->u[4];
+    const delta_real t33 = t31 + t32;
+    const delta_real t34 = t33 * t33;
+    const delta_real t35 = t30 + t34;
+    const delta_real t36 = -112.0f * w->u[5];
+    const delta_real t37 = w->y[2] - t36;
+    const delta_real t38 = t37 * t37;
+    const delta_real t39 = t35 + t38;
+    const delta_real t40 = sqrtf(t39);
+    const delta_real t41 = t40 - 232.0f;
+    *residual = sqrtf(t11 * t11 + t26 * t26 + t41 * t41);
+    if (!(*residual <= tolerance + 0.00169f)) {
+        status = DELTA_SINGULAR;
+    }
+    const delta_real t43 = -0.25302747f * t0;
+    const delta_real t44 = t43 * w->u[1];
+    const delta_real t45 = 0.25302747f * w->y[2];
+    const delta_real t46 = t45 * w->u[0];
+    const delta_real t47 = t44 - t46;
+    const delta_real t48 = 0.21912822f * w->y[1];
+    const delta_real t49 = 25.00253f - t48;
+    const delta_real t50 = 0.12651373f * w->y[0];
+    const delta_real t51 = t49 + t50;
+    const delta_real t52 = t51 * w->u[3];
+    const delta_real t53 = t45 * w->u[2];
+    const delta_real t54 = t52 - t53;
+    const delta_real t55 = 0.21912822f * w->y[1];
+    const delta_real t56 = t55 + 25.00253f;
+    const delta_real t57 = t56 + t50;
+    const delta_real t58 = t57 * w->u[5];
+    const delta_real t59 = 0.25302747f * w->y[2];
+    const delta_real t60 = t59 * w->u[4];
+    const delta_real t61 = t58 - t60;
+    if (!(t47 >= -0.0243f)) { /* motor1 */
+        status = DELTA_WRONG_BRANCH;
+    }
+    if (!(t54 >= -0.0234f)) { /* motor2 */
+        status = DELTA_WRONG_BRANCH;
+    }
+    if (!(t61 >= -0.0251f)) { /* motor3 */
+        status = DELTA_WRONG_BRANCH;
+    }
+    if (status == DELTA_OK) {
+        pose->position[0] = w->y[0];
+        pose->position[1] = w->y[1];
+        pose->position[2] = w->y[2];
+        pose->quaternion[0] = 1.0f;
+        pose->quaternion[1] = 0.0f;
+        pose->quaternion[2] = 0.0f;
+        pose->quaternion[3] = 0.0f;
+    }
+    return status;
+}
+
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess,
+    delta_pose *pose, const delta_config *config, delta_info *info)
 {
     static const delta_config usual = { DELTA_TOLERANCE, DELTA_MAX_STEPS, DELTA_MAX_STEP };
     delta_direct_work w;
-    delta_status status = delta_read_guess(&w, joints, guess);
-    if (config != NULL) {
+    unsigned int count = 0U;
+    delta_real residual = HUGE_VALF;
+    delta_status status = delta_read_guess(&w, guess);
+    const delta_status limits = delta_check_limits(joints);
+    w.share = 0.0f;
+    /* NaN or infinity anywhere comes first */
+    if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
+        status = limits;
+    }
+    if (config == NULL) {
+        config = &usual;
+    } else {
         status = delta_check_config(config, status);
     }
     if (status == DELTA_OK) {
-        delta_real given[3];
-        delta_unwrap_joints(w.at, joints, given);
-        status = delta_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
-        if (status == DELTA_OK) {
-            status = delta_check_branch(w.x, given);
+        const unsigned int most = config->max_iterations;
+        delta_real change[3];
+        bool kept = false;
+        if (most > 0U) {
+            delta_direct_set(&w, joints);
+            delta_direct_formulas(&w);
+            count = 1U;
+            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right
+             * angle */
+            kept = true;
+            const delta_real move0 = w.u[0] - w.at[0];
+            const delta_real move1 = w.u[1] - w.at[1];
+            change[0] = move0 * move0 + move1 * move1;
+            kept = kept && (change[0] <= 2.0f);
+            change[0] *= 1.2338f;
+            const delta_real move2 = w.u[2] - w.at[2];
+            const delta_real move3 = w.u[3] - w.at[3];
+            change[1] = move2 * move2 + move3 * move3;
+            kept = kept && (change[1] <= 2.0f);
+            change[1] *= 1.2338f;
+            const delta_real move4 = w.u[4] - w.at[4];
+            const delta_real move5 = w.u[5] - w.at[5];
+            change[2] = move4 * move4 + move5 * move5;
+            kept = kept && (change[2] <= 2.0f);
+            change[2] *= 1.2338f;
+            kept = kept && delta_line_keeps(&w, change);
+        }
+        if (!kept) {
+            status = delta_direct_walk(&w, joints, most, &count);
         }
         if (status == DELTA_OK) {
-            delta_write_pose(&w, pose);
+            status = delta_direct_answer(&w, config->tolerance, pose, &residual);
         }
+    }
+    if (count > 0U) {
+        delta_write_info(info, count, residual, 0.0f, w.share);
     } else {
         delta_write_no_step(info, joints);
     }
     return status;
 }
 
+delta_status delta_direct(const delta_config *config, const delta_real joints[3],
+    const delta_pose *guess, delta_pose *pose, delta_info *info)
+{
+    return delta_direct_reach(joints, guess, pose, config, info);
+}
+
 delta_status delta_track(const delta_real joints[3], delta_pose *pose, delta_info *info)
 {
-    delta_direct_work w;
-    delta_status status = delta_read_guess(&w, joints, pose);
-    bool stepped = false;
-    if (status == DELTA_OK) {
-        delta_real given[3];
-        delta_unwrap_joints(w.at, joints, given);
-        /* one step of Newton's method from the last pose */
-        delta_direct_set_target(&w, given, 1.0f);
-        delta_direct_rows(&w);
-        if (delta_direct_factor(&w) == 0) {
-            status = DELTA_SINGULAR;
-        } else {
-            stepped = true;
-            delta_direct_solve(&w);
-            const delta_real size = delta_direct_apply_step(&w);
-            delta_write_info(info, 1U, 0.00513f * size, size, w.spread);
-            if (size <= 340.15607f) {
-                delta_write_pose(&w, pose);
-            } else {
-                status = DELTA_WRONG_BRANCH;
-            }
-        }
-    }
-    if (!stepped) {
-        delta_write_no_step(info, joints);
-    }
-    return status;
+    /* one evaluation */
+    static const delta_config once = { DELTA_TOLERANCE, 1U, DELTA_MAX_STEP };
+    const delta_status status = delta_direct_reach(joints, pose, pose, &once, info);
+    return (status == DELTA_MAX_ITERATIONS) ? DELTA_WRONG_BRANCH : status;
 }
 
 /* Joint values of a pose, limb by limb. */
@@ -1346,7 +1415,8 @@ delta_status delta_inverse(const delta_pose *pose, delta_real joints[3])
     return status;
 }
 
-/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand
+ * sides. */
 delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
 {
     delta_real c[3];
@@ -1393,7 +1463,8 @@ delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
 static delta_status delta_check_speeds(const delta_real speeds[], int count, delta_status status)
 {
     delta_status found = delta_check_finite(speeds, count, status);
@@ -1423,7 +1494,8 @@ delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delt
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const delta_real rate_limits[3], delta_real *feed)
+delta_status delta_feed(const delta_pose *pose, const delta_real twist[6],
+    const delta_real rate_limits[3], delta_real *feed)
 {
     delta_real rates[3];
     delta_status status = delta_check_finite(rate_limits, 3, delta_rates(pose, twist, rates));
@@ -1444,7 +1516,8 @@ delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
 delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delta_real twist[6])
 {
     static const delta_real row_scale[3] = { 442.63968f, 442.63968f, 442.63968f };

@@ -1,4 +1,5 @@
-/* A control loop with ren2008: where the platform is, cycle after cycle, and what to do when that is not known.
+/* A control loop with ren2008: where the platform is, cycle after cycle, and what to do when that
+ * is not known.
  * SPDX-License-Identifier: MIT */
 #include "ren2008.h"
 #include "ren2008_vectors.h"
@@ -21,7 +22,8 @@ static void cycle(loop_state *state, const ren2008_real joints[REN2008_JOINTS])
 {
     ren2008_pose pose = state->pose;
     ren2008_info info;
-    if ((ren2008_track(joints, &pose, &info) == REN2008_OK) && (info.residual <= REN2008_TRACK_LIMIT)) {
+    if ((ren2008_track(joints, &pose, &info) == REN2008_OK)
+        && (info.residual <= REN2008_TRACK_LIMIT)) {
         ++state->tracked;
         state->pose = pose;
     } else if (ren2008_direct(NULL, joints, &state->pose, &pose, &info) == REN2008_OK) {
@@ -29,7 +31,8 @@ static void cycle(loop_state *state, const ren2008_real joints[REN2008_JOINTS])
         ++state->recovered;
         state->pose = pose;
     } else {
-        /* joint info.joint is to blame, if it is below REN2008_JOINTS; the pose stays the last good one */
+        /* joint info.joint is to blame, if it is below REN2008_JOINTS; the pose stays the last good
+         * one */
         ++state->held;
     }
 }
@@ -48,7 +51,8 @@ int main(void)
         (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a number */
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
+     * number */
     for (int k = 1; k <= CYCLES; ++k) {
         const ren2008_real part = (ren2008_real)k / (ren2008_real)CYCLES;
         ren2008_real joints[REN2008_JOINTS];
@@ -62,7 +66,9 @@ int main(void)
             cycle(&state, joints);
         }
     }
-    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n", (double)state.pose.position[0],
-        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked, state.recovered, state.held);
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
+            state.recovered, state.held);
     return 0;
 }

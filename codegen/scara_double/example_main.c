@@ -1,4 +1,5 @@
-/* A control loop with scara: joint values of poses, cycle after cycle, and what to do when there are none.
+/* A control loop with scara: joint values of poses, cycle after cycle, and what to do when there
+ * are none.
  * SPDX-License-Identifier: MIT */
 #include "scara.h"
 #include "scara_vectors.h"
@@ -22,7 +23,8 @@ static void cycle(loop_state *state, const scara_pose *pose)
     if (scara_inverse(NULL, pose, state->joints, state->joints, &info) == SCARA_OK) {
         ++state->moved;
     } else {
-        /* joint info.joint is to blame, if it is below SCARA_JOINTS; the joint values stay the last good ones */
+        /* joint info.joint is to blame, if it is below SCARA_JOINTS; the joint values stay the last
+         * good ones */
         ++state->held;
     }
 }
@@ -35,7 +37,8 @@ int main(void)
     for (int i = 0; i < SCARA_JOINTS; ++i) {
         state.joints[i] = scara_vector_guesses[0][i];
     }
-    if ((scara_direct(state.joints, &from) != SCARA_OK) || (scara_direct(scara_vector_joints[0], &to) != SCARA_OK)) {
+    if ((scara_direct(state.joints, &from) != SCARA_OK)
+        || (scara_direct(scara_vector_joints[0], &to) != SCARA_OK)) {
         (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
         return 1;
     }
@@ -49,7 +52,8 @@ int main(void)
             cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
         }
         for (int i = 0; i < 4; ++i) {
-            const double other = (cosine < 0.0) ? -(double)to.quaternion[i] : (double)to.quaternion[i];
+            const double other = (cosine < 0.0) ? -(double)to.quaternion[i]
+                : (double)to.quaternion[i];
             const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
             pose.quaternion[i] = (scara_real)q;
             squared += q * q;
@@ -58,13 +62,15 @@ int main(void)
             pose.quaternion[i] = (scara_real)((double)pose.quaternion[i] / sqrt(squared));
         }
         for (int i = 0; i < 3; ++i) {
-            pose.position[i] = (scara_real)((1.0 - part) * (double)from.position[i] + part * (double)to.position[i]);
+            pose.position[i] = (scara_real)((1.0 - part) * (double)from.position[i]
+                + part * (double)to.position[i]);
         }
         if (k == 80) {
             pose.position[0] = (scara_real)NAN;
         }
         cycle(&state, &pose);
     }
-    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved, state.held);
+    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved,
+        state.held);
     return 0;
 }

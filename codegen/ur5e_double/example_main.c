@@ -1,4 +1,5 @@
-/* A control loop with ur5e: joint values of poses, cycle after cycle, and what to do when there are none.
+/* A control loop with ur5e: joint values of poses, cycle after cycle, and what to do when there are
+ * none.
  * SPDX-License-Identifier: MIT */
 #include "ur5e.h"
 #include "ur5e_vectors.h"
@@ -22,7 +23,8 @@ static void cycle(loop_state *state, const ur5e_pose *pose)
     if (ur5e_inverse(NULL, pose, state->joints, state->joints, &info) == UR5E_OK) {
         ++state->moved;
     } else {
-        /* joint info.joint is to blame, if it is below UR5E_JOINTS; the joint values stay the last good ones */
+        /* joint info.joint is to blame, if it is below UR5E_JOINTS; the joint values stay the last
+         * good ones */
         ++state->held;
     }
 }
@@ -35,7 +37,8 @@ int main(void)
     for (int i = 0; i < UR5E_JOINTS; ++i) {
         state.joints[i] = ur5e_vector_guesses[0][i];
     }
-    if ((ur5e_direct(state.joints, &from) != UR5E_OK) || (ur5e_direct(ur5e_vector_joints[0], &to) != UR5E_OK)) {
+    if ((ur5e_direct(state.joints, &from) != UR5E_OK)
+        || (ur5e_direct(ur5e_vector_joints[0], &to) != UR5E_OK)) {
         (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
         return 1;
     }
@@ -49,7 +52,8 @@ int main(void)
             cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
         }
         for (int i = 0; i < 4; ++i) {
-            const double other = (cosine < 0.0) ? -(double)to.quaternion[i] : (double)to.quaternion[i];
+            const double other = (cosine < 0.0) ? -(double)to.quaternion[i]
+                : (double)to.quaternion[i];
             const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
             pose.quaternion[i] = (ur5e_real)q;
             squared += q * q;
@@ -58,13 +62,15 @@ int main(void)
             pose.quaternion[i] = (ur5e_real)((double)pose.quaternion[i] / sqrt(squared));
         }
         for (int i = 0; i < 3; ++i) {
-            pose.position[i] = (ur5e_real)((1.0 - part) * (double)from.position[i] + part * (double)to.position[i]);
+            pose.position[i] = (ur5e_real)((1.0 - part) * (double)from.position[i]
+                + part * (double)to.position[i]);
         }
         if (k == 80) {
             pose.position[0] = (ur5e_real)NAN;
         }
         cycle(&state, &pose);
     }
-    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved, state.held);
+    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved,
+        state.held);
     return 0;
 }

@@ -1,4 +1,5 @@
-/* A control loop with zhang2009: where the platform is, cycle after cycle, and what to do when that is not known.
+/* A control loop with zhang2009: where the platform is, cycle after cycle, and what to do when that
+ * is not known.
  * SPDX-License-Identifier: MIT */
 #include "zhang2009.h"
 #include "zhang2009_vectors.h"
@@ -21,7 +22,8 @@ static void cycle(loop_state *state, const zhang2009_real joints[ZHANG2009_JOINT
 {
     zhang2009_pose pose = state->pose;
     zhang2009_info info;
-    if ((zhang2009_track(joints, &pose, &info) == ZHANG2009_OK) && (info.residual <= ZHANG2009_TRACK_LIMIT)) {
+    if ((zhang2009_track(joints, &pose, &info) == ZHANG2009_OK)
+        && (info.residual <= ZHANG2009_TRACK_LIMIT)) {
         ++state->tracked;
         state->pose = pose;
     } else if (zhang2009_direct(NULL, joints, &state->pose, &pose, &info) == ZHANG2009_OK) {
@@ -29,7 +31,8 @@ static void cycle(loop_state *state, const zhang2009_real joints[ZHANG2009_JOINT
         ++state->recovered;
         state->pose = pose;
     } else {
-        /* joint info.joint is to blame, if it is below ZHANG2009_JOINTS; the pose stays the last good one */
+        /* joint info.joint is to blame, if it is below ZHANG2009_JOINTS; the pose stays the last
+         * good one */
         ++state->held;
     }
 }
@@ -48,7 +51,8 @@ int main(void)
         (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a number */
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
+     * number */
     for (int k = 1; k <= CYCLES; ++k) {
         const zhang2009_real part = (zhang2009_real)k / (zhang2009_real)CYCLES;
         zhang2009_real joints[ZHANG2009_JOINTS];
@@ -62,7 +66,9 @@ int main(void)
             cycle(&state, joints);
         }
     }
-    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n", (double)state.pose.position[0],
-        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked, state.recovered, state.held);
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
+            state.recovered, state.held);
     return 0;
 }

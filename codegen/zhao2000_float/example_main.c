@@ -1,4 +1,5 @@
-/* A control loop with zhao2000: where the platform is, cycle after cycle, and what to do when that is not known.
+/* A control loop with zhao2000: where the platform is, cycle after cycle, and what to do when that
+ * is not known.
  * SPDX-License-Identifier: MIT */
 #include "zhao2000.h"
 #include "zhao2000_vectors.h"
@@ -21,7 +22,8 @@ static void cycle(loop_state *state, const zhao2000_real joints[ZHAO2000_JOINTS]
 {
     zhao2000_pose pose = state->pose;
     zhao2000_info info;
-    if ((zhao2000_track(joints, &pose, &info) == ZHAO2000_OK) && (info.residual <= ZHAO2000_TRACK_LIMIT)) {
+    if ((zhao2000_track(joints, &pose, &info) == ZHAO2000_OK)
+        && (info.residual <= ZHAO2000_TRACK_LIMIT)) {
         ++state->tracked;
         state->pose = pose;
     } else if (zhao2000_direct(NULL, joints, &state->pose, &pose, &info) == ZHAO2000_OK) {
@@ -29,7 +31,8 @@ static void cycle(loop_state *state, const zhao2000_real joints[ZHAO2000_JOINTS]
         ++state->recovered;
         state->pose = pose;
     } else {
-        /* joint info.joint is to blame, if it is below ZHAO2000_JOINTS; the pose stays the last good one */
+        /* joint info.joint is to blame, if it is below ZHAO2000_JOINTS; the pose stays the last
+         * good one */
         ++state->held;
     }
 }
@@ -48,7 +51,8 @@ int main(void)
         (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a number */
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
+     * number */
     for (int k = 1; k <= CYCLES; ++k) {
         const zhao2000_real part = (zhao2000_real)k / (zhao2000_real)CYCLES;
         zhao2000_real joints[ZHAO2000_JOINTS];
@@ -62,7 +66,9 @@ int main(void)
             cycle(&state, joints);
         }
     }
-    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n", (double)state.pose.position[0],
-        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked, state.recovered, state.held);
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
+            state.recovered, state.held);
     return 0;
 }

@@ -15,8 +15,10 @@
 #define ZHAO2000_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real values[], int count, zhao2000_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real values[], int count,
+    zhao2000_status otherwise)
 {
     zhao2000_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,8 +30,8 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
@@ -52,9 +54,10 @@ static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao20
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int count, zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int count,
+    zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -66,13 +69,16 @@ static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int 
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config *config, zhao2000_status before)
+static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config *config,
+    zhao2000_status before)
 {
     const zhao2000_real tolerance = config->tolerance;
     const zhao2000_real longest = config->max_step;
     zhao2000_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 240000.0f - longest)) && (before != ZHAO2000_NONFINITE)) {
-        const zhao2000_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 240000.0f - longest))
+        && (before != ZHAO2000_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const zhao2000_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_NONFINITE;
     }
     return status;
@@ -106,22 +112,8 @@ static zhao2000_status zhao2000_pose_coordinates(const zhao2000_pose *pose, zhao
     return status;
 }
 
-/* The pose of pose coordinates. */
-static void zhao2000_pose_from_coordinates(const zhao2000_real c[4], zhao2000_pose *pose)
-{
-    const zhao2000_real t0 = 0.5f * c[3];
-    const zhao2000_real t1 = cosf(t0);
-    const zhao2000_real t2 = sinf(t0);
-    pose->position[0] = c[0];
-    pose->position[1] = c[1];
-    pose->position[2] = c[2];
-    pose->quaternion[0] = t1;
-    pose->quaternion[1] = 0.0f;
-    pose->quaternion[2] = 0.0f;
-    pose->quaternion[3] = t2;
-}
-
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static ZHAO2000_SHARED uint8_t zhao2000_first_beyond(const zhao2000_real joints[4])
 {
     static const zhao2000_real low[4] = { -1000.0f, -1000.0f, -1000.0f, 1.1118164e-05f };
@@ -146,7 +138,8 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5f * c[3];
@@ -161,7 +154,7 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t9 = t2 * t3;
     const zhao2000_real t10 = -t9;
     const zhao2000_real t11 = t10 + t10;
-    const zhao2000_real t12 = -69.282036f + t11;
+    const zhao2000_real t12 = t11 - 69.282036f;
     const zhao2000_real t13 = c[1] + t12;
     const zhao2000_real t14 = t13 + 138.56407f;
     const zhao2000_real t15 = t14 * t14;
@@ -191,7 +184,8 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5f * c[3];
@@ -206,7 +200,7 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t9 = t2 * t3;
     const zhao2000_real t10 = -t9;
     const zhao2000_real t11 = t10 + t10;
-    const zhao2000_real t12 = -69.282036f + t11;
+    const zhao2000_real t12 = t11 - 69.282036f;
     const zhao2000_real t13 = c[1] + t12;
     const zhao2000_real t14 = t13 + 138.56407f;
     const zhao2000_real t15 = t14 * t14;
@@ -294,7 +288,8 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5f * c[3];
@@ -307,17 +302,17 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = 60.0f + t9;
+    const zhao2000_real t10 = t9 + 60.0f;
     const zhao2000_real t11 = c[0] + t10;
-    const zhao2000_real t12 = t11 + (-120.0f);
+    const zhao2000_real t12 = t11 - 120.0f;
     const zhao2000_real t13 = t12 * t12;
     const zhao2000_real t14 = t1 * t5;
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t18 = t17 + 34.641018f;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t20 = t19 - 69.282036f;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
@@ -346,7 +341,8 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5f * c[3];
@@ -359,17 +355,17 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = 60.0f + t9;
+    const zhao2000_real t10 = t9 + 60.0f;
     const zhao2000_real t11 = c[0] + t10;
-    const zhao2000_real t12 = t11 + (-120.0f);
+    const zhao2000_real t12 = t11 - 120.0f;
     const zhao2000_real t13 = t12 * t12;
     const zhao2000_real t14 = t1 * t5;
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t18 = t17 + 34.641018f;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t20 = t19 - 69.282036f;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
@@ -473,7 +469,8 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5f * c[3];
@@ -486,7 +483,7 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = -60.0f + t9;
+    const zhao2000_real t10 = t9 - 60.0f;
     const zhao2000_real t11 = c[0] + t10;
     const zhao2000_real t12 = t11 + 120.0f;
     const zhao2000_real t13 = t12 * t12;
@@ -494,9 +491,9 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t18 = t17 + 34.641018f;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t20 = t19 - 69.282036f;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
@@ -523,7 +520,8 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5f * c[3];
@@ -536,7 +534,7 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = -60.0f + t9;
+    const zhao2000_real t10 = t9 - 60.0f;
     const zhao2000_real t11 = c[0] + t10;
     const zhao2000_real t12 = t11 + 120.0f;
     const zhao2000_real t13 = t12 * t12;
@@ -544,9 +542,9 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.641018f + t17;
+    const zhao2000_real t18 = t17 + 34.641018f;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.282036f);
+    const zhao2000_real t20 = t19 - 69.282036f;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
@@ -650,8 +648,10 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
-static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4], zhao2000_real passive[6])
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
+ * reference configuration. */
+static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4],
+    zhao2000_real passive[6])
 {
     zhao2000_status status = ZHAO2000_OK;
     (void)passive;
@@ -690,692 +690,10 @@ static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* Work space of zhao2000_direct_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: radial1, height1, radial2, height2, radial3, height3, x, y, z, gamma
- * k: theta1, theta2, theta3, op
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_real x[10]; /* state */
-    zhao2000_real x0[10]; /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_real at[4]; /* known values at the guess, where the line begins */
-    zhao2000_real k[4]; /* known values aimed at */
-    zhao2000_real f[10]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_real a[100]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    zhao2000_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[10]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_direct_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_direct_rows(zhao2000_direct_work *w)
-{
-    /* row 1 */
-    const zhao2000_real t0 = 0.5f * w->x[9];
-    const zhao2000_real t1 = cosf(t0);
-    const zhao2000_real t2 = sinf(t0);
-    const zhao2000_real t3 = -69.282036f * t2;
-    const zhao2000_real t4 = t1 * t3;
-    const zhao2000_real t5 = -t4;
-    const zhao2000_real t6 = t5 + t5;
-    const zhao2000_real t7 = w->x[6] + t6;
-    const zhao2000_real t8 = w->k[0] - 1.5707964f;
-    const zhao2000_real t9 = sinf(t8);
-    const zhao2000_real t10 = w->x[0] - 69.282036f;
-    const zhao2000_real t11 = -69.282036f + t10;
-    const zhao2000_real t12 = t11 - (-138.56407f);
-    const zhao2000_real t13 = t9 * t12;
-    const zhao2000_real t14 = t7 + t13;
-    const zhao2000_real t15 = -t14;
-    w->f[0] = t15;
-    /* row 2 */
-    const zhao2000_real t17 = t2 * t3;
-    const zhao2000_real t18 = -t17;
-    const zhao2000_real t19 = t18 + t18;
-    const zhao2000_real t20 = -69.282036f + t19;
-    const zhao2000_real t21 = w->x[7] + t20;
-    const zhao2000_real t22 = cosf(t8);
-    const zhao2000_real t23 = t22 * t12;
-    const zhao2000_real t24 = -138.56407f + t23;
-    const zhao2000_real t25 = t21 - t24;
-    const zhao2000_real t26 = -t25;
-    w->f[1] = t26;
-    /* row 3 */
-    const zhao2000_real t28 = t22 * w->x[1];
-    const zhao2000_real t29 = 1.0f - t22;
-    const zhao2000_real t30 = t29 * w->x[1];
-    const zhao2000_real t31 = t28 + t30;
-    const zhao2000_real t32 = w->x[8] - t31;
-    const zhao2000_real t33 = -t32;
-    w->f[2] = t33;
-    /* row 4 */
-    const zhao2000_real t35 = 34.641018f * t2;
-    const zhao2000_real t36 = t1 * t35;
-    const zhao2000_real t37 = 60.0f * t2;
-    const zhao2000_real t38 = t2 * t37;
-    const zhao2000_real t39 = t36 + t38;
-    const zhao2000_real t40 = -t39;
-    const zhao2000_real t41 = t40 + t40;
-    const zhao2000_real t42 = 60.0f + t41;
-    const zhao2000_real t43 = w->x[6] + t42;
-    const zhao2000_real t44 = w->k[1] - 3.6651914f;
-    const zhao2000_real t45 = cosf(t44);
-    const zhao2000_real t46 = w->x[2] - 69.282036f;
-    const zhao2000_real t47 = -0.8660254f * t46;
-    const zhao2000_real t48 = 60.0f + t47;
-    const zhao2000_real t49 = t48 - 120.0f;
-    const zhao2000_real t50 = t45 * t49;
-    const zhao2000_real t51 = sinf(t44);
-    const zhao2000_real t52 = -0.5f * t46;
-    const zhao2000_real t53 = 34.641018f + t52;
-    const zhao2000_real t54 = t53 - 69.282036f;
-    const zhao2000_real t55 = t51 * t54;
-    const zhao2000_real t56 = t50 - t55;
-    const zhao2000_real t57 = 120.0f + t56;
-    const zhao2000_real t58 = t43 - t57;
-    const zhao2000_real t59 = -t58;
-    w->f[3] = t59;
-    /* row 5 */
-    const zhao2000_real t61 = t1 * t37;
-    const zhao2000_real t62 = t2 * t35;
-    const zhao2000_real t63 = t61 - t62;
-    const zhao2000_real t64 = t63 + t63;
-    const zhao2000_real t65 = 34.641018f + t64;
-    const zhao2000_real t66 = w->x[7] + t65;
-    const zhao2000_real t67 = t45 * t54;
-    const zhao2000_real t68 = t51 * t49;
-    const zhao2000_real t69 = t67 + t68;
-    const zhao2000_real t70 = 69.282036f + t69;
-    const zhao2000_real t71 = t66 - t70;
-    const zhao2000_real t72 = -t71;
-    w->f[4] = t72;
-    /* row 6 */
-    const zhao2000_real t74 = t45 * w->x[3];
-    const zhao2000_real t75 = 1.0f - t45;
-    const zhao2000_real t76 = t75 * w->x[3];
-    const zhao2000_real t77 = t74 + t76;
-    const zhao2000_real t78 = w->x[8] - t77;
-    const zhao2000_real t79 = -t78;
-    w->f[5] = t79;
-    /* row 7 */
-    const zhao2000_real t81 = -60.0f * t2;
-    const zhao2000_real t82 = t2 * t81;
-    const zhao2000_real t83 = t36 + t82;
-    const zhao2000_real t84 = -t83;
-    const zhao2000_real t85 = t84 + t84;
-    const zhao2000_real t86 = -60.0f + t85;
-    const zhao2000_real t87 = w->x[6] + t86;
-    const zhao2000_real t88 = w->k[2] - 5.7595863f;
-    const zhao2000_real t89 = cosf(t88);
-    const zhao2000_real t90 = w->x[4] - 69.282036f;
-    const zhao2000_real t91 = 0.8660254f * t90;
-    const zhao2000_real t92 = -60.0f + t91;
-    const zhao2000_real t93 = t92 - (-120.0f);
-    const zhao2000_real t94 = t89 * t93;
-    const zhao2000_real t95 = sinf(t88);
-    const zhao2000_real t96 = -0.5f * t90;
-    const zhao2000_real t97 = 34.641018f + t96;
-    const zhao2000_real t98 = t97 - 69.282036f;
-    const zhao2000_real t99 = t95 * t98;
-    const zhao2000_real t100 = t94 - t99;
-    const zhao2000_real t101 = -120.0f + t100;
-    const zhao2000_real t102 = t87 - t101;
-    const zhao2000_real t103 = -t102;
-    w->f[6] = t103;
-    /* row 8 */
-    const zhao2000_real t105 = t1 * t81;
-    const zhao2000_real t106 = t105 - t62;
-    const zhao2000_real t107 = t106 + t106;
-    const zhao2000_real t108 = 34.641018f + t107;
-    const zhao2000_real t109 = w->x[7] + t108;
-    const zhao2000_real t110 = t89 * t98;
-    const zhao2000_real t111 = t95 * t93;
-    const zhao2000_real t112 = t110 + t111;
-    const zhao2000_real t113 = 69.282036f + t112;
-    const zhao2000_real t114 = t109 - t113;
-    const zhao2000_real t115 = -t114;
-    w->f[7] = t115;
-    /* row 9 */
-    const zhao2000_real t117 = t89 * w->x[5];
-    const zhao2000_real t118 = 1.0f - t89;
-    const zhao2000_real t119 = t118 * w->x[5];
-    const zhao2000_real t120 = t117 + t119;
-    const zhao2000_real t121 = w->x[8] - t120;
-    const zhao2000_real t122 = -t121;
-    w->f[8] = t122;
-    /* row 10 */
-    const zhao2000_real t124 = w->x[6] * w->x[6];
-    const zhao2000_real t125 = w->x[7] * w->x[7];
-    const zhao2000_real t126 = t124 + t125;
-    const zhao2000_real t127 = w->x[8] * w->x[8];
-    const zhao2000_real t128 = t126 + t127;
-    const zhao2000_real t129 = w->k[3] * w->k[3];
-    const zhao2000_real t130 = t128 - t129;
-    const zhao2000_real t131 = t130 * 0.0020833334f;
-    const zhao2000_real t132 = -t131;
-    w->f[9] = t132;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_SHARED zhao2000_real zhao2000_direct_residual(const zhao2000_direct_work *w)
-{
-    zhao2000_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 10; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static zhao2000_real zhao2000_direct_apply_step(zhao2000_direct_work *w)
-{
-    const zhao2000_real t0 = w->x[0] + w->f[0];
-    const zhao2000_real t1 = w->x[1] + w->f[1];
-    const zhao2000_real t2 = w->x[2] + w->f[2];
-    const zhao2000_real t3 = w->x[3] + w->f[3];
-    const zhao2000_real t4 = w->x[4] + w->f[4];
-    const zhao2000_real t5 = w->x[5] + w->f[5];
-    const zhao2000_real t6 = w->x[6] + w->f[6];
-    const zhao2000_real t7 = w->x[7] + w->f[7];
-    const zhao2000_real t8 = w->x[8] + w->f[8];
-    const zhao2000_real t9 = 0.004166667f * w->f[9];
-    const zhao2000_real t10 = w->x[9] + t9;
-    const zhao2000_real t11 = w->f[0] * w->f[0];
-    const zhao2000_real t12 = w->f[1] * w->f[1];
-    const zhao2000_real t13 = t11 + t12;
-    const zhao2000_real t14 = w->f[2] * w->f[2];
-    const zhao2000_real t15 = t13 + t14;
-    const zhao2000_real t16 = w->f[3] * w->f[3];
-    const zhao2000_real t17 = t15 + t16;
-    const zhao2000_real t18 = w->f[4] * w->f[4];
-    const zhao2000_real t19 = t17 + t18;
-    const zhao2000_real t20 = w->f[5] * w->f[5];
-    const zhao2000_real t21 = t19 + t20;
-    const zhao2000_real t22 = w->f[6] * w->f[6];
-    const zhao2000_real t23 = t21 + t22;
-    const zhao2000_real t24 = w->f[7] * w->f[7];
-    const zhao2000_real t25 = t23 + t24;
-    const zhao2000_real t26 = w->f[8] * w->f[8];
-    const zhao2000_real t27 = t25 + t26;
-    const zhao2000_real t28 = w->f[9] * w->f[9];
-    const zhao2000_real t29 = t27 + t28;
-    w->x[0] = t0;
-    w->x[1] = t1;
-    w->x[2] = t2;
-    w->x[3] = t3;
-    w->x[4] = t4;
-    w->x[5] = t5;
-    w->x[6] = t6;
-    w->x[7] = t7;
-    w->x[8] = t8;
-    w->x[9] = t10;
-    return t29;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_SHARED void zhao2000_direct_set_target(zhao2000_direct_work *w, const zhao2000_real to[4], zhao2000_real part)
-{
-    for (int i = 0; i < 4; ++i) {
-        w->k[i] = to[i];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 4; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void zhao2000_direct_matrix(zhao2000_direct_work *w)
-{
-    const zhao2000_real t0 = w->k[0] - 1.5707964f;
-    const zhao2000_real t1 = sinf(t0);
-    w->a[0] = t1;
-    w->a[1] = 0.0f;
-    w->a[2] = 0.0f;
-    w->a[3] = 0.0f;
-    w->a[4] = 0.0f;
-    w->a[5] = 0.0f;
-    w->a[6] = 1.0f;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    const zhao2000_real t11 = 0.5f * w->x[9];
-    const zhao2000_real t12 = cosf(t11);
-    const zhao2000_real t13 = -34.641018f * t12;
-    const zhao2000_real t14 = t12 * t13;
-    const zhao2000_real t15 = sinf(t11);
-    const zhao2000_real t16 = -69.282036f * t15;
-    const zhao2000_real t17 = 0.5f * t15;
-    const zhao2000_real t18 = t16 * t17;
-    const zhao2000_real t19 = t14 - t18;
-    const zhao2000_real t20 = 0.008333334f * t19;
-    const zhao2000_real t21 = -t20;
-    w->a[9] = t21;
-    const zhao2000_real t23 = cosf(t0);
-    const zhao2000_real t24 = -t23;
-    w->a[10] = t24;
-    w->a[11] = 0.0f;
-    w->a[12] = 0.0f;
-    w->a[13] = 0.0f;
-    w->a[14] = 0.0f;
-    w->a[15] = 0.0f;
-    w->a[16] = 0.0f;
-    w->a[17] = 1.0f;
-    w->a[18] = 0.0f;
-    const zhao2000_real t34 = 0.5f * t12;
-    const zhao2000_real t35 = t16 * t34;
-    const zhao2000_real t36 = t15 * t13;
-    const zhao2000_real t37 = t35 + t36;
-    const zhao2000_real t38 = 0.008333334f * t37;
-    const zhao2000_real t39 = -t38;
-    w->a[19] = t39;
-    w->a[20] = 0.0f;
-    w->a[21] = -1.0f;
-    w->a[22] = 0.0f;
-    w->a[23] = 0.0f;
-    w->a[24] = 0.0f;
-    w->a[25] = 0.0f;
-    w->a[26] = 0.0f;
-    w->a[27] = 0.0f;
-    w->a[28] = 1.0f;
-    w->a[29] = 0.0f;
-    w->a[30] = 0.0f;
-    w->a[31] = 0.0f;
-    const zhao2000_real t53 = w->k[1] - 3.6651914f;
-    const zhao2000_real t54 = cosf(t53);
-    const zhao2000_real t55 = -0.8660254f * t54;
-    const zhao2000_real t56 = sinf(t53);
-    const zhao2000_real t57 = -0.5f * t56;
-    const zhao2000_real t58 = t55 - t57;
-    const zhao2000_real t59 = -t58;
-    w->a[32] = t59;
-    w->a[33] = 0.0f;
-    w->a[34] = 0.0f;
-    w->a[35] = 0.0f;
-    w->a[36] = 1.0f;
-    w->a[37] = 0.0f;
-    w->a[38] = 0.0f;
-    const zhao2000_real t67 = 17.320509f * t12;
-    const zhao2000_real t68 = t12 * t67;
-    const zhao2000_real t69 = 34.641018f * t15;
-    const zhao2000_real t70 = t69 * t17;
-    const zhao2000_real t71 = t68 - t70;
-    const zhao2000_real t72 = 60.0f * t15;
-    const zhao2000_real t73 = t72 * t34;
-    const zhao2000_real t74 = 30.0f * t12;
-    const zhao2000_real t75 = t15 * t74;
-    const zhao2000_real t76 = t73 + t75;
-    const zhao2000_real t77 = t71 + t76;
-    const zhao2000_real t78 = 0.008333334f * t77;
-    const zhao2000_real t79 = -t78;
-    w->a[39] = t79;
-    w->a[40] = 0.0f;
-    w->a[41] = 0.0f;
-    const zhao2000_real t83 = -0.5f * t54;
-    const zhao2000_real t84 = -0.8660254f * t56;
-    const zhao2000_real t85 = t83 + t84;
-    const zhao2000_real t86 = -t85;
-    w->a[42] = t86;
-    w->a[43] = 0.0f;
-    w->a[44] = 0.0f;
-    w->a[45] = 0.0f;
-    w->a[46] = 0.0f;
-    w->a[47] = 1.0f;
-    w->a[48] = 0.0f;
-    const zhao2000_real t94 = t12 * t74;
-    const zhao2000_real t95 = t72 * t17;
-    const zhao2000_real t96 = t94 - t95;
-    const zhao2000_real t97 = t69 * t34;
-    const zhao2000_real t98 = t15 * t67;
-    const zhao2000_real t99 = t97 + t98;
-    const zhao2000_real t100 = t96 - t99;
-    const zhao2000_real t101 = 0.008333334f * t100;
-    w->a[49] = t101;
-    w->a[50] = 0.0f;
-    w->a[51] = 0.0f;
-    w->a[52] = 0.0f;
-    w->a[53] = -1.0f;
-    w->a[54] = 0.0f;
-    w->a[55] = 0.0f;
-    w->a[56] = 0.0f;
-    w->a[57] = 0.0f;
-    w->a[58] = 1.0f;
-    w->a[59] = 0.0f;
-    w->a[60] = 0.0f;
-    w->a[61] = 0.0f;
-    w->a[62] = 0.0f;
-    w->a[63] = 0.0f;
-    const zhao2000_real t117 = w->k[2] - 5.7595863f;
-    const zhao2000_real t118 = cosf(t117);
-    const zhao2000_real t119 = 0.8660254f * t118;
-    const zhao2000_real t120 = sinf(t117);
-    const zhao2000_real t121 = -0.5f * t120;
-    const zhao2000_real t122 = t119 - t121;
-    const zhao2000_real t123 = -t122;
-    w->a[64] = t123;
-    w->a[65] = 0.0f;
-    w->a[66] = 1.0f;
-    w->a[67] = 0.0f;
-    w->a[68] = 0.0f;
-    const zhao2000_real t129 = -60.0f * t15;
-    const zhao2000_real t130 = t129 * t34;
-    const zhao2000_real t131 = -30.0f * t12;
-    const zhao2000_real t132 = t15 * t131;
-    const zhao2000_real t133 = t130 + t132;
-    const zhao2000_real t134 = t71 + t133;
-    const zhao2000_real t135 = 0.008333334f * t134;
-    const zhao2000_real t136 = -t135;
-    w->a[69] = t136;
-    w->a[70] = 0.0f;
-    w->a[71] = 0.0f;
-    w->a[72] = 0.0f;
-    w->a[73] = 0.0f;
-    const zhao2000_real t142 = -0.5f * t118;
-    const zhao2000_real t143 = 0.8660254f * t120;
-    const zhao2000_real t144 = t142 + t143;
-    const zhao2000_real t145 = -t144;
-    w->a[74] = t145;
-    w->a[75] = 0.0f;
-    w->a[76] = 0.0f;
-    w->a[77] = 1.0f;
-    w->a[78] = 0.0f;
-    const zhao2000_real t151 = t12 * t131;
-    const zhao2000_real t152 = t129 * t17;
-    const zhao2000_real t153 = t151 - t152;
-    const zhao2000_real t154 = t153 - t99;
-    const zhao2000_real t155 = 0.008333334f * t154;
-    w->a[79] = t155;
-    w->a[80] = 0.0f;
-    w->a[81] = 0.0f;
-    w->a[82] = 0.0f;
-    w->a[83] = 0.0f;
-    w->a[84] = 0.0f;
-    w->a[85] = -1.0f;
-    w->a[86] = 0.0f;
-    w->a[87] = 0.0f;
-    w->a[88] = 1.0f;
-    w->a[89] = 0.0f;
-    w->a[90] = 0.0f;
-    w->a[91] = 0.0f;
-    w->a[92] = 0.0f;
-    w->a[93] = 0.0f;
-    w->a[94] = 0.0f;
-    w->a[95] = 0.0f;
-    const zhao2000_real t173 = 0.004166667f * w->x[6];
-    w->a[96] = t173;
-    const zhao2000_real t175 = 0.004166667f * w->x[7];
-    w->a[97] = t175;
-    const zhao2000_real t177 = 0.004166667f * w->x[8];
-    w->a[98] = t177;
-    w->a[99] = 0.0f;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
-static ZHAO2000_COLD int zhao2000_direct_pivoted(zhao2000_direct_work *w)
-{
-    static const zhao2000_real scale[10] = { 0.991f, 1.0f, 0.871f, 1.0f, 0.87f, 1.0f, 1.0f, 1.0f, 1.0f, 0.288f };
-    int sign = 1;
-    zhao2000_direct_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0f;
-    for (int c = 0; c < 10; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        zhao2000_real largest = 0.0f;
-        for (int r = c; r < 10; ++r) {
-            const zhao2000_real size = fabsf(w->a[10 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 10; ++j) {
-                const zhao2000_real t = w->a[10 * c + j];
-                w->a[10 * c + j] = w->a[10 * best + j];
-                w->a[10 * best + j] = t;
-            }
-        }
-        if (w->a[10 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const zhao2000_real inverse = 1.0f / w->a[10 * c + c];
-        w->a[10 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 10; ++r) {
-            const zhao2000_real factor = w->a[10 * r + c] * inverse;
-            w->a[10 * r + c] = factor;
-            for (int j = c + 1; j < 10; ++j) {
-                w->a[10 * r + j] -= factor * w->a[10 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of zhao2000_direct_pivoted. */
-static ZHAO2000_COLD void zhao2000_direct_pivoted_solve(zhao2000_direct_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 10; ++c) {
-        const int best = (int)w->order[c];
-        const zhao2000_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 10; ++r) {
-            w->f[r] -= w->a[10 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 10 - 1; c >= 0; --c) {
-        const zhao2000_real t = w->f[c] * w->a[10 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[10 * r + c] * t;
-        }
-    }
-}
-
-/* The step from w->f into w->f. */
-static void zhao2000_direct_solve(zhao2000_direct_work *w)
-{
-    zhao2000_direct_pivoted_solve(w);
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static ZHAO2000_COLD bool zhao2000_direct_reaches_middle(zhao2000_direct_work *w, const zhao2000_real to[4], zhao2000_real middle, zhao2000_real still2)
-{
-    zhao2000_real end[10];
-    zhao2000_real size[3];
-    for (int i = 0; i < 10; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 10; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_direct_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_direct_rows(w);
-        zhao2000_direct_solve(w);
-        size[i] = zhao2000_direct_apply_step(w);
-    }
-    for (int i = 0; i < 10; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 0.5 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhao2000_status zhao2000_direct_newton(zhao2000_direct_work *w, const zhao2000_real to[4], const zhao2000_config *config, zhao2000_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_real longest2 = config->max_step * config->max_step;
-    zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_real done = 0.0f;
-    zhao2000_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_real size = 0.0f;
-    zhao2000_real kappa2 = 1.83184e-05f;
-    zhao2000_real limit;
-    zhao2000_real residual = HUGE_VALF;
-    zhao2000_real still2 = 8.381903e-07f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    zhao2000_real turn2 = 0.0f;
-    static const uint8_t places[4] = { 0, 1, 2, 3 };
-    static const zhao2000_real radians[4] = { 1.0f, 1.0f, 1.0f, 0.004166667f };
-    for (int i = 0; i < 4; ++i) {
-        const zhao2000_real turned = radians[i] * (to[places[i]] - w->at[places[i]]);
-        if (turned * turned > turn2) {
-            turn2 = turned * turned;
-        }
-    }
-    if (turn2 > 0.25f) {
-        aim = 0.5f / sqrtf(turn2);
-    }
-    zhao2000_direct_set_target(w, to, aim);
-    for (int i = 0; i < 10; ++i) {
-        w->x0[i] = w->x[i];
-    }
-    for (;;) {
-        zhao2000_direct_rows(w);
-        if (verify) {
-            residual = zhao2000_direct_residual(w);
-            if (residual <= config->tolerance + 0.00091552734f) {
-                status = ZHAO2000_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                zhao2000_direct_set_target(w, to, done);
-            }
-            int turn = zhao2000_direct_pivoted(w);
-            if (taken == 0U) {
-                zhao2000_direct_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f)) ? (1.3096724e-08f * w->spread) : 8.381903e-07f;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        zhao2000_direct_solve(w);
-        const zhao2000_real before = size;
-        size = zhao2000_direct_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_direct_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
-            zhao2000_direct_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_real error2;
-                zhao2000_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const zhao2000_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 10; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_direct_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 10; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_direct_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_write_info(info, count, residual, size, w->spread);
-    return status;
-}
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
-static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4], zhao2000_real given[4])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
+ * `at` is meant. */
+static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4],
+    zhao2000_real given[4])
 {
     static const bool turns[4] = { true, true, true, false };
     for (int i = 0; i < 4; ++i) {
@@ -1389,27 +707,8 @@ static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_rea
     }
 }
 
-/* Checks the branch of an answer, passive joints and pose coordinates x: whether each limb stands on the reference's side of its dead
- * centres, which is a sign. Else a limb has passed one on the way, which is a singularity. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_branch(const zhao2000_real x[10], const zhao2000_real given[4])
-{
-    zhao2000_status status = ZHAO2000_OK;
-    (void)x;
-    (void)given;
-    if (!(x[0] >= -0.0704f)) { /* radial1 */
-        status = ZHAO2000_WRONG_BRANCH;
-    }
-    if (!(x[2] >= -0.0672f)) { /* radial2 */
-        status = ZHAO2000_WRONG_BRANCH;
-    }
-    if (!(x[4] >= -0.0695f)) { /* radial3 */
-        status = ZHAO2000_WRONG_BRANCH;
-    }
-    return status;
-}
-
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao2000_real joints[4])
 {
     zhao2000_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -1418,91 +717,697 @@ static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao
     }
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static ZHAO2000_SHARED zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao2000_real joints[4], const zhao2000_pose *guess)
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
+static void zhao2000_cosine_and_sine(zhao2000_real angle, zhao2000_real u[2])
 {
-    const zhao2000_status limits = zhao2000_check_limits(joints);
-    zhao2000_status status;
-    zhao2000_real c[4];
-    zhao2000_real passive[6] = { 0.0f };
-    status = zhao2000_pose_coordinates(guess, c);
+    const zhao2000_real number = angle * 0.63661975f;
+    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
+    const zhao2000_real k = (zhao2000_real)quarter;
+    const zhao2000_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    const zhao2000_real square = x * x;
+    const zhao2000_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const zhao2000_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
+    const zhao2000_real cosine = odd ? s : c;
+    const zhao2000_real sine = odd ? c : s;
+    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
+    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+}
+
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: largest square of a usual root over a root's. */
+typedef struct {
+    zhao2000_real at[7];
+    zhao2000_real u[7];
+    zhao2000_real sign[2];
+    zhao2000_real left[4];
+    zhao2000_real guard[4];
+    zhao2000_real y[11];
+    zhao2000_real share;
+    unsigned int reach;
+} zhao2000_direct_work;
+
+/* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
+static zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao2000_pose *guess)
+{
+    zhao2000_real x[7];
+    zhao2000_status status = zhao2000_normalise_pose(guess, x);
     if (status == ZHAO2000_OK) {
-        status = zhao2000_solve_limbs(c, w->at, passive);
-        w->x[0] = passive[0];
-        w->x[1] = passive[1];
-        w->x[2] = passive[2];
-        w->x[3] = passive[3];
-        w->x[4] = passive[4];
-        w->x[5] = passive[5];
-        w->x[6] = c[0];
-        w->x[7] = c[1];
-        w->x[8] = c[2];
-        w->x[9] = c[3];
-        status = (status == ZHAO2000_OK) ? status : ZHAO2000_OUT_OF_RANGE;
+        const zhao2000_real t0 = 138.56407f * x[6];
+        const zhao2000_real t1 = x[3] * t0;
+        const zhao2000_real t2 = t1 + x[0];
+        const zhao2000_real t3 = t2 * t2;
+        const zhao2000_real t4 = x[6] * t0;
+        const zhao2000_real t5 = t4 + 69.282036f;
+        const zhao2000_real t6 = t5 + x[1];
+        const zhao2000_real t7 = t6 * t6;
+        const zhao2000_real t8 = t3 + t7;
+        const zhao2000_real d1 = t8;
+        const zhao2000_real r1 = (d1 > 1.89e-08f) ? sqrtf(d1) : 1.0f;
+        const zhao2000_real t11 = x[0] - 60.0f;
+        const zhao2000_real t12 = -120.0f * x[6];
+        const zhao2000_real t13 = 69.282036f * x[3];
+        const zhao2000_real t14 = t12 - t13;
+        const zhao2000_real t15 = x[6] * t14;
+        const zhao2000_real t16 = t11 + t15;
+        const zhao2000_real t17 = t16 * t16;
+        const zhao2000_real t18 = x[1] - 34.641018f;
+        const zhao2000_real t19 = -69.282036f * x[6];
+        const zhao2000_real t20 = 120.0f * x[3];
+        const zhao2000_real t21 = t19 + t20;
+        const zhao2000_real t22 = x[6] * t21;
+        const zhao2000_real t23 = t18 + t22;
+        const zhao2000_real t24 = t23 * t23;
+        const zhao2000_real t25 = t17 + t24;
+        const zhao2000_real d2 = t25;
+        const zhao2000_real r2 = (d2 > 1.72e-08f) ? sqrtf(d2) : 1.0f;
+        const zhao2000_real t28 = x[0] + 60.0f;
+        const zhao2000_real t29 = 120.0f * x[6];
+        const zhao2000_real t30 = t29 - t13;
+        const zhao2000_real t31 = x[6] * t30;
+        const zhao2000_real t32 = t28 + t31;
+        const zhao2000_real t33 = t32 * t32;
+        const zhao2000_real t34 = t19 - t20;
+        const zhao2000_real t35 = x[6] * t34;
+        const zhao2000_real t36 = t18 + t35;
+        const zhao2000_real t37 = t36 * t36;
+        const zhao2000_real t38 = t33 + t37;
+        const zhao2000_real d3 = t38;
+        const zhao2000_real r3 = (d3 > 1.84e-08f) ? sqrtf(d3) : 1.0f;
+        const zhao2000_real t41 = r1 * t2;
+        const zhao2000_real t42 = r1 * r1;
+        const zhao2000_real t43 = 1.0f / t42;
+        const zhao2000_real t44 = t41 * t43;
+        const zhao2000_real t45 = r1 * t6;
+        const zhao2000_real t46 = t45 * t43;
+        const zhao2000_real t47 = r2 * t16;
+        const zhao2000_real t48 = r2 * r2;
+        const zhao2000_real t49 = 1.0f / t48;
+        const zhao2000_real t50 = t47 * t49;
+        const zhao2000_real t51 = r2 * t23;
+        const zhao2000_real t52 = t51 * t49;
+        const zhao2000_real t53 = r3 * t32;
+        const zhao2000_real t54 = r3 * r3;
+        const zhao2000_real t55 = 1.0f / t54;
+        const zhao2000_real t56 = t53 * t55;
+        const zhao2000_real t57 = r3 * t36;
+        const zhao2000_real t58 = t57 * t55;
+        const zhao2000_real t59 = x[2] * x[2];
+        const zhao2000_real t60 = x[1] * x[1];
+        const zhao2000_real t61 = t59 + t60;
+        const zhao2000_real t62 = x[0] * x[0];
+        const zhao2000_real t63 = t61 + t62;
+        const zhao2000_real t64 = sqrtf(t63);
+        w->at[0] = t44;
+        w->at[1] = t46;
+        w->at[2] = t50;
+        w->at[3] = t52;
+        w->at[4] = t56;
+        w->at[5] = t58;
+        w->at[6] = t64;
+        const zhao2000_real t72 = 60.0f * t56;
+        const zhao2000_real t73 = t52 * t72;
+        const zhao2000_real t74 = 60.0f * t58;
+        const zhao2000_real t75 = t50 * t74;
+        const zhao2000_real t76 = t73 + t75;
+        const zhao2000_real t77 = t46 * t76;
+        const zhao2000_real t78 = 103.92305f * t58;
+        const zhao2000_real t79 = t50 * t78;
+        const zhao2000_real t80 = -120.0f * t58;
+        const zhao2000_real t81 = 103.92305f * t56;
+        const zhao2000_real t82 = t80 - t81;
+        const zhao2000_real t83 = t52 * t82;
+        const zhao2000_real t84 = t79 + t83;
+        const zhao2000_real t85 = t44 * t84;
+        const zhao2000_real t86 = t77 + t85;
+        const zhao2000_real t87 = x[6] + x[6];
+        const zhao2000_real t88 = x[3] * t87;
+        const zhao2000_real t89 = t86 * t88;
+        const zhao2000_real t90 = -60.0f * t56;
+        const zhao2000_real t91 = t52 * t90;
+        const zhao2000_real t92 = -60.0f * t58;
+        const zhao2000_real t93 = t50 * t92;
+        const zhao2000_real t94 = t91 + t93;
+        const zhao2000_real t95 = t44 * t94;
+        const zhao2000_real t96 = t52 * t81;
+        const zhao2000_real t97 = -103.92305f * t58;
+        const zhao2000_real t98 = 120.0f * t56;
+        const zhao2000_real t99 = t97 + t98;
+        const zhao2000_real t100 = t50 * t99;
+        const zhao2000_real t101 = t96 + t100;
+        const zhao2000_real t102 = t46 * t101;
+        const zhao2000_real t103 = t95 + t102;
+        const zhao2000_real t104 = x[3] * x[3];
+        const zhao2000_real t105 = x[6] * x[6];
+        const zhao2000_real t106 = t104 - t105;
+        const zhao2000_real t107 = t103 * t106;
+        const zhao2000_real t108 = t89 + t107;
+        const zhao2000_real t109 = -t108;
+        w->sign[0] = (t109 < 0.0f) ? -1.0f : 1.0f;
+        w->sign[1] = (x[2] < 0.0f) ? -1.0f : 1.0f;
+        const zhao2000_real t112 = t108 * t108;
+        w->left[0] = t112;
+        const zhao2000_real t114 = t86 * t86;
+        const zhao2000_real t115 = t103 * t103;
+        const zhao2000_real t116 = t114 + t115;
+        const zhao2000_real t117 = t116 * t116;
+        const zhao2000_real t118 = x[2] * t117;
+        const zhao2000_real t119 = x[2] * t118;
+        w->left[1] = t119;
+        w->left[2] = t116;
+        const zhao2000_real t122 = t58 * t58;
+        const zhao2000_real t123 = t52 * t52;
+        const zhao2000_real t124 = t122 + t123;
+        const zhao2000_real t125 = t46 * t46;
+        const zhao2000_real t126 = t124 + t125;
+        const zhao2000_real t127 = t56 * t56;
+        const zhao2000_real t128 = t50 * t50;
+        const zhao2000_real t129 = t127 + t128;
+        const zhao2000_real t130 = t44 * t44;
+        const zhao2000_real t131 = t129 + t130;
+        const zhao2000_real t132 = t126 * t131;
+        const zhao2000_real t133 = t56 * t58;
+        const zhao2000_real t134 = t50 * t52;
+        const zhao2000_real t135 = t133 + t134;
+        const zhao2000_real t136 = t44 * t46;
+        const zhao2000_real t137 = t135 + t136;
+        const zhao2000_real t138 = t137 * t137;
+        const zhao2000_real t139 = t132 - t138;
+        w->left[3] = t139;
+        const zhao2000_real t141 = 480.0f * x[4];
+        const zhao2000_real t142 = 480.0f * x[5];
+        if (!((d1 > 1.89e-08f) && (d2 > 1.72e-08f) && (d3 > 1.84e-08f)
+            && (fabsf(t141) <= 0.00091552734f) && (fabsf(t142) <= 0.00091552734f))) {
+            status = ZHAO2000_OUT_OF_RANGE;
+        }
+        if ((status == ZHAO2000_OK) && !((w->left[0] > 0.371f) && (w->left[1] > 1.45e+09f)
+            && (w->left[2] > 0.124f) && (w->left[3] > 1.14e-05f))) {
+            status = ZHAO2000_SINGULAR;
+        }
     }
-    /* NaN or infinity anywhere comes first */
-    return ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) ? limits : status;
+    return status;
 }
 
-/* Writes the pose of the state. */
-static ZHAO2000_SHARED void zhao2000_write_pose(const zhao2000_direct_work *w, zhao2000_pose *pose)
+/* The formulas (README.md) at w->u: unknowns and guards. */
+static void zhao2000_direct_formulas(zhao2000_direct_work *w)
 {
-    zhao2000_pose_from_coordinates(&w->x[6], pose);
+    const zhao2000_real t0 = 60.0f * w->u[4];
+    const zhao2000_real t1 = w->u[3] * t0;
+    const zhao2000_real t2 = 60.0f * w->u[5];
+    const zhao2000_real t3 = w->u[2] * t2;
+    const zhao2000_real t4 = t1 + t3;
+    const zhao2000_real t5 = w->u[1] * t4;
+    const zhao2000_real t6 = 103.92305f * w->u[5];
+    const zhao2000_real t7 = w->u[2] * t6;
+    const zhao2000_real t8 = -120.0f * w->u[5];
+    const zhao2000_real t9 = 103.92305f * w->u[4];
+    const zhao2000_real t10 = t8 - t9;
+    const zhao2000_real t11 = w->u[3] * t10;
+    const zhao2000_real t12 = t7 + t11;
+    const zhao2000_real t13 = w->u[0] * t12;
+    const zhao2000_real t14 = t5 + t13;
+    const zhao2000_real t15 = t14 * t14;
+    const zhao2000_real t16 = -60.0f * w->u[4];
+    const zhao2000_real t17 = w->u[3] * t16;
+    const zhao2000_real t18 = -60.0f * w->u[5];
+    const zhao2000_real t19 = w->u[2] * t18;
+    const zhao2000_real t20 = t17 + t19;
+    const zhao2000_real t21 = w->u[0] * t20;
+    const zhao2000_real t22 = w->u[3] * t9;
+    const zhao2000_real t23 = -103.92305f * w->u[5];
+    const zhao2000_real t24 = 120.0f * w->u[4];
+    const zhao2000_real t25 = t23 + t24;
+    const zhao2000_real t26 = w->u[2] * t25;
+    const zhao2000_real t27 = t22 + t26;
+    const zhao2000_real t28 = w->u[1] * t27;
+    const zhao2000_real t29 = t21 + t28;
+    const zhao2000_real t30 = t29 * t29;
+    const zhao2000_real t31 = t15 + t30;
+    const zhao2000_real t32 = -120.0f * w->u[4];
+    const zhao2000_real t33 = w->u[3] * t32;
+    const zhao2000_real t34 = w->u[2] * t8;
+    const zhao2000_real t35 = t33 + t34;
+    const zhao2000_real t36 = w->u[1] * t35;
+    const zhao2000_real t37 = -207.8461f * w->u[5];
+    const zhao2000_real t38 = w->u[2] * t37;
+    const zhao2000_real t39 = 240.0f * w->u[5];
+    const zhao2000_real t40 = 207.8461f * w->u[4];
+    const zhao2000_real t41 = t39 + t40;
+    const zhao2000_real t42 = w->u[3] * t41;
+    const zhao2000_real t43 = t38 + t42;
+    const zhao2000_real t44 = w->u[0] * t43;
+    const zhao2000_real t45 = t36 + t44;
+    const zhao2000_real t46 = t45 * t45;
+    const zhao2000_real t47 = t31 - t46;
+    const zhao2000_real d1 = t47; /* above 0 where pose.gamma has two values */
+    const zhao2000_real r1 = w->sign[0] * sqrtf((d1 > 0.0f) ? d1 : 0.0f);
+    const zhao2000_real t50 = w->u[6] * w->u[6];
+    const zhao2000_real t51 = w->u[1] * w->u[1];
+    const zhao2000_real t52 = w->u[3] * w->u[3];
+    const zhao2000_real t53 = t51 + t52;
+    const zhao2000_real t54 = w->u[5] * w->u[5];
+    const zhao2000_real t55 = t53 + t54;
+    const zhao2000_real t56 = t29 * t45;
+    const zhao2000_real t57 = t14 * r1;
+    const zhao2000_real t58 = t56 - t57;
+    const zhao2000_real t59 = 1.0f / t31;
+    const zhao2000_real t60 = t58 * t59;
+    const zhao2000_real t61 = 34.641018f * t60;
+    const zhao2000_real t62 = t61 + 120.0f;
+    const zhao2000_real t63 = t14 * t45;
+    const zhao2000_real t64 = t29 * r1;
+    const zhao2000_real t65 = t63 + t64;
+    const zhao2000_real t66 = t65 * t59;
+    const zhao2000_real t67 = 60.0f * t66;
+    const zhao2000_real t68 = t62 + t67;
+    const zhao2000_real t69 = w->u[3] * t68;
+    const zhao2000_real t70 = 60.0f * t60;
+    const zhao2000_real t71 = t70 - 69.282036f;
+    const zhao2000_real t72 = 34.641018f * t66;
+    const zhao2000_real t73 = t71 - t72;
+    const zhao2000_real t74 = w->u[2] * t73;
+    const zhao2000_real t75 = t69 + t74;
+    const zhao2000_real t76 = w->u[2] * t75;
+    const zhao2000_real t77 = 69.282036f * t60;
+    const zhao2000_real t78 = w->u[1] * t77;
+    const zhao2000_real t79 = 69.282036f * t66;
+    const zhao2000_real t80 = -138.56407f - t79;
+    const zhao2000_real t81 = w->u[0] * t80;
+    const zhao2000_real t82 = t78 + t81;
+    const zhao2000_real t83 = w->u[0] * t82;
+    const zhao2000_real t84 = t76 - t83;
+    const zhao2000_real t85 = 34.641018f * t60;
+    const zhao2000_real t86 = t85 - 120.0f;
+    const zhao2000_real t87 = t86 - t67;
+    const zhao2000_real t88 = w->u[5] * t87;
+    const zhao2000_real t89 = -69.282036f - t70;
+    const zhao2000_real t90 = 34.641018f * t66;
+    const zhao2000_real t91 = t89 - t90;
+    const zhao2000_real t92 = w->u[4] * t91;
+    const zhao2000_real t93 = t88 + t92;
+    const zhao2000_real t94 = w->u[4] * t93;
+    const zhao2000_real t95 = t84 + t94;
+    const zhao2000_real t96 = t55 * t95;
+    const zhao2000_real t97 = w->u[3] * t75;
+    const zhao2000_real t98 = w->u[1] * t82;
+    const zhao2000_real t99 = t97 - t98;
+    const zhao2000_real t100 = w->u[5] * t93;
+    const zhao2000_real t101 = t99 + t100;
+    const zhao2000_real t102 = w->u[4] * w->u[5];
+    const zhao2000_real t103 = w->u[2] * w->u[3];
+    const zhao2000_real t104 = t102 + t103;
+    const zhao2000_real t105 = w->u[0] * w->u[1];
+    const zhao2000_real t106 = t104 + t105;
+    const zhao2000_real t107 = t101 * t106;
+    const zhao2000_real t108 = t96 - t107;
+    const zhao2000_real t109 = w->u[4] * w->u[4];
+    const zhao2000_real t110 = w->u[2] * w->u[2];
+    const zhao2000_real t111 = t109 + t110;
+    const zhao2000_real t112 = w->u[0] * w->u[0];
+    const zhao2000_real t113 = t111 + t112;
+    const zhao2000_real t114 = t55 * t113;
+    const zhao2000_real t115 = t106 * t106;
+    const zhao2000_real t116 = t114 - t115;
+    const zhao2000_real t117 = 1.0f / t116;
+    const zhao2000_real t118 = t108 * t117;
+    const zhao2000_real t119 = t118 * t118;
+    const zhao2000_real t120 = t106 * t95;
+    const zhao2000_real t121 = t101 * t113;
+    const zhao2000_real t122 = t120 - t121;
+    const zhao2000_real t123 = t122 * t117;
+    const zhao2000_real t124 = t123 * t123;
+    const zhao2000_real t125 = t119 + t124;
+    const zhao2000_real t126 = t50 - t125;
+    const zhao2000_real d2 = t126; /* above 0 where pose.z has two values */
+    const zhao2000_real r2 = w->sign[1] * sqrtf((d2 > 0.0f) ? d2 : 0.0f);
+    w->guard[0] = t47;
+    const zhao2000_real t130 = t31 * t31;
+    const zhao2000_real t131 = t130 * t126;
+    w->guard[1] = t131;
+    w->guard[2] = t31;
+    w->guard[3] = t116;
+    const zhao2000_real t135 = 138.56407f - t118;
+    const zhao2000_real t136 = t135 + t79;
+    const zhao2000_real t137 = w->u[1] * t136;
+    const zhao2000_real t138 = t77 - t123;
+    const zhao2000_real t139 = w->u[0] * t138;
+    const zhao2000_real t140 = t137 + t139;
+    w->y[0] = t140;
+    w->y[1] = r2;
+    const zhao2000_real t143 = -120.0f - t123;
+    const zhao2000_real t144 = t143 - t61;
+    const zhao2000_real t145 = t144 - t67;
+    const zhao2000_real t146 = w->u[2] * t145;
+    const zhao2000_real t147 = -69.282036f - t118;
+    const zhao2000_real t148 = t147 + t70;
+    const zhao2000_real t149 = t148 - t72;
+    const zhao2000_real t150 = w->u[3] * t149;
+    const zhao2000_real t151 = t146 + t150;
+    w->y[2] = t151;
+    w->y[3] = r2;
+    const zhao2000_real t154 = 120.0f - t123;
+    const zhao2000_real t155 = t154 - t61;
+    const zhao2000_real t156 = t155 + t67;
+    const zhao2000_real t157 = w->u[4] * t156;
+    const zhao2000_real t158 = t147 - t70;
+    const zhao2000_real t159 = t158 - t72;
+    const zhao2000_real t160 = w->u[5] * t159;
+    const zhao2000_real t161 = t157 + t160;
+    w->y[4] = t161;
+    w->y[5] = r2;
+    const zhao2000_real t164 = -t123;
+    w->y[6] = t164;
+    const zhao2000_real t166 = -t118;
+    w->y[7] = t166;
+    w->y[8] = r2;
+    const zhao2000_real t169 = -t66;
+    w->y[9] = t169;
+    w->y[10] = t60;
+    w->share = 30400.0f / d1;
+    if (9440.0f / d2 > w->share) {
+        w->share = 9440.0f / d2;
+    }
 }
 
-zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
+/* Sets w->u to joint values. */
+static void zhao2000_direct_set(zhao2000_direct_work *w, const zhao2000_real joints[4])
 {
-    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
+    zhao2000_cosine_and_sine(joints[0], &w->u[0]);
+    zhao2000_cosine_and_sine(joints[1], &w->u[2]);
+    zhao2000_cosine_and_sine(joints[2], &w->u[4]);
+    w->u[6] = joints[3];
+}
+
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_real change[4])
+{
+    static const zhao2000_real weights[3][4][4] = {
+        { { 216000.0f, 216000.0f, 216000.0f, 0.0f }, { 2.14e+14f, 2.14e+14f, 2.14e+14f,
+            5.67e+11f }, { 57600.0f, 57600.0f, 57600.0f, 0.0f }, { 4.0f, 4.0f, 4.0f, 0.0f } },
+            { { 216000.0f, 216000.0f, 216000.0f, 0.0f }, { 3.44e+14f, 3.44e+14f, 3.44e+14f,
+            9.59e+11f }, { 57600.0f, 57600.0f, 57600.0f, 0.0f }, { 4.0f, 4.0f, 4.0f, 0.0f } },
+            { { 216000.0f, 216000.0f, 216000.0f, 0.0f }, { 1.54e+15f, 1.54e+15f, 1.54e+15f,
+            2.53e+12f }, { 57600.0f, 57600.0f, 57600.0f, 0.0f }, { 4.0f, 4.0f, 4.0f, 0.0f } }
+    };
+    static const zhao2000_real by_root1[3][4] = { { 2.24e+16f, 2.24e+16f, 2.24e+16f, 0.0f },
+        { 2.24e+16f, 2.24e+16f, 2.24e+16f, 0.0f }, { 2.24e+16f, 2.24e+16f, 2.24e+16f, 0.0f } };
+    static const zhao2000_real by_cube1[3][4] = { { 2.37e+20f, 2.37e+20f, 2.37e+20f, 0.0f },
+        { 2.37e+20f, 2.37e+20f, 2.37e+20f, 0.0f }, { 2.37e+20f, 2.37e+20f, 2.37e+20f, 0.0f } };
+    static const zhao2000_real least[4] = { 0.371f, 1.45e+09f, 0.124f, 1.14e-05f };
+    bool kept = true;
+    zhao2000_real lowest[4];
+    for (int j = 0; j < 4; ++j) {
+        const zhao2000_real a = w->left[j] - least[j];
+        const zhao2000_real b = w->guard[j] - least[j];
+        const zhao2000_real lesser = (a < b) ? a : b;
+        zhao2000_real bend = 0.0f;
+        for (int i = 0; i < 4; ++i) {
+            bend += weights[w->reach][j][i] * change[i];
+        }
+        if (kept && (j == 1)) {
+            /* it holds the root of guard 0, which is at least this on the way */
+            const zhao2000_real under = lowest[0];
+            const zhao2000_real per = 1.0f / sqrtf(under);
+            for (int i = 0; i < 4; ++i) {
+                bend += per * (by_root1[w->reach][i] + by_cube1[w->reach][i] / under) * change[i];
+            }
+        }
+        kept = kept && (lesser > 0.0f) && (bend < a + b + lesser + lesser);
+        lowest[j] = lesser - 0.25f * bend;
+        kept = kept && (lowest[j] > 0.0f);
+    }
+    return kept;
+}
+
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
+static zhao2000_real zhao2000_angle(zhao2000_real s, zhao2000_real c)
+{
+    const zhao2000_real x = fabsf(c);
+    const zhao2000_real y = fabsf(s);
+    const bool steep = y > x;
+    const zhao2000_real ratio = steep ? (x / y) : (y / x);
+    const zhao2000_real square = ratio * ratio;
+    zhao2000_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
+}
+
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved
+ * where they are not. */
+static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *w,
+    const zhao2000_real joints[4], unsigned int most, unsigned int *count)
+{
+    zhao2000_real at[4];
+    zhao2000_real given[4];
+    zhao2000_real change[4];
+    zhao2000_real done = 0.0f;
+    zhao2000_real part = 0.5f;
+    zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
+    zhao2000_real at_end[4];
+    at[0] = zhao2000_angle(w->at[1], w->at[0]);
+    at[1] = zhao2000_angle(w->at[3], w->at[2]);
+    at[2] = zhao2000_angle(w->at[5], w->at[4]);
+    at[3] = w->at[6];
+    zhao2000_unwrap_joints(at, joints, given);
+    while ((status == ZHAO2000_MAX_ITERATIONS) && (*count < most)) {
+        const zhao2000_real end = done + part;
+        bool above = true;
+        for (int i = 0; i < 4; ++i) {
+            const zhao2000_real way = given[i] - at[i];
+            change[i] = (part * way) * (part * way);
+            at_end[i] = (end < 1.0f) ? (at[i] + end * way) : given[i];
+        }
+        zhao2000_direct_set(w, at_end);
+        zhao2000_direct_formulas(w);
+        ++*count;
+        for (int j = 0; j < 4; ++j) {
+            above = above && (w->guard[j] > 0.0f);
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = ZHAO2000_WRONG_BRANCH;
+        } else if (zhao2000_line_keeps(w, change)) {
+            for (int j = 0; j < 4; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = (done + 2.0f * part <= 1.0f) ? (2.0f * part) : part;
+            if (done >= 1.0f) {
+                status = ZHAO2000_OK;
+            }
+        } else {
+            part *= 0.5f;
+            if (part < 0.00024414062f) {
+                status = ZHAO2000_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w,
+    zhao2000_real tolerance, zhao2000_pose *pose, zhao2000_real *residual)
+{
+    zhao2000_status status = ZHAO2000_OK;
+    zhao2000_real h[2];
+    /* half the turn, by the larger of its cosine and sine */
+    const zhao2000_real larger = sqrtf(0.5f + 0.5f * fabsf(w->y[9]));
+    const zhao2000_real lesser = 0.5f * w->y[10] / larger;
+    if (w->y[9] >= 0.0f) {
+        h[0] = larger;
+        h[1] = lesser;
+    } else {
+        h[0] = fabsf(lesser);
+        h[1] = (lesser < 0.0f) ? -larger : larger;
+    }
+    const zhao2000_real t0 = 138.56407f * h[1];
+    const zhao2000_real t1 = h[0] * t0;
+    const zhao2000_real t2 = t1 + w->y[6];
+    const zhao2000_real t3 = w->u[0] * w->y[0];
+    const zhao2000_real t4 = t2 - t3;
+    const zhao2000_real t5 = h[1] * t0;
+    const zhao2000_real t6 = t5 + 69.282036f;
+    const zhao2000_real t7 = t6 + w->y[7];
+    const zhao2000_real t8 = w->u[1] * w->y[0];
+    const zhao2000_real t9 = t7 - t8;
+    const zhao2000_real t10 = w->y[8] - w->y[1];
+    const zhao2000_real t11 = w->y[6] - 60.0f;
+    const zhao2000_real t12 = w->u[2] * w->y[2];
+    const zhao2000_real t13 = t11 - t12;
+    const zhao2000_real t14 = -120.0f * h[1];
+    const zhao2000_real t15 = 69.282036f * h[0];
+    const zhao2000_real t16 = t14 - t15;
+    const zhao2000_real t17 = h[1] * t16;
+    const zhao2000_real t18 = t13 + t17;
+    const zhao2000_real t19 = w->y[7] - 34.641018f;
+    const zhao2000_real t20 = w->u[3] * w->y[2];
+    const zhao2000_real t21 = t19 - t20;
+    const zhao2000_real t22 = -69.282036f * h[1];
+    const zhao2000_real t23 = 120.0f * h[0];
+    const zhao2000_real t24 = t22 + t23;
+    const zhao2000_real t25 = h[1] * t24;
+    const zhao2000_real t26 = t21 + t25;
+    const zhao2000_real t27 = w->y[8] - w->y[3];
+    const zhao2000_real t28 = w->y[6] + 60.0f;
+    const zhao2000_real t29 = w->u[4] * w->y[4];
+    const zhao2000_real t30 = t28 - t29;
+    const zhao2000_real t31 = 120.0f * h[1];
+    const zhao2000_real t32 = t31 - t15;
+    const zhao2000_real t33 = h[1] * t32;
+    const zhao2000_real t34 = t30 + t33;
+    const zhao2000_real t35 = w->u[5] * w->y[4];
+    const zhao2000_real t36 = t19 - t35;
+    const zhao2000_real t37 = t22 - t23;
+    const zhao2000_real t38 = h[1] * t37;
+    const zhao2000_real t39 = t36 + t38;
+    const zhao2000_real t40 = w->y[8] - w->y[5];
+    const zhao2000_real t41 = w->y[8] * w->y[8];
+    const zhao2000_real t42 = w->y[7] * w->y[7];
+    const zhao2000_real t43 = t41 + t42;
+    const zhao2000_real t44 = w->y[6] * w->y[6];
+    const zhao2000_real t45 = t43 + t44;
+    const zhao2000_real t46 = sqrtf(t45);
+    const zhao2000_real t47 = t46 - w->u[6];
+    *residual = sqrtf(t4 * t4 + t9 * t9 + t10 * t10 + 0.0f * 0.0f + t18 * t18 + t26 * t26
+        + t27 * t27 + t34 * t34 + t39 * t39 + t40 * t40 + t47 * t47);
+    if (!(*residual <= tolerance + 0.000916f)) {
+        status = ZHAO2000_SINGULAR;
+    }
+    if (!(w->y[0] >= -0.0704f)) { /* radial1 */
+        status = ZHAO2000_WRONG_BRANCH;
+    }
+    if (!(w->y[2] >= -0.0672f)) { /* radial2 */
+        status = ZHAO2000_WRONG_BRANCH;
+    }
+    if (!(w->y[4] >= -0.0695f)) { /* radial3 */
+        status = ZHAO2000_WRONG_BRANCH;
+    }
+    if (status == ZHAO2000_OK) {
+        pose->position[0] = w->y[6];
+        pose->position[1] = w->y[7];
+        pose->position[2] = w->y[8];
+        pose->quaternion[0] = h[0];
+        pose->quaternion[1] = 0.0f;
+        pose->quaternion[2] = 0.0f;
+        pose->quaternion[3] = h[1];
+    }
+    return status;
+}
+
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
+    const zhao2000_pose *guess, zhao2000_pose *pose, const zhao2000_config *config,
+    zhao2000_info *info)
+{
+    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS,
+        ZHAO2000_MAX_STEP };
     zhao2000_direct_work w;
-    zhao2000_status status = zhao2000_read_guess(&w, joints, guess);
-    if (config != NULL) {
+    unsigned int count = 0U;
+    zhao2000_real residual = HUGE_VALF;
+    zhao2000_status status = zhao2000_read_guess(&w, guess);
+    const zhao2000_status limits = zhao2000_check_limits(joints);
+    w.share = 0.0f;
+    w.reach = 0U;
+    /* NaN or infinity anywhere comes first */
+    if ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) {
+        status = limits;
+    }
+    if (config == NULL) {
+        config = &usual;
+    } else {
         status = zhao2000_check_config(config, status);
     }
     if (status == ZHAO2000_OK) {
-        zhao2000_real given[4];
-        zhao2000_unwrap_joints(w.at, joints, given);
-        status = zhao2000_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
-        if (status == ZHAO2000_OK) {
-            status = zhao2000_check_branch(w.x, given);
+        /* which part of the slides' ranges holds both ends of the line */
+        zhao2000_real excursion = 0.0020833334f * fabsf(w.at[6] - 100.0f);
+        {
+            const zhao2000_real other = 0.0020833334f * fabsf(joints[3] - 100.0f);
+            excursion = (other > excursion) ? other : excursion;
+        }
+        w.reach += (excursion > 0.0625f) ? 1U : 0U;
+        w.reach += (excursion > 0.25f) ? 1U : 0U;
+        if (!(excursion <= 1.0f)) {
+            status = ZHAO2000_WRONG_BRANCH;
+        }
+    }
+    if (status == ZHAO2000_OK) {
+        const unsigned int most = config->max_iterations;
+        zhao2000_real change[4];
+        bool kept = false;
+        if (most > 0U) {
+            zhao2000_direct_set(&w, joints);
+            zhao2000_direct_formulas(&w);
+            count = 1U;
+            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right
+             * angle */
+            kept = true;
+            const zhao2000_real move0 = w.u[0] - w.at[0];
+            const zhao2000_real move1 = w.u[1] - w.at[1];
+            change[0] = move0 * move0 + move1 * move1;
+            kept = kept && (change[0] <= 2.0f);
+            change[0] *= 1.2338f;
+            const zhao2000_real move2 = w.u[2] - w.at[2];
+            const zhao2000_real move3 = w.u[3] - w.at[3];
+            change[1] = move2 * move2 + move3 * move3;
+            kept = kept && (change[1] <= 2.0f);
+            change[1] *= 1.2338f;
+            const zhao2000_real move4 = w.u[4] - w.at[4];
+            const zhao2000_real move5 = w.u[5] - w.at[5];
+            change[2] = move4 * move4 + move5 * move5;
+            kept = kept && (change[2] <= 2.0f);
+            change[2] *= 1.2338f;
+            const zhao2000_real move6 = w.u[6] - w.at[6];
+            change[3] = move6 * move6;
+            kept = kept && zhao2000_line_keeps(&w, change);
+        }
+        if (!kept) {
+            status = zhao2000_direct_walk(&w, joints, most, &count);
         }
         if (status == ZHAO2000_OK) {
-            zhao2000_write_pose(&w, pose);
+            status = zhao2000_direct_answer(&w, config->tolerance, pose, &residual);
         }
+    }
+    if (count > 0U) {
+        zhao2000_write_info(info, count, residual, 0.0f, w.share);
     } else {
         zhao2000_write_no_step(info, joints);
     }
     return status;
 }
 
-zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose, zhao2000_info *info)
+zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4],
+    const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
 {
-    zhao2000_direct_work w;
-    zhao2000_status status = zhao2000_read_guess(&w, joints, pose);
-    bool stepped = false;
-    if (status == ZHAO2000_OK) {
-        zhao2000_real given[4];
-        zhao2000_unwrap_joints(w.at, joints, given);
-        /* one step of Newton's method from the last pose */
-        zhao2000_direct_set_target(&w, given, 1.0f);
-        zhao2000_direct_rows(&w);
-        if (zhao2000_direct_pivoted(&w) == 0) {
-            status = ZHAO2000_SINGULAR;
-        } else {
-            stepped = true;
-            zhao2000_direct_solve(&w);
-            const zhao2000_real size = zhao2000_direct_apply_step(&w);
-            zhao2000_write_info(info, 1U, 0.00428f * size, size, w.spread);
-            if (size <= 100.0f) {
-                zhao2000_write_pose(&w, pose);
-            } else {
-                status = ZHAO2000_WRONG_BRANCH;
-            }
-        }
-    }
-    if (!stepped) {
-        zhao2000_write_no_step(info, joints);
-    }
-    return status;
+    return zhao2000_direct_reach(joints, guess, pose, config, info);
+}
+
+zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose,
+    zhao2000_info *info)
+{
+    /* one evaluation */
+    static const zhao2000_config once = { ZHAO2000_TOLERANCE, 1U, ZHAO2000_MAX_STEP };
+    const zhao2000_status status = zhao2000_direct_reach(joints, pose, pose, &once, info);
+    return (status == ZHAO2000_MAX_ITERATIONS) ? ZHAO2000_WRONG_BRANCH : status;
 }
 
 /* Joint values of a pose, limb by limb. */
@@ -1529,7 +1434,8 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
     return status;
 }
 
-/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand
+ * sides. */
 zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates[4 * 6])
 {
     zhao2000_real c[4];
@@ -1582,7 +1488,8 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
         } else {
             status = ZHAO2000_SINGULAR;
         }
-        if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6, ZHAO2000_OK) != ZHAO2000_OK)) {
+        if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6,
+            ZHAO2000_OK) != ZHAO2000_OK)) {
             status = ZHAO2000_SINGULAR;
         }
         if (status == ZHAO2000_OK) {
@@ -1598,8 +1505,10 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count, zhao2000_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count,
+    zhao2000_status status)
 {
     zhao2000_status found = zhao2000_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1611,10 +1520,12 @@ static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int c
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
-zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6], zhao2000_real rates[4])
+zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    zhao2000_real rates[4])
 {
     zhao2000_real jacobian[4 * 6];
-    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose, jacobian));
+    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose,
+        jacobian));
     if (status == ZHAO2000_OK) {
         for (int i = 0; i < 4; ++i) {
             zhao2000_real sum = 0.0f;
@@ -1628,10 +1539,12 @@ zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real tw
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6], const zhao2000_real rate_limits[4], zhao2000_real *feed)
+zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    const zhao2000_real rate_limits[4], zhao2000_real *feed)
 {
     zhao2000_real rates[4];
-    zhao2000_status status = zhao2000_check_finite(rate_limits, 4, zhao2000_rates(pose, twist, rates));
+    zhao2000_status status = zhao2000_check_finite(rate_limits, 4, zhao2000_rates(pose, twist,
+        rates));
     zhao2000_real most = 1.0f;
     for (int i = 0; (i < 4) && (status == ZHAO2000_OK); ++i) {
         const zhao2000_real rate = fabsf(rates[i]);
@@ -1649,8 +1562,10 @@ zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twi
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4], zhao2000_real twist[6])
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
+zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4],
+    zhao2000_real twist[6])
 {
     static const zhao2000_real row_scale[4] = { 240.0f, 240.0f, 240.0f, 1.0f };
     static const zhao2000_real column_scale[4] = { 1.0f, 1.0f, 1.0f, 0.004166667f };

@@ -42,16 +42,34 @@ def firmware(
     package: Annotated[bool, typer.Option("--package", help="Also files for PlatformIO, Arduino and Zephyr.")] = False,
     linuxcnc: Annotated[bool, typer.Option("--linuxcnc", help="Also a LinuxCNC kinematics component.")] = False,
     cpp: Annotated[bool, typer.Option("--cpp", help="Also a header for C++17 and later.")] = False,
+    given: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A,B,...", help="Joint coordinates of which a map is written, as many as the mobility; needs --find."
+        ),
+    ] = None,
+    find: Annotated[
+        str | None, typer.Option(metavar="C,D,...", help="Joint coordinates that the map finds, and from which it leads back.")
+    ] = None,
 ) -> None:
-    """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files."""
+    """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files.
+
+    With --given and --find: the map between joints of any mechanism, both ways, with Jacobian, rates and torques.
+    """
     from symkin.codegen.folder import write_firmware
     from symkin.formats.load import load
 
     mechanism = load(mech, read)
     pose = numbers_from(home, "home", mechanism.angle_unit)
-    also = [name for name, given in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp)) if given]
+    also = [name for name, asked in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp)) if asked]
+    names = {"given": names_from(given), "find": names_from(find), "also": also}
     files = write_firmware(
-        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose, also=also,  # type: ignore[arg-type]
+        mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose, **names,  # type: ignore[arg-type]
     )  # fmt: skip
     for path in files:
         print(path)
+
+
+def names_from(text: str | None) -> tuple[str, ...]:
+    """Names that commas part."""
+    return tuple(name.strip() for name in text.split(",") if name.strip()) if text else ()

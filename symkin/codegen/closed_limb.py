@@ -20,7 +20,7 @@ from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
 
-_RESOLVED = 32.0
+RESOLVED = 32.0
 """Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the joint is not decided there."""
 _SINGULAR = 1e-3
 """Share of a root's usual size below which the limb is near a dead centre, where rates are without bound."""
@@ -29,7 +29,7 @@ _SINGULAR = 1e-3
 def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, object]) -> str:
     """The functions that give a limb's joints, and their rates where no matrix does."""
     assert block.formulas is not None  # noqa: S101 - the caller has looked
-    written, count = _Formulas(made, block, block.formulas), len(actuated_places(block)) * int(block.sides.shape[1])
+    written, count = LimbFormulas(made, block, block.formulas), len(actuated_places(block)) * int(block.sides.shape[1])
     values = {**common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count}
     text = fill("closed_limb.c", values | {"joints_lines": indent(written.joints)})
     if not count or block.kernel is not None:
@@ -43,7 +43,7 @@ def actuated_places(block: LimbBlock) -> list[int]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Formulas:
+class LimbFormulas:
     """A limb's formulas with the reference's signs."""
 
     made: LimbPlatform
@@ -67,20 +67,20 @@ class _Formulas:
 
     @cached_property
     def _discriminants(self) -> ca.SX:
-        return self._signed(self.formulas.discriminants)
+        return self.signed(self.formulas.discriminants)
 
     @cached_property
     def _values(self) -> ca.SX:
         home = self.made.inverse.select_values(self.made.home_values, self.block.system.unknowns)
-        return self._signed(self.formulas.values_about(home))
+        return self.signed(self.formulas.values_about(home))
 
-    def _signed(self, expression: ca.SX) -> ca.SX:
+    def signed(self, expression: ca.SX) -> ca.SX:
         return ca.substitute(expression, self.formulas.signs, ca.SX(ca.DM(self.signs)))
 
     @property
     def joints(self) -> list[str]:
         """Statements of the joints."""
-        return self._lines(self._values, _RESOLVED * self.real.epsilon, "x", "OUT_OF_RANGE")
+        return self._lines(self._values, RESOLVED * self.real.epsilon, "x", "OUT_OF_RANGE")
 
     @property
     def rates(self) -> list[str]:
@@ -146,7 +146,7 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
         if block.formulas is None:
             continue
         system, formulas = block.system, block.formulas
-        written = _Formulas(made, block, formulas)
+        written = LimbFormulas(made, block, formulas)
         sides = snapped_expression(ca.densify(formulas.sides(written.signs)), [system.unknown, system.known])
         function = ca.Function("sides", [system.unknown, system.known], [sides], {"cse": True})
         inputs = [[text for c in part for text in names[c.name]] for part in (system.unknowns, known)]

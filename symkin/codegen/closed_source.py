@@ -204,18 +204,9 @@ class ClosedCode:
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
             "middles": ", ".join(literal(m) for m in middles), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
             "half": literal(0.5), "minus_half": literal(-0.5), "many": literal(_MOST_TURNS),
-            "half_turn": literal(np.pi), "quarter": literal(0.5 * np.pi),
-            "sine": self._polynomial(_SINE), "arctangent": self._polynomial(_ARCTANGENT),
+            "sine": horner(_SINE, self.real), **arctangent(self.real),
             "named": indent(named, 2),
         }  # fmt: skip
-
-    def _polynomial(self, coefficients: tuple[float, ...]) -> str:
-        """C text of a polynomial in `square`, by Horner's rule."""
-        *rest, last = (self.real.literal(c) for c in coefficients)
-        text = last
-        for c in reversed(rest):
-            text = f"{c} + square * {text if text == last else f'({text})'}"
-        return text
 
     @property
     def text(self) -> str:
@@ -252,6 +243,24 @@ class ClosedCode:
         """The section of the README."""
         lines = [f"{i}. {line}." for i, line in enumerate(self.plan.derivation(), start=1)]
         return "\n".join(lines)
+
+
+def horner(coefficients: tuple[float, ...], real: Real) -> str:
+    """C text of a polynomial in `square`, by Horner's rule."""
+    *rest, last = (real.literal(c) for c in coefficients)
+    text = last
+    for c in reversed(rest):
+        text = f"{c} + square * {text if text == last else f'({text})'}"
+    return text
+
+
+def arctangent(real: Real) -> dict[str, str]:
+    """Values of the template of an angle's polynomial."""
+    literal = real.literal
+    return {
+        "arctangent": horner(_ARCTANGENT, real), "quarter": literal(0.5 * np.pi), "half_turn": literal(np.pi),
+        "zero": literal(0.0), "fabs": real.call("fabs"),
+    }  # fmt: skip
 
 
 def _is_number(text: str) -> bool:

@@ -15,18 +15,20 @@ from symkin._version import __version__
 from symkin.codegen.c_emitter import Real, indent
 from symkin.codegen.c_templates import fill
 from symkin.codegen.cpp_header import cpp_text
+from symkin.codegen.joint_map import JointMap
+from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.line_width import narrowed
 from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options
 from symkin.codegen.package import package_files
-from symkin.codegen.program import Program, build_program
+from symkin.codegen.program import Program, build_program, is_closed
 from symkin.codegen.readme import readme
 from symkin.codegen.serial_arm import SerialArm
 from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
 from symkin.files.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
-from symkin.model.mechanism import Mechanism, require_limbs
+from symkin.model.mechanism import Mechanism, require_limbs, require_mechanism
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
@@ -40,14 +42,18 @@ def write_firmware(
     home_relative: bool = False,
     geometry: Literal["fixed", "struct"] = "fixed",
     home: Sequence[float] | None = None,
+    given: Sequence[str] = (),
+    find: Sequence[str] = (),
     also: Collection[Literal["package", "linuxcnc", "cpp"]] = (),
 ) -> list[Path]:
     """Write C99 for controllers into a folder and return its files: direct and inverse kinematics, Jacobian, test, build files.
 
     `real` is the C type of numbers; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
     gives the numbers of the geometry with each call in place of the code; `home` is the pose x, y, z, qw, qx, qy, qz (length
-    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `also` asks for more files: "package"
-    (PlatformIO, Arduino, Zephyr), "linuxcnc" (a kinematics component), "cpp" (a header for C++17). Raises InputError for a
+    unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `given` and `find` name joint
+    coordinates, as many of each as the mobility: the code is then the map from one to the other and back, of any mechanism, graphs
+    and files of robots too, with Jacobian, rates and torques. `also` asks for more files: "package" (PlatformIO, Arduino, Zephyr), "linuxcnc" (a
+    kinematics component), "cpp" (a header for C++17). Raises InputError for a
     mechanism that no code can be written for, options that do not fit it, and a folder that holds files of somebody else.
 
     >>> import symkin, tempfile
@@ -55,8 +61,19 @@ def write_firmware(
     ...     [path.name for path in symkin.write_firmware(symkin.load("gluon_6l3"), folder, real="float")][:3]
     ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
     """
-    require_limbs(mechanism, "firmware", "describe the machine by limbs")
-    options = Options(real, home_relative, geometry, None if home is None else tuple(float(v) for v in home), tuple(also))
+    options = Options(
+        real,
+        home_relative,
+        geometry,
+        None if home is None else tuple(float(v) for v in home),
+        tuple(given),
+        tuple(find),
+        tuple(also),
+    )
+    require_mechanism(mechanism)
+    if not options.is_map:
+        remedy = "describe the machine by limbs, or map joints to joints by --given and --find (given and find in Python)"
+        require_limbs(mechanism, "firmware", remedy)
     return write_folder(mechanism, Path(directory), options)
 
 
@@ -96,7 +113,8 @@ def _check_files(folder: Path, files: dict[str, str]) -> None:
 def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
     """Text of each file by its name."""
     program = build_program(mechanism, options)
-    vectors = build_vectors(program.kind)
+    kind = program.kind
+    made = MapVectors(kind) if isinstance(kind, JointMap) else build_vectors(kind)
     name = mechanism.name
     values = program.values | _test_values(program)
     values |= _closed_values(program, values)
@@ -105,14 +123,15 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
         f"{name}.h": program.header,
         f"{name}.c": program.source,
         f"{name}_test.c": fill(f"{templates}_test.c", values),
-        f"{name}_vectors.h": vectors_text(program, vectors),
+        f"{name}_vectors.h": made.text() if isinstance(made, MapVectors) else vectors_text(program, made),
         "example_main.c": fill(f"{templates}_example.c", values),
         "CMakeLists.txt": fill("CMakeLists.txt", values),
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
     }
     files |= package_files(mechanism, values) if options.package else {}
-    files |= {f"{name}_kins.c": linuxcnc_text(program, vectors.home)} if options.linuxcnc else {}
+    if options.linuxcnc and not isinstance(made, MapVectors):
+        files[f"{name}_kins.c"] = linuxcnc_text(program, made.home)
     files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
     files = {file: narrowed(text) if file.endswith((".c", ".h", ".hpp")) else text for file, text in files.items()}
     files[MANIFEST] = manifest(program, files)
@@ -132,6 +151,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "home_relative": options.home_relative,
             "geometry": options.geometry,
             "home": options.home,
+            **({"given": options.given, "find": options.find} if options.is_map else {}),
             **{str(name): True for name in options.also},
         },
         "operations_per_iteration": program.main.operations,
@@ -158,7 +178,7 @@ def _test_values(program: Program) -> dict[str, object]:
         if struct
         else ""
     )
-    return _redundant_values(program) | {
+    return _redundant_values(program) | _map_values(program) | {
         "far": real.literal(1e4 * max(mechanism.characteristic_length, 1.0)),
         "angle_bound": _angle_bound(program),
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
@@ -166,10 +186,23 @@ def _test_values(program: Program) -> dict[str, object]:
         "gpe": f"const {name}_geometry *geometry, " if struct else "",
         "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
         "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
+        **_one_step_values(program),
         "speed_bound": "1e-3" if real.name == "float" else "1e-9",
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
         "closed_test": "", "closed_call": "",
     }  # fmt: skip
+
+
+def _one_step_values(program: Program) -> dict[str, object]:
+    """The test that one step from home is not enough, for a direct problem that is iterated."""
+    if is_closed(program.kind):
+        return {"one_step": "", "one_step_is_few": ""}
+    prefix, few = program.mechanism.name, f"{program.mechanism.name.upper()}_MAX_ITERATIONS"
+    sizes = f"{prefix.upper()}_TOLERANCE, 1U, {prefix.upper()}_MAX_STEP"
+    return {
+        "one_step": f"    const {prefix}_config one_step = {{ {sizes} }};",
+        "one_step_is_few": f'    expect(refused(&one_step, joints, &home, "one step is not enough") == {few}, "MAX_ITERATIONS", 0);',
+    }
 
 
 def _closed_values(program: Program, values: dict[str, object]) -> dict[str, object]:
@@ -186,6 +219,15 @@ def _closed_values(program: Program, values: dict[str, object]) -> dict[str, obj
         "closed_test": fill("closed_test.c", values | own),
         "closed_call": "    closed_form();\n    closed_refusals();",
     }
+
+
+def _map_values(program: Program) -> dict[str, object]:
+    """What makes differences of a map's values lengths."""
+    kind = program.kind
+    if not isinstance(kind, JointMap):
+        return {}
+    parts = {"joint_weights": kind.given, "found_weights": kind.found}
+    return {key: ", ".join(f"{kind.size if c.is_angular else 1.0!r}" for c in part) for key, part in parts.items()}
 
 
 def _angle_bound(program: Program) -> str:
@@ -235,7 +277,7 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
         f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
         f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
-        f"#define {name.upper()}_VECTOR_FAR {int(np.linalg.norm(far[:3] - vectors.poses[0][:3]) > 0.06 * program.mechanism.characteristic_length)}", "",
+        f"#define {name.upper()}_VECTOR_FAR {int(_is_too_far(program, far, vectors))}", "",
     ]  # fmt: skip
     for label, table in tables:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)
@@ -256,6 +298,12 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         "",
     ]
     return "\n".join(lines)
+
+
+def _is_too_far(program: Program, far: np.ndarray, vectors: Vectors) -> bool:
+    """Whether one step of tracking cannot bring the platform there: formulas can."""
+    away = np.linalg.norm(far[:3] - vectors.poses[0][:3])
+    return not is_closed(program.kind) and bool(away > 0.06 * program.mechanism.characteristic_length)
 
 
 def _table(head: str, table: np.ndarray, real: Real) -> list[str]:

@@ -17,6 +17,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Real
+from symkin.codegen.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
@@ -102,6 +103,13 @@ class LimbPlatform:
     def direct_kernel(self) -> Kernel:
         """The Newton iteration of the direct problem."""
         return system_kernel("direct", self.geometry.system(self.direct), self.direct.known_coordinates, self.geometry.symbols)
+
+    @cached_property
+    def direct_formulas(self) -> DirectFormulas | None:
+        """The closed form of the direct problem, where the geometry is constant and all limbs have one too."""
+        if self.geometry.at_run_time or not self.tells_branch:
+            return None
+        return direct_formulas(self.direct, self.samples)
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, farthest, fill
+from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
@@ -56,11 +57,25 @@ class LimbPlatformSource:
         made, real, values = self.made, self.real, self.values
         ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
         return "".join([
-            fill("pose_and_info.c", values), pose_coordinates_text(made.geometry, real, values), pose_text(made.geometry, real, values),
+            fill("pose.c", values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values),
+            "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
             range_functions(ranges, real, values), *(self._limb_text(block) for block in made.blocks),
-            self._solve_limbs, self.code.text, self._unwrap_joints, self._turn_into_limits, self._check_branch,
-            fill("parallel_direct.c", values), "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,
+            self._solve_limbs, *self._direct, "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,
         ])  # fmt: skip
+
+    @property
+    def _direct(self) -> list[str]:
+        """The direct problem: by formulas where there are some, else by Newton's method."""
+        found, turns = self.made.direct_formulas, [self._unwrap_joints, self._turn_into_limits]
+        if found is not None:
+            return [*turns, fill("no_step.c", self._common), ClosedDirectSource(self.made, found, self._common).text]
+        return [
+            self.code.text,
+            *turns,
+            self._check_branch,
+            fill("no_step.c", self._common),
+            fill("parallel_direct.c", self.values),
+        ]
 
     @cached_property
     def code(self) -> NewtonCode:
@@ -303,7 +318,8 @@ class LimbPlatformSource:
         """NAME_twist."""
         if decides_twist(self.made.mechanism):
             return square_twist(self.made.mechanism, self.real, self._common)
-        return closure_twist(self.made, self._common, self.code.kernel)
+        driver = None if self.made.direct_formulas is not None else self.code.kernel
+        return closure_twist(self.made, self._common, driver)
 
     @property
     def _to_middle(self) -> list[str]:

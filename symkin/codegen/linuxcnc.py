@@ -6,6 +6,7 @@ import numpy as np
 
 from symkin.codegen.c_emitter import indent
 from symkin.codegen.c_templates import fill
+from symkin.codegen.joint_map import JointMap
 from symkin.codegen.program import Program
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
@@ -60,7 +61,7 @@ def _memory(program: Program, home: np.ndarray) -> str:
 def _pins(program: Program) -> list[tuple[str, str, float]]:
     """(pin, C text of the struct's member, nominal value) of each number of the geometry, where it is given at run time."""
     kind, name = program.kind, program.mechanism.name
-    if program.options.geometry != "struct":
+    if program.options.geometry != "struct" or isinstance(kind, JointMap):
         return []
     names = kind.geometry_names if isinstance(kind, RodPlatform) else kind.geometry.names
     values = kind.geometry_values if isinstance(kind, RodPlatform) else kind.geometry.values

@@ -14,14 +14,21 @@ from symkin.model.mechanism import Mechanism
 class Options:
     """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from home. `geometry`:
     numbers in the code, or a struct that is given with each call. `home`: the platform's pose about which the order
-    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `also`: more files, for package managers, LinuxCNC
-    or C++."""
+    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `given`, `find`: names of the coordinates of a map between joints.
+    `also`: more files, for package managers, LinuxCNC or C++."""
 
     real: Literal["float", "double"] = "double"
     home_relative: bool = False
     geometry: Literal["fixed", "struct"] = "fixed"
     home: tuple[float, ...] | None = None
+    given: tuple[str, ...] = ()
+    find: tuple[str, ...] = ()
     also: tuple[Literal["package", "linuxcnc", "cpp"], ...] = ()
+
+    @property
+    def is_map(self) -> bool:
+        """Whether joints are mapped to joints."""
+        return bool(self.given or self.find)
 
     @property
     def package(self) -> bool:
@@ -44,6 +51,10 @@ class Options:
             raise InputError(
                 f"{mechanism.name}: --linuxcnc needs --real double and no --home-relative: LinuxCNC's numbers are doubles"
             )
+        if self.is_map and self.geometry != "fixed":
+            raise InputError(f"{mechanism.name}: a map between joints has its geometry in the code; leave --geometry struct out")
+        if self.is_map and (self.linuxcnc or self.cpp):
+            raise InputError(f"{mechanism.name}: a map between joints has no pose; leave --linuxcnc and --cpp out")
 
     @property
     def arguments(self) -> str:
@@ -55,4 +66,6 @@ class Options:
             parts.append(f"--geometry {self.geometry}")
         if self.home is not None:
             parts.append("--home " + ",".join(f"{v:g}" for v in self.home))
+        if self.is_map:
+            parts += [f"--given {','.join(self.given)}", f"--find {','.join(self.find)}"]
         return " ".join([*parts, *(f"--{name}" for name in self.also)])

@@ -49,8 +49,8 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
     return fill("square_twist.c", {**values, **shown})
 
 
-def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel) -> str:
-    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure, else one of its own."""
+def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
+    """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure, else one of its own (None: no driver)."""
     kernel, text = made.direct_kernel, ""
     if driver is not kernel or kernel.n != made.direct.system.freedom:
         kernel = system_kernel(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 
@@ -20,30 +22,52 @@ COLUMNS: dict[str, tuple[int, ...]] = {
 """Columns of a twist (velocity, angular velocity) that a motion has."""
 
 
-def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
-    """NAME_pose_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the platform's motion."""
+@dataclass(frozen=True, eq=False)
+class Restricted:
+    """A pose as a platform's motion takes it: `lengths` and quaternion entries, cosine and sine of half its turn about z, if it has one,
+    and what is `off` the motion, as lengths."""
+
+    lengths: list[ca.SX]
+    half_turn: tuple[ca.SX, ca.SX] | None
+    off: list[ca.SX]
+
+    @property
+    def coordinates(self) -> ca.SX:
+        turn = [] if self.half_turn is None else [2 * ca.atan2(self.half_turn[1], self.half_turn[0])]
+        return ca.vertcat(*self.lengths, *turn)
+
+
+def restricted(geometry: Geometry, x: ca.SX) -> Restricted:
+    """The seven numbers of a pose as the platform's motion takes them."""
     closure = geometry.closure
-    motion, size = closure.mechanism.motion, closure.characteristic_length
-    x = ca.SX.sym("x", 7)
-    reference = _reference(geometry)
+    reference, size = _reference(geometry), closure.characteristic_length
     away = [x[i] - reference[i] for i in range(3)]
     delta = multiply(x[3:], conjugate(reference[3:]))
     # of a turn about z the quaternion is (cos a/2, 0, 0, sin a/2); its other components are the tilt
-    turn = 2 * ca.atan2(delta[3], delta[0])
+    half = (delta[0], delta[3])
     tilt = [2 * size * delta[1], 2 * size * delta[2]]
-    coordinates, off = {
-        "spatial": (x, []),
-        "schoenflies": (ca.vertcat(x[:3], turn), tilt),
-        "planar": (ca.vertcat(x[0], x[1], turn), [*tilt, away[2]]),
-        "translation": (x[:3], [*tilt, 2 * size * delta[3]]),
-        "spherical": (x[3:], away),
-    }[motion]
+    return {
+        "spatial": Restricted([x[i] for i in range(7)], None, []),
+        "schoenflies": Restricted([x[i] for i in range(3)], half, tilt),
+        "planar": Restricted([x[0], x[1]], half, [*tilt, away[2]]),
+        "translation": Restricted([x[i] for i in range(3)], None, [*tilt, 2 * size * delta[3]]),
+        "spherical": Restricted([x[i] for i in range(3, 7)], None, away),
+    }[closure.mechanism.motion]
+
+
+def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
+    """NAME_pose_coordinates: the pose coordinates of a pose; OUT_OF_RANGE for one off the platform's motion."""
+    closure = geometry.closure
+    motion = closure.mechanism.motion
+    x = ca.SX.sym("x", 7)
+    found = restricted(geometry, x)
+    coordinates, off = found.coordinates, found.off
     count = int(coordinates.shape[0])
     outputs = [coordinates, ca.vertcat(*off) if off else ca.SX(0, 1)]
     function = ca.Function("c", [x, geometry.symbols], outputs, {"cse": True})
     emitter = Emitter(function, [indexed("x", 7), geometry.names], real)
     texts = [emitter.value(0, i) for i in range(count)]
-    limit = real.literal(max(1e-6, 64 * real.epsilon) * size)
+    limit = real.literal(off_motion(geometry, real))
     tests = [f"({real.call('fabs')}({emitter.value(1, i)}) <= {limit})" for i in range(len(off))]
     stores = [f"c[{i}] = {text};" for i, text in enumerate(texts)]
     if motion in ("schoenflies", "planar"):
@@ -94,6 +118,11 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
             "",
         ]
     )
+
+
+def off_motion(geometry: Geometry, real: Real) -> float:
+    """How far a pose may be off the platform's motion, a length."""
+    return max(1e-6, 64 * real.epsilon) * geometry.closure.characteristic_length
 
 
 def _reference(geometry: Geometry) -> ca.SX:

@@ -219,7 +219,7 @@ class ArmSource:
             "out": indent(copy("joints", "w.x", nq), 3),
         })  # fmt: skip
         return "".join([
-            fill("pose_and_info.c", values), range_functions(ranges, arm.real, values),
+            fill("pose.c", values), fill("info.c", values), range_functions(ranges, arm.real, values),
             fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
             "" if self.closed is None else self.closed.text,
         ])  # fmt: skip

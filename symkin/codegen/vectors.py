@@ -12,7 +12,6 @@ from symkin.closure.closure import Closure
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.pose_coordinates import COLUMNS
-from symkin.codegen.program import Kind
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.samples import Configuration, configurations
 from symkin.codegen.serial_arm import SerialArm
@@ -50,7 +49,7 @@ _Found = tuple[list[_Row], list[np.ndarray], np.ndarray, np.ndarray]
 """Cases, Jacobians of the first ones, home, singular start."""
 
 
-def build_vectors(kind: Kind) -> Vectors:
+def build_vectors(kind: RodPlatform | LimbPlatform | SerialArm) -> Vectors:
     """The vectors of a mechanism; the same bytes on every machine, because answers are rounded. Raises InputError where
     there is not one case."""
     rows, jacobians, home, singular = _serial(kind) if isinstance(kind, SerialArm) else _parallel(kind)

@@ -36,7 +36,7 @@ _ZERO = 1e-9
 def structure_groups(problem: Problem) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution, each a problem of its own: unknown are its coordinates, known those
     of the given ones and of earlier parts that its rows hold."""
-    rows, errors = (_dependence(part, problem.closure) for part in (problem.system.rows, problem.system.errors))
+    rows, errors = (dependence_of(part, problem.closure) for part in (problem.system.rows, problem.system.errors))
     found: list[Problem] = []
     for places in _parts(problem, rows):
         unknowns = tuple(problem.system.unknowns[i] for i in sorted(places))
@@ -90,7 +90,7 @@ def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca
     return ca.substitute(rows, symbols, ca.SX(ca.DM(values)))
 
 
-def _dependence(rows: ca.SX, closure: Closure) -> np.ndarray:
+def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
     """Which rows hold which numbers of the closure's variables (rows, variables)."""
     rng = np.random.default_rng(0)
     values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]

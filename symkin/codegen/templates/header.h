@@ -24,12 +24,7 @@ typedef enum {
     @{P}_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
     @{P}_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
 } @{p}_status;
-
-/* Position in @{unit}, unit quaternion (w, x, y, z), both of the @{frame} frame in the base frame@{relative}. */
-typedef struct {
-    @{p}_real position[3];
-    @{p}_real quaternion[4];
-} @{p}_pose;
+@{pose_type}
 
 /* tolerance: predicted error of the answer (@{unit}, angles times the size); max_iterations: steps of any kind;
  * max_step: longest single step (@{unit}, angles times the size). Both are above 0 and
@@ -48,8 +43,7 @@ typedef struct {
 #define @{P}_JOINTS (@{nq})
 
 /* iterations: steps taken; residual: largest closure error of the answer@{of_track}, in
- * @{unit}; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, @{P}_JOINTS where it is none
+ * @{unit}; step: @{pivot_words}; joint: the first joint, from 0, whose value is outside its range or not finite, @{P}_JOINTS where it is none
  * of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;

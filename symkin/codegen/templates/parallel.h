@@ -5,8 +5,7 @@
 @{p}_status @{p}_direct(@{gpd}const @{p}_config *config, const @{p}_real joints[@{P}_JOINTS], const @{p}_pose *guess, @{p}_pose *pose,
     @{p}_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to @{P}_TRACK_LIMIT another call
- * with the same joints brings it below the tolerance; beyond it, call @{p}_direct. */
+/* For servo loops: @{track_words} */
 #define @{P}_TRACK_LIMIT ((@{p}_real)@{track_limit}) /* @{unit} */
 @{p}_status @{p}_track(@{gpd}const @{p}_real joints[@{P}_JOINTS], @{p}_pose *pose, @{p}_info *info);
 

@@ -1,13 +1,3 @@
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
-static @{COLD} void @{p}_write_no_step(@{gp}@{p}_info *info, const @{real} joints[@{nq}])
-{
-    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-    if (info != NULL) {
-        info->joint = @{p}_first_beyond(@{ga}joints);
-    }
-}
-
 /* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
 static @{SHARED} @{p}_status @{p}_read_guess(@{gp}@{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *guess)
 {

@@ -125,7 +125,7 @@ static void refuse_all(void)
 {
 @{nominal}
     const @{p}_pose home = pose_from(@{p}_vector_home);
-    const @{p}_config one_step = { @{P}_TOLERANCE, 1U, @{P}_MAX_STEP };
+@{one_step}
     const @{p}_config none = { @{P}_TOLERANCE, 0U, @{P}_MAX_STEP };
     @{p}_pose wrong = home;
     @{p}_pose pose = home;
@@ -135,7 +135,7 @@ static void refuse_all(void)
     for (int i = 0; i < @{P}_JOINTS; ++i) {
         joints[i] = @{p}_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+@{one_step_is_few}
     expect(refused(&none, joints, &home, "no step is not enough") == @{P}_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
     refuse_configs(joints, &home);
     joints[@{P}_JOINTS - 1] = (@{p}_real)NAN;

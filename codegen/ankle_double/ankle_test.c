@@ -1,0 +1,169 @@
+/* Test of ankle.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+ * SPDX-License-Identifier: MIT */
+#include "ankle.h"
+#include "ankle_vectors.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define N ANKLE_JOINTS
+
+static int failures = 0;
+
+static void expect(int right, const char *what, int number)
+{
+    if (!right) {
+        ++failures;
+        (void)printf("failed: %s, case %d\n", what, number);
+    }
+}
+
+static void copy(const ankle_real from[N], ankle_real to[N])
+{
+    for (int i = 0; i < N; ++i) {
+        to[i] = from[i];
+    }
+}
+
+/* Largest difference, that of angles times the size. */
+static double difference(const ankle_real a[N], const ankle_real b[N], const double weight[N])
+{
+    double largest = 0.0;
+    for (int i = 0; i < N; ++i) {
+        const double off = weight[i] * fabs((double)a[i] - (double)b[i]);
+        largest = (off <= largest) ? largest : off;
+    }
+    return largest;
+}
+
+static void solve_all(void)
+{
+    static const double of_joints[N] = { 262.01145013147806, 262.01145013147806 };
+    static const double of_found[N] = { 262.01145013147806, 262.01145013147806 };
+    for (int k = 0; k < ANKLE_VECTORS; ++k) {
+        const double bound = ankle_vector_bounds[k];
+        ankle_real found[N];
+        ankle_real joints[N];
+        ankle_info info;
+        copy(ankle_vector_guesses[k], found);
+        expect(ankle_direct(NULL, ankle_vector_joints[k], found, found, &info) == ANKLE_OK,
+            "direct", k);
+        expect(difference(found, ankle_vector_found[k], of_found) <= bound, "direct's values", k);
+        expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
+        expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
+        expect(ankle_track(ankle_vector_joints[k], found, &info) == ANKLE_OK, "track", k);
+        expect(difference(found, ankle_vector_found[k], of_found) <= bound, "track's values", k);
+        copy(ankle_vector_joint_guesses[k], joints);
+        expect(ankle_inverse(NULL, ankle_vector_found[k], joints, joints, &info) == ANKLE_OK,
+            "inverse", k);
+        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound, "inverse's joints",
+            k);
+        expect(ankle_inverse(NULL, ankle_vector_found[k], ankle_vector_joint_guesses[k], joints,
+            NULL) == ANKLE_OK, "inverse without info", k);
+        expect(ankle_track_inverse(ankle_vector_found[k], joints, &info) == ANKLE_OK,
+            "track_inverse", k);
+        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound,
+            "track_inverse's joints", k);
+    }
+}
+
+/* The Jacobian, and the law of virtual power: joint torques on joint rates do what found torques do
+ * on found rates. */
+static void rates_all(void)
+{
+    for (int k = 0; k < ANKLE_VECTOR_JACOBIANS; ++k) {
+        ankle_real jacobian[N * N];
+        ankle_real torques[N];
+        ankle_real rates[N];
+        ankle_real of_found[N];
+        ankle_real of_joints[N];
+        double power = 0.0;
+        double size = 1.0;
+        for (int i = 0; i < N; ++i) {
+            torques[i] = (ankle_real)(1 + i);
+            rates[i] = (ankle_real)(2 - i);
+        }
+        expect(ankle_jacobian(ankle_vector_joints[k], ankle_vector_found[k], jacobian) == ANKLE_OK,
+            "jacobian", k);
+        for (int i = 0; i < N * N; ++i) {
+            const double wanted = (double)ankle_vector_jacobians[k][i];
+            expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * (1.0 + fabs(wanted)),
+                "jacobian's entry", i);
+        }
+        expect(ankle_rates(ankle_vector_joints[k], ankle_vector_found[k], rates,
+            of_found) == ANKLE_OK, "rates", k);
+        expect(ankle_torques(ankle_vector_joints[k], ankle_vector_found[k], torques,
+            of_joints) == ANKLE_OK, "torques", k);
+        for (int i = 0; i < N; ++i) {
+            power += (double)torques[i] * (double)of_found[i]
+                - (double)of_joints[i] * (double)rates[i];
+            size += fabs((double)torques[i] * (double)of_found[i]);
+        }
+        expect(fabs(power) <= 1e-8 * size, "power", k);
+    }
+}
+
+/* Every function with one input that it refuses: the status, results untouched, info written. */
+static void refuse(const ankle_real joints[N], const ankle_real found[N], ankle_status wanted,
+    int number)
+{
+    ankle_real result[N];
+    ankle_real jacobian[N * N];
+    ankle_info info;
+    for (int i = 0; i < N; ++i) {
+        result[i] = 4.0;
+    }
+    info.iterations = 255U;
+    expect(ankle_direct(NULL, joints, found, result, &info) == wanted, "direct refuses", number);
+    expect(info.iterations != 255U, "info written on failure", number);
+    info.iterations = 255U;
+    expect(ankle_inverse(NULL, found, joints, result, &info) == wanted, "inverse refuses", number);
+    expect(info.iterations != 255U, "info written on failure", number);
+    for (int i = 0; i < N; ++i) {
+        expect(result[i] == 4.0, "result untouched on failure", number);
+    }
+    expect(ankle_jacobian(joints, found, jacobian) == wanted, "jacobian refuses", number);
+    copy(found, result);
+    expect(ankle_track(joints, result, &info) == wanted, "track refuses", number);
+    copy(joints, result);
+    expect(ankle_track_inverse(found, result, &info) == wanted, "track_inverse refuses", number);
+    copy(joints, result);
+    expect(ankle_rates(joints, found, joints, result) == wanted, "rates refuse", number);
+    expect(ankle_torques(joints, found, joints, result) == wanted, "torques refuse", number);
+}
+
+static void refuse_all(void)
+{
+    static const ankle_real wrong[3] = { (ankle_real)NAN, (ankle_real)INFINITY,
+        -(ankle_real)INFINITY };
+    const ankle_config none = { ANKLE_TOLERANCE, 0U, ANKLE_MAX_STEP };
+    ankle_real joints[N];
+    ankle_real found[N];
+    ankle_info info;
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < 4; ++k) {
+            copy(ankle_vector_joints[0], joints);
+            copy(ankle_vector_found[0], found);
+            joints[i] = (k < 3) ? wrong[k] : 2620114.5013147807;
+            refuse(joints, found, (k < 3) ? ANKLE_NONFINITE : ANKLE_OUT_OF_RANGE, 8 * i + k);
+            copy(ankle_vector_joints[0], joints);
+            found[i] = (k < 3) ? wrong[k] : 2620114.5013147807;
+            refuse(joints, found, (k < 3) ? ANKLE_NONFINITE : ANKLE_OUT_OF_RANGE, 8 * i + 4 + k);
+        }
+    }
+    copy(ankle_vector_joints[0], joints);
+    copy(ankle_vector_found[0], found);
+    expect(ankle_direct(&none, joints, found, found, &info) == ANKLE_MAX_ITERATIONS,
+        "direct without a step", 0);
+    expect(ankle_inverse(&none, found, joints, joints, &info) == ANKLE_MAX_ITERATIONS,
+        "inverse without a step", 0);
+}
+
+int main(void)
+{
+    solve_all();
+    rates_all();
+    refuse_all();
+    (void)printf("ankle: %d cases, %d failures\n", ANKLE_VECTORS, failures);
+    return (failures == 0) ? 0 : 1;
+}

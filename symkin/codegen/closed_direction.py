@@ -1,0 +1,354 @@
+"""Write the C of a direction of a joint map that formulas solve: formulas, signs of a configuration, and the check of a line.
+
+Everything is composed of the structure groups' closed forms, in the order of their solution: a group's formulas read the numbers of
+those before it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import fill
+from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts, numbers_of, of_circle
+from symkin.codegen.joint_map import Direction, JointMap, Part
+from symkin.codegen.newton_kernel import rounded
+from symkin.computed_once import cached_property
+from symkin.elimination.closed_form import ClosedForm
+from symkin.text import c_comment
+
+_RESOLVED = 64.0
+"""Roundings of a condition's usual size below which it is nothing."""
+_ROOT = 1e-12
+"""Share of a discriminant's usual size below which its root is not formed."""
+_BEND = 1.5
+"""What the largest bend over samples is multiplied by."""
+_SEEN = 0.02
+"""Share of their usual sizes that the conditions before a bent one have at the samples."""
+_POINTS = 400
+_FAR = 1.0
+"""How far from the reference bends are sampled: in half turns, and in sizes."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Condition:
+    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which coordinate."""
+
+    name: str
+    value: ca.SX
+    root: ca.SX | None
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedDirection:
+    """The formulas of one direction, over its known numbers k, signs and roots."""
+
+    made: JointMap
+    direction: Direction
+    names: Mapping[str, object]
+
+    @property
+    def real(self) -> Real:
+        return self.made.real
+
+    @cached_property
+    def known(self) -> ca.SX:
+        return ca.SX.sym("k", sum(number_counts(self.direction.known)))
+
+    @cached_property
+    def state(self) -> ca.SX:
+        return ca.SX.sym("x", sum(number_counts(self.direction.unknown)))
+
+    @cached_property
+    def _forms(self) -> list[ClosedForm]:
+        return [part.form for part in self.direction.parts if part.form is not None]
+
+    @cached_property
+    def signs(self) -> ca.SX:
+        """Symbols of all choices."""
+        return ca.vertcat(ca.SX(0, 1), *(form.signs for form in self._forms))
+
+    @cached_property
+    def roots(self) -> ca.SX:
+        return ca.vertcat(ca.SX(0, 1), *(form.roots for form in self._forms))
+
+    @cached_property
+    def _solved(self) -> tuple[dict[str, list[Numbers]], list[_Condition]]:
+        """Numbers of every coordinate, and all conditions in their order."""
+        numbers = self._by_name(self.direction.known, self.known)
+        conditions: list[_Condition] = []
+        for part in self.direction.parts:
+            self._solve(part, numbers, conditions)
+        return numbers, conditions
+
+    def _by_name(self, coordinates: tuple, symbols: ca.SX) -> dict[str, list[Numbers]]:  # type: ignore[type-arg]
+        found, entries, place = {}, numbers_of(coordinates, symbols), 0
+        for c in coordinates:
+            found[c.name] = entries[place : place + c.width]
+            place += c.width
+        return found
+
+    def _solve(self, part: Part, numbers: dict[str, list[Numbers]], conditions: list[_Condition]) -> None:
+        """Add the numbers of a group's unknowns and its conditions."""
+        system, read = part.problem.system, [n for c in part.problem.known_coordinates for n in numbers[c.name]]
+        if part.form is not None:
+            form, symbols = part.form, [(system.known, read)]
+            first, second, discriminants, divisors = (
+                self._written(e, form, symbols) for e in (form.first, form.second, form.discriminants, form.divisors)
+            )
+            for k in range(int(discriminants.shape[0])):
+                conditions.append(_Condition(form.names[k], discriminants[k], form.roots[k]))
+            for k in range(int(divisors.shape[0])):
+                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), divisors[k], None))
+            for k, c in enumerate(system.unknowns):
+                numbers[c.name] = [of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])]
+        elif part.total is not None:
+            numbers[system.unknowns[0].name] = [_coupled(part.total, read)]
+        else:
+            slope = ca.jacobian(system.rows, system.unknown)
+            value = by_numbers(ca.solve(slope, -ca.substitute(system.rows, system.unknown, 0)), [(system.known, read)])
+            for k, c in enumerate(system.unknowns):
+                circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
+                numbers[c.name] = [Numbers(value[k], *circle)]
+
+    @staticmethod
+    def _written(expression: ca.SX, form: ClosedForm, symbols: list) -> ca.SX:  # type: ignore[type-arg]
+        """An expression of a form over numbers; its signs and roots stay."""
+        rest = [(s, [Numbers(s[i]) for i in range(int(s.shape[0]))]) for s in (form.signs, form.roots)]
+        return by_numbers(expression, [*symbols, *rest])
+
+    @cached_property
+    def _outputs(self) -> ca.SX:
+        """The state's numbers."""
+        numbers, _ = self._solved
+        found: list[ca.SX] = []
+        for c in self.direction.unknown:
+            for n in numbers[c.name]:
+                found += _unit(n.cosine, n.sine) if c.kind == "angle" and n.cosine is not None else [n.value]
+        return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
+
+    @cached_property
+    def conditions(self) -> list[_Condition]:
+        """Discriminants, and the divisors that none of them implies: A^2 + B^2 is no less than A^2 + B^2 - C^2."""
+        _, everything = self._solved
+        roots = [c for c in everything if c.root is not None]
+        kept = []
+        values = self._numbers_of_conditions(everything)
+        for j, one in enumerate(everything):
+            implied = one.root is None and any(
+                np.all(values[:, j] > 0.0) and np.all(values[:, j] >= values[:, everything.index(r)] * (1.0 - 1e-9))
+                for r in roots
+            )
+            if not implied:
+                kept.append(one)
+        return kept
+
+    def _numbers_of_conditions(self, conditions: list[_Condition]) -> np.ndarray:
+        function = self._bound(ca.vertcat(ca.SX(0, 1), *(c.value for c in conditions)))
+        return np.array([np.asarray(function(v)).ravel() for v in self._points])
+
+    @cached_property
+    def _points(self) -> np.ndarray:
+        """Random known values (n, known) about the reference, within limits."""
+        rng = np.random.default_rng(7)
+        reference = self.made.reference_of(self.direction.known)
+        low, high = [], []
+        for c, v in zip(self.direction.known, reference, strict=True):
+            reach = _FAR * (np.pi if c.is_angular else self.made.size)
+            low.append(max(v - reach, c.limits[0]) if c.limits else v - reach)
+            high.append(min(v + reach, c.limits[1]) if c.limits else v + reach)
+        return rng.uniform(low, high, (_POINTS, len(low)))
+
+    def _bound(self, expression: ca.SX) -> ca.Function:
+        """A function of the known values, at the reference's signs, roots put in."""
+        values = ca.SX.sym("v", len(self.direction.known))
+        return ca.Function("f", [values], [self._put_in(expression, values)])
+
+    def _put_in(self, expression: ca.SX, values: ca.SX) -> ca.SX:
+        roots = [c for c in self._solved[1] if c.root is not None]
+        for one in reversed(roots):
+            expression = ca.substitute(expression, one.root, ca.sqrt(ca.fmax(one.value, 1e-12)))
+        signs = self._signs_known
+        expression = ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
+        numbers = []
+        for k, c in enumerate(self.direction.known):
+            numbers += [ca.cos(values[k]), ca.sin(values[k])] if c.kind == "angle" else [values[k]]
+        return ca.substitute(expression, self.known, ca.vertcat(*numbers))
+
+    @cached_property
+    def _signs_known(self) -> np.ndarray:
+        """The reference's sign of each choice."""
+        found = []
+        for part in self.direction.parts:
+            if part.form is not None:
+                values = [
+                    part.problem.select_values(self.made.reference, c)
+                    for c in (part.form.system.unknowns, part.problem.known_coordinates)
+                ]
+                found.append(part.form.signs_at(*values))
+        return np.concatenate(found) if found else np.zeros(0)
+
+    @cached_property
+    def usual(self) -> np.ndarray:
+        """The usual size of each condition, with the sign that it has at the reference."""
+        function = self._bound(ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)))
+        places = self.direction.problem.known_places
+        values = np.array([np.asarray(function(s.values[places])).ravel() for s in self.made.samples])
+        return np.array([rounded(float(v)) for v in np.median(values, axis=0)])
+
+    @cached_property
+    def bends(self) -> np.ndarray:
+        """An eighth of the largest second derivative of each condition over its usual size, lengths over the machine's."""
+        values = ca.SX.sym("v", len(self.direction.known))
+        scales = np.array([1.0 if c.is_angular else self.made.size for c in self.direction.known])
+        found = []
+        all_values = self._numbers_of_conditions(self.conditions) / self.usual
+        for j, one in enumerate(self.conditions):
+            expression = self._put_in(one.value, values) / self.usual[j]
+            hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
+            sizes = []
+            for point, numbers in zip(self._points, all_values, strict=True):
+                if np.all(numbers[:j] > _SEEN):
+                    scaled = np.asarray(hessian(point)) * np.outer(scales, scales)
+                    sizes.append(float(np.linalg.norm(scaled, 2)))
+            found.append(rounded(_BEND / 8.0 * max(sizes, default=1.0)))
+        return np.array(found)
+
+    # --- text ------------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def values(self) -> dict[str, object]:
+        """Names of the templates."""
+        literal, count = self.real.literal, max(1, len(self.conditions))
+        return dict(self.names) | {
+            "which": self.direction.name,
+            "k": f"{self.made.name}_{self.direction.name}",
+            "nk": int(self.known.shape[0]),
+            "ns": int(self.state.shape[0]),
+            "nto": len(self.direction.known),
+            "signs": max(1, int(self.signs.shape[0])),
+            "conditions": count,
+            "bends": ", ".join(literal(float(b)) for b in self.bends) or literal(0.0),
+            "resolved": literal(_RESOLVED * self.real.epsilon),
+            "near_one": literal(0.999),
+            "least_part": literal(1.0 / 1024.0),
+            "home_signs": ", ".join(literal(float(s)) for s in self._signs_known) or literal(1.0),
+        }
+
+    @property
+    def text(self) -> str:
+        told = fill("map_told.c", self.values | {"lines": indent(self._told_lines)})
+        way = [
+            f"for (int i = 0; i < {len(self.direction.known)}; ++i) {{",
+            f"    static const {self.real.type} weight[{len(self.direction.known)}] = {{ {self._weights} }};",
+            f"    const {self.real.type} way = weight[i] * (to[i] - w->at[i]);",
+            "    way2 += way * way;",
+            "}",
+        ]
+        return fill("map_closed.c", self.values | {
+            "formulas": indent(self._formula_lines), "told": told, "way": indent(way),
+        })  # fmt: skip
+
+    @property
+    def _weights(self) -> str:
+        return ", ".join(self.real.literal(1.0 if c.is_angular else 1.0 / self.made.size) for c in self.direction.known)
+
+    @property
+    def _formula_lines(self) -> list[str]:
+        """Statements of the conditions, the roots and the state."""
+        literal, kind = self.real.literal, self.real.type
+        symbols = [self.known, self.signs, self.roots]
+        conditions = snapped_expression(ca.vertcat(ca.SX(0, 1), *(c.value for c in self.conditions)), symbols)
+        function = ca.Function("f", symbols, [ca.densify(conditions), ca.densify(self._outputs)], {"cse": True})
+        roots = [f"r{k + 1}" for k in range(int(self.roots.shape[0]))]
+        emitter = Emitter(
+            function, [indexed("k", int(self.known.shape[0])), indexed("sign", int(self.signs.shape[0])), roots], self.real
+        )
+        number = 0
+        for j, one in enumerate(self.conditions):
+            text = emitter.value(0, j)
+            if one.root is None:
+                emitter.lines.append(
+                    f"d[{j}] = {text} * {literal(rounded(1.0 / float(self.usual[j])))}; /* {c_comment(one.name)}: what is divided by */"
+                )
+                continue
+            number += 1
+            emitter.lines.append(f"const {kind} d{number} = {text}; /* above 0 where {c_comment(one.name)} has two values */")
+            emitter.lines.append(f"d[{j}] = d{number} * {literal(rounded(1.0 / float(self.usual[j])))};")
+            least = literal(rounded(_ROOT * float(self.usual[j])))
+            emitter.lines.append(
+                f"const {kind} r{number} = (d{number} > {least}) ? {self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
+            )
+        stores = [f"x[{i}] = {emitter.value(1, i)};" for i in range(int(self._outputs.shape[0]))]
+        if not self.conditions:
+            emitter.lines.append(f"d[0] = {literal(1.0)};")
+        return [*emitter.lines, *stores]
+
+    @property
+    def _told_lines(self) -> list[str]:
+        """Statements of the signs of a configuration."""
+        numbers = self._by_name(self.direction.known, self.known) | self._by_name(self.direction.unknown, self.state)
+        told: list[ca.SX] = []
+        for part in self.direction.parts:
+            if part.form is None:
+                continue
+            system = part.problem.system
+            symbols = [(s, [n for c in group for n in numbers[c.name]]) for s, group in
+                       ((system.known, part.problem.known_coordinates), (system.unknown, system.unknowns))]  # fmt: skip
+            written = self._written(part.form.told, part.form, symbols)
+            told += [written[k] for k in range(int(written.shape[0]))]
+        symbols_ = [self.known, self.state, self.signs, self.roots]
+        expression = snapped_expression(ca.vertcat(ca.SX(0, 1), *told), symbols_)
+        function = ca.Function("f", symbols_, [ca.densify(expression)], {"cse": True})
+        literal, kind, count = self.real.literal, self.real.type, len(told)
+        names = [
+            indexed("k", int(self.known.shape[0])),
+            indexed("x", int(self.state.shape[0])),
+            indexed("sign", count),
+            [f"r{k + 1}" for k in range(count)],
+        ]
+        emitter = Emitter(function, names, self.real)
+        lines = emitter.lines
+        for k in range(count):
+            text = emitter.value(0, k)
+            lines.append(f"sign[{k}] = ({text} < {literal(0.0)}) ? -{literal(1.0)} : {literal(1.0)};")
+            if any(f"r{k + 1}" in _later(function, k, j) for j in range(k + 1, count)):
+                lines.append(f"const {kind} r{k + 1} = {self.real.call('fabs')}({text});")
+        return lines or [f"sign[0] = {literal(1.0)};"]
+
+
+def _later(function: ca.Function, k: int, j: int) -> str:
+    """The root of choice k as text, where what tells choice j reads it."""
+    inputs = [ca.SX.sym(f"i{n}", function.size1_in(n)) for n in range(4)]
+    told = function(*inputs)
+    return f"r{k + 1}" if ca.which_depends(told[j], inputs[3][k], 1, True)[0] else ""
+
+
+def _unit(cosine: ca.SX, sine: ca.SX | None) -> list[ca.SX]:
+    """Cosine and sine of length 1: rounding takes formulas off the circle, where Newton's method could not bring them back."""
+    assert sine is not None  # noqa: S101 - an angle has both
+    inverse = 1 / ca.sqrt(cosine * cosine + sine * sine)
+    return [cosine * inverse, sine * inverse]
+
+
+def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
+    """The angle that a sum of angles gives, which vanishes."""
+    own = total.factors[0, 0]
+    factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
+    shift = -total.offset / own
+    value, cosine, sine = shift, ca.cos(shift), ca.sin(shift)
+    whole = all(factor == round(factor) for factor in factors.values())
+    for (_, k), factor in factors.items():
+        n = read[k]
+        value = value + factor * n.value
+        for _ in range(abs(round(factor)) if whole else 0):
+            assert n.cosine is not None  # noqa: S101 - a sum of angles is of angles
+            assert n.sine is not None  # noqa: S101
+            c, s = n.cosine, n.sine if factor > 0 else -n.sine
+            cosine, sine = cosine * c - sine * s, sine * c + cosine * s
+    return Numbers(value, cosine, sine) if whole else Numbers(value, ca.cos(value), ca.sin(value))

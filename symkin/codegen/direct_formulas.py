@@ -1,0 +1,218 @@
+"""Find the formulas of a platform's direct problem, and what must stay above zero along a line for them to follow the machine.
+
+The closed form has a sign for each choice between two values, which a configuration tells. Discriminants and divisors of it, made free
+of divisions, are the guards: while none of them reaches zero, each point of the line has a real configuration with the same signs, which
+moves continuously and is regular.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import prod
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.line_bounds import Bend, Span, bend_of
+from symkin.codegen.samples import Configuration
+from symkin.elimination.closed_form import ClosedForm, closed_form
+from symkin.model.joint import Coordinate
+from symkin.position.problem import Problem
+
+_COMPARED = 4
+"""Configurations at which the coefficients of rows are compared."""
+_MOST_GIVEN = 4
+"""Given values of which a guard may be a function: each more makes ten times the samples."""
+_POWERS = 3
+"""How often a divisor may multiply a discriminant, less one."""
+_NOISE = 1e-9
+"""Share of the largest weight below which another is rounding."""
+_REACHES = (1.0 / 16, 1.0 / 4, 1.0)
+"""Parts of a slide's range for which bounds are made: a line takes those of the first that holds it."""
+_FREE_RANGE = 2.0
+"""How far a slide without limits is looked at, in sizes about the reference."""
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Bounds K of half a guard's second derivative along a line by the squares of the given values' changes: `plain`, and, of a guard that
+    holds the root of another's value m, what is multiplied by m^(-1/2) and m^(-3/2)."""
+
+    plain: np.ndarray
+    by_root: np.ndarray
+    by_cube: np.ndarray
+
+
+@dataclass(frozen=True)
+class Guard:
+    """A function of the given values that has to stay above zero: discriminant `choice` (None: no discriminant) times divisors to some
+    `powers`, times `sign`. `size` bounds it; `weights` are one for each part of the slides' ranges; `root` is the guard whose root it
+    holds (None: it is a polynomial)."""
+
+    name: str
+    choice: int | None
+    powers: tuple[int, ...]
+    sign: float
+    root: int | None
+    size: float
+    weights: tuple[Weights, ...]
+
+    def of(self, discriminants: ca.SX, divisors: ca.SX) -> ca.SX:
+        """Its expression, by those of discriminants and divisors."""
+        whole = _times(divisors, self.powers) * self.sign
+        return whole if self.choice is None else whole * discriminants[self.choice]
+
+
+def _times(divisors: ca.SX, powers: Sequence[int]) -> ca.SX:
+    return prod((divisors[j] ** e for j, e in enumerate(powers)), start=ca.SX(1))
+
+
+@dataclass(frozen=True, eq=False)
+class DirectFormulas:
+    """The closed form of a direct problem with its guards, and how large roots are at sampled configurations. `reaches` are the parts of
+    the slides' ranges `spans` for which guards have weights."""
+
+    formulas: ClosedForm
+    spans: tuple[Span, ...]
+    reaches: tuple[float, ...]
+    guards: tuple[Guard, ...]
+    usual_roots: np.ndarray
+
+
+def direct_formulas(problem: Problem, samples: Sequence[Configuration]) -> DirectFormulas | None:
+    """The formulas of the direct problem with all its rows; None where none are found, or none that can be guarded."""
+    joints = problem.known_coordinates
+    if len(samples) < _COMPARED or len(joints) > _MOST_GIVEN or any(c.width != 1 for c in joints):
+        return None
+    given = np.array([sample.known for sample in samples])
+    found = closed_form(problem.system, given[:_COMPARED])
+    if found is None:
+        return None
+    spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
+    reaches = (1.0,) if all(span.angular for span in spans) else _REACHES
+    guards = _Guarding(found, spans, reaches, given).guards()
+    if guards is None:
+        return None
+    usual = np.sqrt(np.median(np.abs(found.discriminants_at(given, found.signs_at(samples[0].unknown, given[0]))), axis=0))
+    return DirectFormulas(found, spans, reaches, guards, usual)
+
+
+def _span(coordinate: Coordinate, size: float) -> Span:
+    """All angles; a slide's limits, or some sizes about the reference."""
+    if coordinate.is_angular:
+        return Span(True)
+    if coordinate.limits is not None:
+        low, high = coordinate.limits
+        return Span(False, 0.5 * (low + high), 0.5 * (high - low))
+    return Span(False, float(coordinate.reference[0]), _FREE_RANGE * size)
+
+
+@dataclass(frozen=True, eq=False)
+class _Guarding:
+    """How guards of a closed form are found."""
+
+    found: ClosedForm
+    spans: Sequence[Span]
+    reaches: Sequence[float]
+    given: np.ndarray
+
+    def guards(self) -> tuple[Guard, ...] | None:
+        """A guard for each discriminant, and for each divisor that is no multiple of another; None where one has no bounds."""
+        found, roots = self.found, self.found.roots
+        divisors = [found.divisors[j] for j in range(int(found.divisors.shape[0]))]
+        discriminants = ca.substitute(found.discriminants, found.signs, ca.SX.ones(*found.signs.shape))
+        if ca.depends_on(found.divisors, roots):
+            return None
+        guards: list[Guard] = []
+        for k, name in enumerate(found.names):
+            guard = self._of_discriminant(name, k, discriminants, guards)
+            if guard is None:
+                return None
+            guards.append(guard)
+        kept: list[ca.SX] = []
+        for j, divisor in enumerate(divisors):
+            if any(self._proportional(divisor, other) for other in kept):
+                continue
+            bends = self._bends(divisor)
+            if bends is None:
+                return None
+            powers = tuple(int(i == j) for i in range(len(divisors)))
+            kept.append(divisor)
+            sign = float(np.sign(np.median(self._values(divisor)(self.given))))
+            guards.append(Guard(f"divisor {j + 1}", None, powers, sign, None, bends[-1].size, tuple(map(_plain, bends))))
+        return tuple(guards)
+
+    def _of_discriminant(self, name: str, k: int, discriminants: ca.SX, before: Sequence[Guard]) -> Guard | None:
+        """The guard of a discriminant by the least powers of divisors that make it a polynomial P, or P + Q root."""
+        roots, count = self.found.roots, int(self.found.divisors.shape[0])
+        read = [j for j in range(k) if ca.depends_on(discriminants[k], roots[j])]
+        if len(read) > 1 or any(any(before[j].powers) or before[j].root is not None for j in read):
+            return None
+        root = read[0] if read else None
+        parts = [discriminants[k]] if root is None else _by_root(discriminants[k], roots[root], discriminants[root])
+        for powers in sorted(product(range(_POWERS), repeat=count), key=sum):
+            factor = _times(self.found.divisors, powers)
+            bends = [self._bends(part * factor) for part in parts]
+            if any(bend is None for bend in bends):
+                continue
+            plain = [bend for bend in bends if bend is not None]
+            if root is None:
+                return Guard(name, k, powers, 1.0, None, plain[0][-1].size, tuple(map(_plain, plain[0])))
+            inner = self._bends(discriminants[root])
+            assert inner is not None  # noqa: S101 - its own guard was found
+            weights = tuple(_with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True))
+            size = plain[0][-1].size + plain[1][-1].size * float(np.sqrt(inner[-1].size))
+            return Guard(name, k, powers, 1.0, root, size, weights)
+        return None
+
+    def _bends(self, expression: ca.SX) -> list[Bend] | None:
+        """Bounds of an expression over each part of the slides' ranges; None where it is no polynomial."""
+        values, found = self._values(expression), list[Bend]()
+        for reach in reversed(self.reaches):
+            spans = [span if span.angular else Span(False, span.middle, reach * span.half) for span in self.spans]
+            bend = bend_of(values, spans)
+            if bend is None:
+                return None
+            found.append(bend)
+        return found[::-1]
+
+    def _proportional(self, first: ca.SX, second: ca.SX) -> bool:
+        ratio = self._values(first)(self.given) / self._values(second)(self.given)
+        return bool(np.ptp(ratio) <= _NOISE * np.max(np.abs(ratio)))
+
+    def _values(self, expression: ca.SX) -> Callable[[np.ndarray], np.ndarray]:
+        function = ca.Function("guard", [self.found.system.known], [expression], {"cse": True})
+
+        def values(given: np.ndarray) -> np.ndarray:
+            return np.asarray(function.map(len(given))(given.T)).ravel()
+
+        return values
+
+
+def _by_root(expression: ca.SX, root: ca.SX, discriminant: ca.SX) -> list[ca.SX]:
+    """P and Q of an expression P + Q root that is a quadratic in a discriminant's root."""
+    slope = ca.jacobian(expression, root)
+    square = 0.5 * ca.jacobian(slope, root)
+    at_zero = [ca.substitute(part, root, ca.SX(0)) for part in (expression, slope, square)]
+    return [at_zero[0] + at_zero[2] * discriminant, at_zero[1]]
+
+
+def _plain(bend: Bend) -> Weights:
+    zero = np.zeros(len(bend.weights))
+    return Weights(0.5 * _cleaned(bend.weights), zero, zero)
+
+
+def _with_root(p: Bend, q: Bend, d: Bend) -> Weights:
+    """Bounds of P + Q r, r^2 = D and D at least m: P'' + Q'' r + 2 Q' r' + Q r'' with r' = D' / (2 r), r'' = D'' / (2 r) - D'^2 / (4 r^3)."""
+    both = 0.5 * (q.slopes * np.sum(d.slopes) + d.slopes * np.sum(q.slopes))
+    return Weights(
+        plain=0.5 * _cleaned(p.weights + np.sqrt(d.size) * q.weights),
+        by_root=0.5 * _cleaned(both + 0.5 * q.size * d.weights),
+        by_cube=0.5 * _cleaned(0.25 * q.size * d.slopes * np.sum(d.slopes)),
+    )
+
+
+def _cleaned(weights: np.ndarray) -> np.ndarray:
+    return np.where(weights > _NOISE * np.max(weights, initial=0.0), weights, 0.0)

@@ -1,0 +1,389 @@
+"""Describe a map between joints of a mechanism for code generation: given coordinates, found ones, and the passive ones inside.
+
+Either direction is split into structure groups. Where each of them has a closed form, so has the direction; else Newton's method
+solves the whole direction, with angles as cosines and sines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Real
+from symkin.codegen.circles import AngleSum, by_numbers, number_counts, numbers_at, numbers_of, sum_of_angles
+from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed
+from symkin.codegen.options import Options
+from symkin.codegen.samples import Configuration, followed
+from symkin.computed_once import cached_property
+from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
+from symkin.errors import InputError
+from symkin.model.joint import Coordinate
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.rank import Rank
+from symkin.numeric.system import System
+from symkin.position.closed_configurations import closed_configurations
+from symkin.position.given_by_name import unknown_name
+from symkin.position.groups import dependence_of, is_linear, structure_groups
+from symkin.position.problem import Problem, build_problem
+from symkin.spatial.backend import dot
+from symkin.spatial.rotation import multiply
+
+_SAMPLES = 40
+_MOST_TRIES = 8
+"""Tries a sample."""
+_SPREAD, _TURN = 0.1, 0.4
+"""How far the given coordinates of samples are from the reference: in sizes, and in radians."""
+_CLOSED = 1e-6
+"""Closure error at the reference, in sizes, above which the loops are open there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A structure group: `form` where it has a closed form, `total` where it couples an angle to others, `is_linear` where its rows
+    are linear; none of them where only Newton's method solves it."""
+
+    problem: Problem
+    form: ClosedForm | None
+    total: AngleSum | None
+    is_linear: bool
+
+    @property
+    def is_closed(self) -> bool:
+        return self.form is not None or self.total is not None or self.is_linear
+
+
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """One direction of a map: from its known coordinates to all others."""
+
+    name: Literal["direct", "inverse"]
+    problem: Problem
+
+    @property
+    def known(self) -> tuple[Coordinate, ...]:
+        return self.problem.known_coordinates
+
+    @property
+    def unknown(self) -> tuple[Coordinate, ...]:
+        return self.problem.system.unknowns
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """The structure groups in the order of their solution."""
+        return tuple(_part(group) for group in structure_groups(self.problem))
+
+    @cached_property
+    def is_closed(self) -> bool:
+        """Whether formulas solve all of it."""
+        return all(part.is_closed for part in self.parts)
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Newton's iteration of this direction; angles of states and of known values are cosines and sines."""
+        system, size = self.problem.system, self.problem.closure.characteristic_length
+        state = ca.SX.sym("x", sum(number_counts(self.unknown)))
+        known = ca.SX.sym("k", sum(number_counts(self.known)))
+        symbols = [(system.unknown, numbers_of(self.unknown, state)), (system.known, numbers_of(self.known, known))]
+        rows = snapped_expression(-by_numbers(system.rows, symbols), [state, known])
+        step = ca.SX.sym("s", system.freedom)
+        tangent, moved = _moves(self.unknown, state, step, size)
+        return Kernel(
+            name=self.name,
+            state=state,
+            known=known,
+            geometry=ca.SX(0, 1),
+            step=step,
+            shared_symbols=ca.SX(0, 1),
+            rows=rows,
+            shared=ca.SX(0, 1),
+            jacobian=snapped_expression(-ca.mtimes(ca.jacobian(rows, state), tangent), [state, known]),
+            moved=moved,
+            norm=dot(step, step),
+            row_length=1.0,
+            characteristic_length=size,
+            meaning=Meaning(
+                state=f"{listed(self.unknown)}: of angles cosine and sine",
+                known=f"{listed(self.known)}: of angles cosine and sine",
+                rows="minus the closure's rows, lengths and angles times the size",
+                step="changes of the state: lengths, angles and turns times the size",
+            ),
+            turns=bent_places(self.known, size),
+        )
+
+
+def _part(group: Problem) -> Part:
+    """How a structure group is solved."""
+    system = group.system
+    (known, unknown) = (group.known_coordinates, system.unknowns)
+    if len(unknown) == 1 and unknown[0].is_angular and int(system.rows.shape[0]) == 1:
+        angular = [[c.is_angular for c in part for _ in range(c.width)] for part in (unknown, known)]
+        total = sum_of_angles(system.rows, [system.unknown, system.known], angular)
+        if total is not None and (0, 0) in total.factors:
+            return Part(group, None, total, is_linear=False)
+    if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
+        return Part(group, None, None, is_linear=True)
+    reference = group.select_values(group.closure.reference, known)
+    found = closed_form(system, samples_about(system, reference))
+    return Part(group, None if found is None or found.has_conditions else found, None, is_linear=False)
+
+
+def _moves(coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: float) -> tuple[ca.SX, ca.SX]:
+    """dstate/dstep (numbers, freedom), and the state after a step; angles and turns are moved by the arc whose tangent is the step."""
+    tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
+    for c in coordinates:
+        if c.kind == "angle":
+            cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]
+            tangent[place, column], tangent[place + 1, column] = -sine / size, cosine / size
+            after = [cosine - sine * turn, sine + cosine * turn]
+            inverse = 1 / ca.sqrt(after[0] * after[0] + after[1] * after[1])
+            moved += [part * inverse for part in after]
+            place += 1
+        elif c.kind == "quaternion":
+            q, part = state[place : place + 4], step[column : column + 3]
+            for k in range(3):
+                axis = [0.0, 0.0, 0.0, 0.0]
+                axis[k + 1] = 0.5 / size
+                tangent[place : place + 4, column + k] = multiply(axis, q)
+            turned = multiply(ca.vertcat(1, (0.5 / size) * part), q)
+            moved += [turned[k] / ca.sqrt(dot(turned, turned)) for k in range(4)]
+        else:
+            scale = 1 / size if c.is_angular else 1.0
+            tangent[place, column] = scale
+            moved.append(state[place] + scale * step[column])
+        place, column = place + c.width, column + c.freedom
+    return tangent, ca.vertcat(*moved)
+
+
+@dataclass(frozen=True, eq=False)
+class JointMap:
+    """A map between joints with its options: what its C is written from."""
+
+    mechanism: Mechanism
+    options: Options
+    real: Real
+    templates: ClassVar[str] = "map"
+    is_redundant: ClassVar[bool] = False
+    has_dead_centres: ClassVar[bool] = False
+
+    @property
+    def name(self) -> str:
+        return self.mechanism.name
+
+    @property
+    def size(self) -> float:
+        return self.mechanism.characteristic_length
+
+    @cached_property
+    def _whole(self) -> Problem:
+        """All loops that hold a given or a found coordinate."""
+        given, found = self.options.given, self.options.find
+        problem = build_problem(self.mechanism, "given", given, found)
+        return _connected(problem, {*given, *found})
+
+    @cached_property
+    def direct(self) -> Direction:
+        return Direction("direct", self._whole)
+
+    @cached_property
+    def inverse(self) -> Direction:
+        everything = (*self.given, *self.direct.unknown)
+        known = tuple(next(c for c in everything if c.name == name) for name in self.options.find)
+        names = {c.name for c in known}
+        return Direction("inverse", _partitioned(self._whole, tuple(c for c in everything if c.name not in names), known))
+
+    @cached_property
+    def given_system(self) -> System:
+        """The rows with the given coordinates unknown and all others known: their derivatives are those by the given ones."""
+        system = self._whole.system
+        return System(self.given, system.known, system.unknown, system.rows, system.errors, system.characteristic_length)
+
+    @property
+    def given(self) -> tuple[Coordinate, ...]:
+        return self.direct.known
+
+    @property
+    def found(self) -> tuple[Coordinate, ...]:
+        return self.inverse.known
+
+    @cached_property
+    def passive(self) -> tuple[Coordinate, ...]:
+        """Coordinates that are neither given nor found."""
+        return tuple(c for c in self.direct.unknown if c.name not in self.options.find)
+
+    @property
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """All of them: given, found, passive."""
+        return (*self.given, *self.found, *self.passive)
+
+    @property
+    def reference(self) -> np.ndarray:
+        """The closure's variables at the reference."""
+        return self._whole.closure.reference
+
+    def reference_of(self, coordinates: Sequence[Coordinate]) -> np.ndarray:
+        """Values of coordinates at the reference."""
+        return self._whole.select_values(self.reference, tuple(coordinates))
+
+    @cached_property
+    def samples(self) -> list[Configuration]:
+        """Configurations reached from the reference when the given coordinates move in straight lines."""
+        return map_configurations(self, _SAMPLES, 3, _SPREAD, _TURN)
+
+    def numbers(self, direction: Direction, sample: Configuration) -> tuple[np.ndarray, np.ndarray]:
+        """State and known numbers of a direction's kernel at a configuration."""
+        values = [self._whole.select_values(sample.values, c) for c in (direction.unknown, direction.known)]
+        return numbers_at(direction.unknown, values[0]), numbers_at(direction.known, values[1])
+
+    # --- what cannot be --------------------------------------------------------------------------------------------
+
+    def check(self) -> None:
+        """Raises InputError where there is no such map."""
+        self._check_names()
+        self._check_counts()
+        if not self.samples:
+            raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
+
+    def _check_names(self) -> None:
+        given, found, name = self.options.given, self.options.find, self.name
+        known = {c.name: c for c in self.mechanism.coordinates if c.kind != "quaternion"}
+        for what, names in (("--given", given), ("--find", found)):
+            if not names:
+                other = "--find" if what == "--given" else "--given"
+                raise InputError(
+                    f"{name}: {other} needs {what} beside it: names of joint coordinates, as in {what} {','.join(list(known)[:2])}"
+                )
+            for one in names:
+                if one not in known:
+                    raise InputError(unknown_name(self.mechanism, one, list(known), what))
+            if len(set(names)) < len(names):
+                twice = next(one for one in names if names.count(one) > 1)
+                raise InputError(f"{what}: {twice} stands there {names.count(twice)} times; once is enough")
+        both = [one for one in given if one in found]
+        if both:
+            raise InputError(f"{name}: {', '.join(both)}: given and to be found at once; leave it out of --given or of --find")
+
+    def _check_counts(self) -> None:
+        """Given coordinates must decide all others of their loops, and found ones the given."""
+        name, given, found = self.name, self.given, self.found
+        system = self._whole.system
+        values = np.array([self.reference, *closed_configurations(self._whole.closure, 0)])
+        if system.residual(values[0][self._whole.unknown_places], values[0][self._whole.known_places]) > _CLOSED * self.size:
+            raise InputError(f"{name}: its loops are open at the reference configuration; `symkin close` closes them")
+        jacobians = [_whole_jacobian(self._whole, v) for v in values]
+        rank = max(Rank.of(j).value for j in jacobians)
+        columns = _columns((*given, *self.direct.unknown))
+        mobility = jacobians[0].shape[1] - rank
+        told, loops = ", ".join(self.options.given), f"the loops of {', '.join((*self.options.given, *self.options.find))}"
+        for one in (*given, *found):
+            if all(np.all(np.abs(j[:, columns[one.name]]) < 1e-9) for j in jacobians):
+                raise InputError(
+                    f"{name}: {one.name} is in no loop: nothing but itself moves it, so that no other coordinate is a function of it"
+                )
+        if len(given) != mobility:
+            more = mobility - len(given)
+            what = f"give {more} more" if more > 0 else f"leave {-more} out: their values would have to agree with each other"
+            raise InputError(
+                f"{name}: --given {told} are {len(given)} coordinate(s), and {loops} have {mobility} freedom(s); {what}"
+            )
+        if len(found) != len(given):
+            raise InputError(
+                f"{name}: {len(given)} coordinate(s) given and {len(found)} to be found; a map that can be turned round has as many of both"
+            )
+        for direction, known, others in ((self.direct, "--given", "--find"), (self.inverse, "--find", "--given")):
+            kept = [k for c in direction.unknown for k in columns[c.name]]
+            ranks = [Rank.of(j[:, kept]).value for j in jacobians]
+            names = ", ".join(c.name for c in direction.known)
+            if max(ranks) < len(kept):
+                raise InputError(f"{name}: {known} {names} does not determine {others} {', '.join(self.options.find if known == '--given' else self.options.given)}: "
+                                 "some of them decide each other, and others are left free")  # fmt: skip
+            if ranks[0] < len(kept):
+                raise InputError(
+                    f"{name}: the reference configuration is singular for {known} {names}; give the file another reference"
+                )
+
+
+def _columns(coordinates: Sequence[Coordinate]) -> dict[str, list[int]]:
+    """Columns of each coordinate in the Jacobian by all of them."""
+    found, column = {}, 0
+    for c in coordinates:
+        found[c.name] = list(range(column, column + c.freedom))
+        column += c.freedom
+    return found
+
+
+def _whole_jacobian(problem: Problem, values: np.ndarray) -> np.ndarray:
+    """Derivatives of the rows by the known coordinates and the unknown ones."""
+    parts = [problem.known_coordinates, problem.system.unknowns]
+    whole = _partitioned(problem, (*parts[0], *parts[1]), ())
+    return whole.system.linearise_one(values[whole.unknown_places], np.zeros(0))[1]
+
+
+def _partitioned(problem: Problem, unknown: tuple[Coordinate, ...], known: tuple[Coordinate, ...]) -> Problem:
+    """The same rows with other coordinates known."""
+    closure, system = problem.closure, problem.system
+    stacked = [ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in part)) for part in (unknown, known)]
+    made = System(unknown, stacked[0], stacked[1], system.rows, system.errors, system.characteristic_length)
+    return replace(problem, system=made, known_coordinates=known)
+
+
+def _connected(problem: Problem, names: set[str]) -> Problem:
+    """The rows and unknowns that are joined with some coordinates by rows."""
+    closure, system = problem.closure, problem.system
+    held = [
+        {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
+        for line in dependence_of(system.rows, closure)
+    ]
+    reached, before = set(names), set[str]()
+    while reached != before:
+        before = set(reached)
+        for row in held:
+            if row & reached:
+                reached |= row
+    rows = [k for k, row in enumerate(held) if row & reached]
+    checks = [
+        k
+        for k, line in enumerate(dependence_of(system.errors, closure))
+        if any(line[closure.slices[name]].any() for name in reached)
+    ]
+    unknown = tuple(c for c in system.unknowns if c.name in reached)
+    stacked = ca.vertcat(ca.SX(0, 1), *(closure.variables[closure.slices[c.name]] for c in unknown))
+    made = System(unknown, stacked, system.known, system.rows[rows, 0], system.errors[checks, 0], system.characteristic_length)
+    return replace(problem, system=made, row_places=tuple(rows))
+
+
+def map_configurations(made: JointMap, count: int, seed: int, spread: float, turn: float) -> list[Configuration]:
+    """Configurations, at most `count`, that are reached from the reference when the given coordinates move in straight lines by up to
+    `spread` sizes and `turn` radians, within their limits, and back again when the found ones do."""
+    rng, (direct, inverse) = np.random.default_rng(seed), (made.direct.problem, made.inverse.problem)
+    begin_known, begin = (made.reference_of(c) for c in (made.given, made.direct.unknown))
+    reach = np.array([turn if c.is_angular else spread * made.size for c in made.given])
+    found: list[Configuration] = []
+    for _ in range(_MOST_TRIES * count):
+        if len(found) == count:
+            break
+        goal = begin_known + reach * np.round(rng.uniform(-1, 1, len(reach)), 6)
+        if not _within(made.given, goal):
+            continue
+        z = followed(direct, begin, begin_known, goal)
+        if z is None:
+            continue
+        values = made.reference.copy()
+        values[direct.unknown_places], values[direct.known_places] = z, goal
+        places = inverse.unknown_places, inverse.known_places
+        back = followed(inverse, made.reference[places[0]], made.reference[places[1]], values[places[1]])
+        if (
+            back is not None
+            and np.allclose(back, values[places[0]], atol=1e-6 * max(1.0, made.size))
+            and _within(made.found, values[places[1]])
+        ):
+            found.append(Configuration(values, z, goal))
+    return found
+
+
+def _within(coordinates: Sequence[Coordinate], values: np.ndarray) -> bool:
+    return all(c.limits is None or c.limits[0] < v < c.limits[1] for c, v in zip(coordinates, values, strict=True))

@@ -1,0 +1,418 @@
+"""Write the C of a map between joints: both directions, one step of each, Jacobian, rates and torques."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snapped_expression
+from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_templates import FARTHEST, common_values, farthest, fill
+from symkin.codegen.circles import number_counts, numbers_at
+from symkin.codegen.closed_direction import ClosedDirection
+from symkin.codegen.joint_map import Direction, JointMap
+from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.newton_kernel import curvature
+from symkin.codegen.newton_source import NewtonCode
+from symkin.computed_once import cached_property
+from symkin.model.joint import Coordinate
+from symkin.text import c_comment
+
+_ARCTANGENT = (
+    0.9999993443489075, -0.33329859375953674, 0.19946563243865967, -0.13908618688583374,
+    0.09642169624567032, -0.05591192841529846, 0.02186267077922821, -0.004054484888911247,
+)  # fmt: skip
+"""atan(x) / x in x^2 up to x = 1, error of the angle 3.7e-8: least squares reweighted to the least largest error."""
+_SINE = (-0.16666651, 0.00833197, -0.00019495)
+"""(sin(x) - x) / x^3 in x^2 up to an eighth of a turn, error of the sine 1.9e-9, made in the same way."""
+_COSINE = (0.0416666467, -0.00138873598, 0.0000244375325)
+"""(cos(x) - 1 + x^2 / 2) / x^4 in x^2 up to an eighth of a turn, error of the cosine 1e-10."""
+_QUARTER = (1.5703125, 0.0004837512969970703, 7.549789954891882e-08)
+"""A quarter turn in three parts, the first two of few bits, so that small multiples of them are exact."""
+_FIRST_TURN = 0.5
+"""Turn of the known values that is tried first (rad): most longer ones are refused."""
+_TRACKED = 24.0
+"""A step of one call is at most the size over this."""
+_BELONG = 1e-2
+"""Residual, in sizes, up to which joints and found values belong together."""
+_NOT_DECIDED = 1e-4
+"""Share of a condition's usual size below which one step decides nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class JointMapSource:
+    """The C of one map, function by function."""
+
+    made: JointMap
+
+    @property
+    def real(self) -> Real:
+        return self.made.real
+
+    @property
+    def name(self) -> str:
+        return self.made.name
+
+    @cached_property
+    def code(self) -> NewtonCode:
+        """Newton's method of the direct problem."""
+        return self._newton(self.made.direct)
+
+    @cached_property
+    def _inverse_code(self) -> NewtonCode:
+        return self._newton(self.made.inverse)
+
+    def _code_of(self, direction: Direction) -> NewtonCode:
+        return self.code if direction.name == "direct" else self._inverse_code
+
+    def _newton(self, direction: Direction) -> NewtonCode:
+        made, kernel = self.made, direction.kernel
+        points = [made.numbers(direction, sample) for sample in made.samples]
+        none = np.zeros(0)
+        return NewtonCode(
+            kernel=kernel,
+            name=self.name,
+            real=self.real,
+            geometry=[],
+            matrices=np.array([kernel.matrix(state, known, none) for state, known in points]),
+            kappa=curvature(kernel, [state for state, _ in points], [known for _, known in points], none),
+            target_lines=self._target_lines(direction),
+            known_count=len(direction.known),
+            first_turn=_FIRST_TURN,
+        )
+
+    def _target_lines(self, direction: Direction) -> list[str]:
+        """Statements that set w->k, the known numbers, on the line from w->at to `to`."""
+        kind, one = self.real.type, self.real.literal(1.0)
+        lines, place = [], 0
+        for i, c in enumerate(direction.known):
+            value = f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
+            if c.kind == "angle":
+                lines.append(f"{self.name}_circle({value}, &w->k[{place}]);")
+                place += 2
+            else:
+                lines.append(f"w->k[{place}] = {value};")
+                place += 1
+        return [line.replace(f"const {kind} ", "") for line in lines]
+
+    @cached_property
+    def _closed(self) -> dict[str, ClosedDirection]:
+        """The directions that formulas solve, by name."""
+        found: dict[str, ClosedDirection] = {}
+        for direction in (self.made.direct, self.made.inverse):
+            if direction.is_closed:
+                found[direction.name] = ClosedDirection(self.made, direction, self._common)
+        return found
+
+    @cached_property
+    def _common(self) -> dict[str, object]:
+        made, literal = self.made, self.real.literal
+        n = len(made.given)
+        return common_values(self.name, self.real, struct=False) | {
+            "nq": n, "nj": n * n, "ny": sum(number_counts(made.coordinates)), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
+            "minus_half": literal(-0.5), "many": literal(1e4), "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
+        }  # fmt: skip
+
+    @cached_property
+    def values(self) -> dict[str, object]:
+        """Values of the names in the templates of this kind, the tests and the header."""
+        passive = ", ".join(c_comment(c.name) for c in self.made.passive)
+        note = "" if not passive else "What the values leave to other joints is as at the reference configuration."
+        return self._common | {"passive_note": note}
+
+    @property
+    def text(self) -> str:
+        """Everything of NAME.c between its beginning and end."""
+        made = self.made
+        parts = [fill("info.c", self._common), self._tools]
+        for direction in (made.direct, made.inverse):
+            parts.append(self._solver_text(direction))
+        parts += [self._state_text(made.inverse), self._state_text(made.direct) if self._needs_state_of_joints else ""]
+        parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
+        parts += [fill("map_give.c", self._common), self._rates_text]
+        return "".join(parts)
+
+    # --- parts -------------------------------------------------------------------------------------------------------
+
+    @property
+    def _tools(self) -> str:
+        literal, float_ = self.real.literal, self.real.name == "float"
+        polynomials = {
+            "arctangent": _horner(self.real, _ARCTANGENT),
+            "sine": _horner(self.real, _SINE),
+            "cosine": _horner(self.real, _COSINE),
+        }
+        own = (
+            self._common
+            | polynomials
+            | {"half_turn": literal(np.pi), "quarter": literal(0.5 * np.pi), "per_quarter": literal(2 / np.pi)}
+        )
+        own |= {f"quarter{i + 1}": literal(part) for i, part in enumerate(_QUARTER)}
+        angle = fill("closed_angle.c", own)
+        circle = fill("map_circle.c", own).rstrip().split("\n")
+        if not float_:
+            angle, circle = "", [f"circle[0] = {self.real.call('cos')}(angle);", f"circle[1] = {self.real.call('sin')}(angle);"]
+        return fill("map_tools.c", own | {
+            "angle": angle.rstrip() + "\n" if angle else "", "circle": indent(circle), "ranges": self._ranges,
+            "circle_error": " by polynomials: the same bits on every machine" if float_ else "",
+        })  # fmt: skip
+
+    @property
+    def _ranges(self) -> str:
+        """Tables of ranges: limits with slack, and for guesses how far a value may be."""
+        literal, size, lines = self.real.literal, self.made.size, []
+        for what, coordinates in (("joints", self.made.given), ("found", self.made.found)):
+            far = [(FARTHEST if c.is_angular else FARTHEST * size) for c in coordinates]
+            slack = [max(1e-9, 16 * self.real.epsilon) * (1.0 if c.is_angular else size) for c in coordinates]
+            low = [c.limits[0] - s if c.limits else -f for c, f, s in zip(coordinates, far, slack, strict=True)]
+            high = [c.limits[1] + s if c.limits else f for c, f, s in zip(coordinates, far, slack, strict=True)]
+            tables = {"low": low, "high": high, "least": [-f for f in far], "most": far}
+            for key, numbers in tables.items():
+                text = ", ".join(literal(float(v)) for v in numbers)
+                lines.append(f"static const {self.real.type} {self.name}_{key}_{what}[{len(coordinates)}] = {{ {text} }};")
+        return "\n".join(lines)
+
+    def _solver_text(self, direction: Direction) -> str:
+        """Newton's method of a direction, or its formulas with the parts of Newton's method that finish and give rates."""
+        code = self._code_of(direction)
+        if direction.name not in self._closed:
+            return code.text
+        closed = self._closed[direction.name]
+        finish = fill("map_finish.c", code.factoring | closed.values | {
+            "singular": singular_condition(code.kernel, code.k, "w"), "rounding": self.real.literal(code.tuning.rounding),
+        })  # fmt: skip
+        text = closed.text
+        if self.real.name == "float":
+            text = text.replace("atan2f(", f"{self.name}_angle(")
+        return code.work + code.functions + code.target + code.linear.text + finish + text
+
+    # --- numbers -----------------------------------------------------------------------------------------------------
+
+    def _places(self, coordinates: Sequence[Coordinate]) -> list[int]:
+        """Where the numbers of coordinates stand in y."""
+        places, start = {}, 0
+        for c, count in zip(self.made.coordinates, number_counts(self.made.coordinates), strict=True):
+            places[c.name] = list(range(start, start + count))
+            start += count
+        return [i for c in coordinates for i in places[c.name]]
+
+    def _copies(self, target: str, coordinates: Sequence[Coordinate]) -> list[str]:
+        """Statements that copy numbers of coordinates from y."""
+        return [f"{target}[{i}] = y[{place}];" for i, place in enumerate(self._places(coordinates))]
+
+    def _into_y(self, source: str, coordinates: Sequence[Coordinate]) -> list[str]:
+        return [f"y[{place}] = {source}[{i}];" for i, place in enumerate(self._places(coordinates))]
+
+    def _circles(self, values: str, coordinates: Sequence[Coordinate], target: str, places: Sequence[int]) -> list[str]:
+        """Statements that set the numbers of coordinates by their values."""
+        lines, k = [], 0
+        for i, c in enumerate(coordinates):
+            if c.kind == "angle":
+                lines.append(f"{self.name}_circle({values}[{i}], &{target}[{places[k]}]);")
+                k += 2
+            else:
+                lines.append(f"{target}[{places[k]}] = {values}[{i}];")
+                k += 1
+        return lines
+
+    def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str, what: str) -> list[str]:
+        """C text of the values of coordinates by their numbers, angles next to `near`."""
+        found, k = [], 0
+        angle = f"{self.name}_angle" if self.real.name == "float" else self.real.call("atan2")
+        for i, c in enumerate(coordinates):
+            if c.kind == "angle":
+                limits = f"{self.name}_low_{what}[{i}], {self.name}_high_{what}[{i}]"
+                found.append(f"{self.name}_turned({angle}({numbers[k + 1]}, {numbers[k]}), {near}[{i}], {limits})")
+                k += 2
+            else:
+                found.append(numbers[k])
+                k += 1
+        return found
+
+    # --- configurations ----------------------------------------------------------------------------------------------
+
+    def _words(self, direction: Direction) -> tuple[str, str]:
+        """What the known and the wanted values of a direction are called."""
+        return ("joints", "found") if direction.name == "direct" else ("found", "joints")
+
+    @property
+    def _needs_state_of_joints(self) -> bool:
+        return True
+
+    def _state_text(self, direction: Direction) -> str:
+        """The configuration of known values, with the reference's choices."""
+        values, _ = self._words(direction)
+        k, kind, made = f"{self.name}_{direction.name}", self.real.type, self.made
+        lines = self._circles("values", direction.known, "y", self._places(direction.known))
+        if direction.name in self._closed:
+            closed = self._closed[direction.name]
+            names = closed.values
+            lines = [
+                f"static const {kind} sign[{names['signs']}] = {{ {names['home_signs']} }};",
+                f"{kind} k[{names['nk']}];", f"{kind} x[{names['ns']}];", f"{kind} d[{names['conditions']}];",
+                *self._circles("values", direction.known, "k", range(int(str(names["nk"])))),
+                f"{k}_formulas(k, sign, x, d);",
+                f"for (int i = 0; i < {names['conditions']}; ++i) {{", f"    if (!(d[i] > {names['resolved']})) {{",
+                f"        status = {self.name.upper()}_OUT_OF_RANGE;", "    }", "}",
+                *self._into_y("k", direction.known), *self._into_y("x", direction.unknown),
+            ]  # fmt: skip
+        else:
+            literal, n = self.real.literal, len(direction.known)
+            at, begin = made.reference_of(direction.known), numbers_at(direction.unknown, made.reference_of(direction.unknown))
+            low, high = f"{self.name}_low_{values}", f"{self.name}_high_{values}"
+            aims = [
+                f"to[{i}] = {self.name}_turned(values[{i}], w.at[{i}], {low}[{i}], {high}[{i}]);"
+                if c.kind == "angle" and c.limits is None else f"to[{i}] = values[{i}];" for i, c in enumerate(direction.known)
+            ]  # fmt: skip
+            prefix = self.name.upper()
+            lines = [
+                f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
+                f"{k}_work w;", f"{kind} to[{n}];",
+                "/* along the line from the reference configuration */",
+                *(f"w.at[{i}] = {literal(float(v))};" for i, v in enumerate(at)),
+                *(f"w.x[{i}] = {literal(float(v))};" for i, v in enumerate(begin)),
+                *aims, f"status = {k}_newton(&w, to, &usual, NULL);",
+                *self._into_y("w.k", direction.known), *self._into_y("w.x", direction.unknown),
+            ]  # fmt: skip
+        return fill("map_state.c", self._common | {"values": values, "nto": len(direction.known), "lines": indent(lines)})
+
+    def _direction_text(self, direction: Direction) -> str:
+        """The function of a direction, and its one step."""
+        values, out = self._words(direction)
+        k, kind, name = f"{self.name}_{direction.name}", self.real.type, self.name
+        wanted = self.made.found if direction.name == "direct" else self.made.given
+        known, n, literal = direction.known, len(direction.known), self.real.literal
+        y = [f"y[{i}]" for i in self._places(known)]
+        begin = [f"w.at[{i}] = {text};" for i, text in enumerate(self._values_of(known, y, values, values))]
+        copies = self._copies("w.x", direction.unknown)
+        closed = self._closed.get(direction.name)
+        if closed is None:
+            follow = [*copies, f"status = {k}_newton(&w, {values}, used, info);"]
+        else:
+            follow = [f"{kind} sign[{closed.values['signs']}];", *copies, *self._copies("w.k", known), f"{k}_signs(w.k, w.x, sign);",
+                      f"status = {k}_follow(&w, {values}, sign, used, info);"]  # fmt: skip
+        places = self._unknown_places(direction, wanted)
+        numbers = [f"w.x[{i}]" for i in places]
+
+        def results(near: str) -> str:
+            texts = self._values_of(wanted, numbers, near, out)
+            return indent([f"{kind} result[{n}];", *(f"result[{i}] = {t};" for i, t in enumerate(texts))], 2)
+
+        weights = [1.0 * self.made.size if c.is_angular else 1.0 for c in wanted]
+        change = [
+            f"change2 += {literal(w * w)} * (result[{i}] - {out}[{i}]) * (result[{i}] - {out}[{i}]);"
+            for i, w in enumerate(weights)
+        ]
+        which = "direct" if direction.name == "direct" else "inverse"
+        return fill("map_direction.c", self._common | {
+            "about": f"The {which} problem: {c_comment(', '.join(c.name for c in wanted))} from {c_comment(', '.join(c.name for c in known))}.",
+            "about_track": f"One step of the {which} problem from the last values.",
+            "f": f"{name}_{direction.name}", "track": f"{name}_track" if direction.name == "direct" else f"{name}_track_inverse",
+            "k": k, "values": values, "out": out, "nto": n, "nout": n, "begin": indent(begin, 2), "follow": indent(follow, 2),
+            "results": results("guess"), "track_results": results(out), "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
+            "blame_values": f"    {name}_blame(info, joints);\n" if values == "joints" else "",
+            "blame_result": f"        {name}_blame(info, result);\n" if out == "joints" else "",
+            "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction, wanted),
+        })  # fmt: skip
+
+    def _unknown_places(self, direction: Direction, wanted: Sequence[Coordinate]) -> list[int]:
+        """Places of numbers of wanted coordinates in a direction's state."""
+        places, start = {}, 0
+        for c, count in zip(direction.unknown, number_counts(direction.unknown), strict=True):
+            places[c.name] = list(range(start, start + count))
+            start += count
+        return [i for c in wanted for i in places[c.name]]
+
+    def _step(self, direction: Direction, wanted: Sequence[Coordinate]) -> dict[str, str]:
+        """Statements of one step: from the last values' configuration, by Newton's method or by formulas."""
+        values, out = self._words(direction)
+        k, kind, prefix, literal = f"{self.name}_{direction.name}", self.real.type, self.name.upper(), self.real.literal
+        code, closed = self._code_of(direction), self._closed.get(direction.name)
+        ny = self._common["ny"]
+        if self.made.passive:
+            y = [f"{kind} y[{ny}];"]
+            last = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_{out}({out}, y);", "}"]
+            start = self._copies("w.x", direction.unknown)
+        else:
+            y, last = [], []
+            start = self._circles(out, wanted, "w.x", self._unknown_places(direction, wanted))
+        numbers = self._circles(values, direction.known, "w.k", range(sum(number_counts(direction.known))))
+        if closed is None:
+            step = [
+                *start, *numbers, f"{k}_rows(&w);", f"if ({singular_condition(code.kernel, k, '&w')}) {{",
+                f"    status = {prefix}_SINGULAR;", "} else {", f"    {k}_solve(&w);", f"    const {kind} size = {k}_apply_step(&w);",
+                f"    {self.name}_write_info(info, 1U, {literal(float(np.sqrt(code.tuning.kappa2)))} * size, size, w.spread);", "}",
+            ]  # fmt: skip
+        else:
+            names = closed.values
+            step = [
+                f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
+                f"{kind} sign[{names['signs']}];", f"{kind} d[{names['conditions']}];", f"{kind} least = {literal(1.0)};", *start, *numbers,
+                f"{k}_signs(w.k, w.x, sign);", f"{k}_formulas(w.k, sign, w.x, d);",
+                f"for (int i = 0; i < {names['conditions']}; ++i) {{", "    least = (d[i] < least) ? d[i] : least;", "}",
+                f"status = (least > {literal(_NOT_DECIDED)}) ? {k}_finish(&w, 1U, least, &usual, info) : {prefix}_SINGULAR;",
+            ]  # fmt: skip
+        return {"y": indent(y), "last": indent(last), "step": indent(step, 2)}
+
+    # --- rates -------------------------------------------------------------------------------------------------------
+
+    @property
+    def _rates_text(self) -> str:
+        made, direct, literal = self.made, self.made.direct, self.real.literal
+        kernel, n, prefix = direct.kernel, len(made.given), self.name.upper()
+        y, state = [], []
+        if made.passive:
+            y = [f"{self.real.type} y[{self._common['ny']}];"]
+            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y);", "}",
+                     f"if (status == {prefix}_OK) {{", *("    " + line for line in self._copies("w.x", direct.unknown))]  # fmt: skip
+        else:
+            state = [f"if (status == {prefix}_OK) {{",
+                     *("    " + line for line in self._circles("found", made.found, "w.x", self._unknown_places(direct, made.found)))]  # fmt: skip
+        state += ["    " + line for line in self._circles("joints", made.given, "w.k", range(sum(number_counts(made.given))))]
+        state.append("}")
+        rows = [f"rates[{n * i} + j] = w.f[{column}]{scale};" for i, (column, scale) in enumerate(self._found_columns)]
+        return fill("map_rates.c", self._common | {
+            "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state),
+            "near": literal(_BELONG * made.size), "singular": singular_condition(kernel, f"{self.name}_direct", "&w"), "rates": indent(rows, 4),
+        })  # fmt: skip
+
+    @property
+    def _found_columns(self) -> list[tuple[int, str]]:
+        """Place of each found coordinate in a step, and what turns the step's length into its unit."""
+        places, column = {}, 0
+        for c in self.made.direct.unknown:
+            places[c.name] = (column, f" * {self.real.literal(1.0 / self.made.size)}" if c.is_angular else "")
+            column += c.freedom
+        return [places[c.name] for c in self.made.found]
+
+    @property
+    def _sides(self) -> list[str]:
+        """Statements of the rows' derivatives by the given coordinates."""
+        kernel, given = self.made.direct.kernel, self.made.given
+        tangent, place = ca.SX(int(kernel.known.shape[0]), len(given)), 0
+        for i, c in enumerate(given):
+            if c.kind == "angle":
+                tangent[place, i], tangent[place + 1, i] = -kernel.known[place + 1], kernel.known[place]
+                place += 2
+            else:
+                tangent[place, i] = 1.0
+                place += 1
+        sides = snapped_expression(ca.mtimes(ca.jacobian(kernel.rows, kernel.known), tangent), [kernel.state, kernel.known])
+        function = ca.Function("sides", [kernel.state, kernel.known], [ca.densify(sides)], {"cse": True})
+        emitter = Emitter(
+            function, [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0]))], self.real
+        )
+        stores = [f"sides[{len(given) * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(len(given))]
+        return [*emitter.lines, *stores]
+
+
+def _horner(real: Real, coefficients: Sequence[float]) -> str:
+    """C text of a polynomial in `square`, by Horner's rule."""
+    *rest, last = (real.literal(c) for c in coefficients)
+    text = last
+    for c in reversed(rest):
+        text = f"{c} + square * {text if text == last else f'({text})'}"
+    return text

@@ -1,0 +1,130 @@
+"""Make test vectors of a map between joints, and the text of their header."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from symkin.codegen.c_emitter import Real
+from symkin.codegen.joint_map import JointMap, map_configurations
+from symkin.codegen.samples import Configuration
+from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
+from symkin.computed_once import cached_property
+from symkin.errors import InputError
+
+_SPREAD, _TURN = 0.06, 0.3
+"""How far the given coordinates go from the reference: in sizes, and in radians."""
+_NEAR = 2e-4
+"""How far every other guess is from its answer: in radians, and in sizes."""
+_DIGITS = 13
+
+
+@dataclass(frozen=True, eq=False)
+class MapVectors:
+    """Cases of a map, numbers as generated code reads them."""
+
+    made: JointMap
+
+    @property
+    def _real(self) -> Real:
+        return self.made.real
+
+    @cached_property
+    def cases(self) -> list[Configuration]:
+        """Configurations whose given values are numbers of the type."""
+        made, direct = self.made, self.made.direct.problem
+        found = []
+        for case in map_configurations(made, COUNT, 20, _SPREAD, _TURN):
+            given = rounded_to(self._real, np.round(case.known, _DIGITS))
+            values = case.values.copy()
+            values[direct.known_places] = given
+            values[direct.unknown_places] = direct.system.polish(case.unknown, given, 6)
+            found.append(Configuration(values, values[direct.unknown_places], given))
+        if not found:
+            raise InputError(f"{made.name}: no regular configuration was found near the reference to test generated code with")
+        return found
+
+    def _of(self, values: np.ndarray, which: str) -> np.ndarray:
+        coordinates = self.made.given if which == "joints" else self.made.found
+        places = self.made.direct.problem.places(coordinates)
+        scales = [1.0 if c.is_angular else self.made.size for c in coordinates]
+        digits = [_DIGITS - int(np.ceil(np.log10(max(scale, 1e-3)))) for scale in scales]
+        return np.array([round(float(v), d) + 0.0 for v, d in zip(values[places], digits, strict=True)])
+
+    @cached_property
+    def tables(self) -> dict[str, np.ndarray]:
+        """Rows by name. Every other case starts next to its answer, as a loop does; the others at the reference."""
+        home, direct = self.made.reference, self.made.direct.problem
+        rows: dict[str, list[np.ndarray]] = {name: [] for name in ("joints", "found", "guesses", "joint_guesses")}
+        for number, case in enumerate(self.cases):
+            near = home
+            if number % 2:
+                scales = np.array([1.0 if c.is_angular else self.made.size for c in self.made.given])
+                known = case.known + _NEAR * scales
+                near = case.values.copy()
+                near[direct.known_places], near[direct.unknown_places] = known, direct.system.polish(case.unknown, known, 6)
+            for name, values in (("joints", case.values), ("found", case.values), ("guesses", near), ("joint_guesses", near)):
+                rows[name].append(self._of(values, "joints" if name.startswith("joint") else "found"))
+        tables = {name: np.array(found) for name, found in rows.items()}
+        return tables | {"inverse": np.array([self._inverse_of(c, f) for c, f in zip(self.cases, tables["found"], strict=True)])}
+
+    def _inverse_of(self, case: Configuration, found: np.ndarray) -> np.ndarray:
+        """Joints of found values as generated code reads them, near a case."""
+        inverse, values = self.made.inverse.problem, case.values.copy()
+        values[inverse.known_places] = rounded_to(self._real, found)
+        values[inverse.unknown_places] = inverse.system.polish(values[inverse.unknown_places], values[inverse.known_places], 6)
+        return self._of(values, "joints")
+
+    @cached_property
+    def jacobians(self) -> np.ndarray:
+        """Jacobians (count, n * n) of the first cases."""
+        return np.array([np.round(map_jacobian(self.made, case.values), 9).ravel() + 0.0 for case in self.cases[:JACOBIANS]])
+
+    @cached_property
+    def bounds(self) -> np.ndarray:
+        """Error allowed of each case, as a length: what rounding and the tolerance leave of the rows, times the larger condition."""
+        size, found = self.made.size, []
+        tolerance = self._real.epsilon * size * (1.0 if self._real.name == "float" else 1e4)
+        for case in self.cases:
+            conditions = [
+                d.problem.system.condition(case.values[d.problem.unknown_places], case.values[d.problem.known_places])
+                for d in (self.made.direct, self.made.inverse)
+            ]
+            worst = min(max(conditions), 1e4)
+            found.append((4 + worst) * tolerance + self._real.epsilon * size * (32 + 8 * worst))
+        return np.array(found)
+
+    def text(self) -> str:
+        """NAME_vectors.h."""
+        name, real = self.made.name, self._real
+        kind, prefix = f"{name}_real", self.made.name.upper()
+        lines = [f"/* Vectors for {name}_test.c, made by symkin's Python solvers; numbers are exact.", " * SPDX-License-Identifier: MIT */",
+                 f"#ifndef {prefix}_VECTORS_H", f"#define {prefix}_VECTORS_H", "", f'#include "{name}.h"', "",
+                 f"#define {prefix}_VECTORS {len(self.cases)}", f"#define {prefix}_VECTOR_JACOBIANS {len(self.jacobians)}", ""]  # fmt: skip
+        for label, table in [*self.tables.items(), ("jacobians", self.jacobians)]:
+            rows = [f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table]
+            lines += [f"static const {kind} {name}_vector_{label}[{table.shape[0]}][{table.shape[1]}] = {{", *rows, "};", ""]
+        for label, which in (("home_joints", "joints"), ("home_found", "found")):
+            row = self._of(self.made.reference, which)
+            lines.append(
+                f"static const {kind} {name}_vector_{label}[{len(row)}] = {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }};"
+            )
+        bounds = ", ".join(f"{float(v):.2g}" for v in self.bounds)
+        return "\n".join([*lines, "", "/* Error allowed, as a length. */",
+                          f"static const double {name}_vector_bounds[{len(self.bounds)}] = {{ {bounds} }};", "", "#endif", ""])  # fmt: skip
+
+
+def map_jacobian(made: JointMap, values: np.ndarray) -> np.ndarray:
+    """Rates of the found coordinates by those of the given ones (n, n), from the closure's differential."""
+    direct, size = made.direct.problem, made.size
+    _, by_unknown = direct.system.linearise_one(values[direct.unknown_places], values[direct.known_places])
+    whole = made.given_system
+    _, by_given = whole.linearise_one(values[direct.known_places], values[direct.unknown_places])
+    solved = np.linalg.lstsq(by_unknown, -by_given, rcond=1e-12)[0]
+    column, found = 0, {}
+    for c in direct.system.unknowns:
+        found[c.name] = solved[column] / (size if c.is_angular else 1.0)
+        column += c.freedom
+    scales = np.array([size if c.is_angular else 1.0 for c in made.given])
+    return np.array([found[c.name] * scales for c in made.found])

@@ -1,0 +1,107 @@
+"""Bounds for the straight line of given values: how far a function of them bends away from its chord.
+
+A function g that is a polynomial in lengths and in cosines and sines of angles is a finite sum of products of Chebyshev polynomials
+of lengths over their ranges and of waves of angles. Its coefficients bound its second derivatives by each pair of given values, for
+all values at once, so that along a line, t from 0 to 1 with changes d of the given values,
+
+    |g''| <= sum of weights_i d_i^2,
+
+and g is above zero between two points of it where that is below 2 (g_a + g_b + 2 min(g_a, g_b)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+_DEGREE = 4
+"""Highest wave, and degree in a length, that is looked for."""
+_POINTS = 2 * _DEGREE + 2
+_SHIFT = 0.0711
+"""By how much more each angle's samples are shifted than those of the one before (rad): equal angles are special."""
+_MISFIT = 1e-9
+"""Share of the largest value by which the sum may be off at points that it was not made from."""
+_CHECKED = 64
+
+
+@dataclass(frozen=True)
+class Span:
+    """What a given value runs over: all angles, or lengths `middle` +- `half`."""
+
+    angular: bool
+    middle: float = 0.0
+    half: float = 1.0
+
+
+@dataclass(frozen=True)
+class Bend:
+    """Bounds of a function: `size` of itself, `slopes` (given values) of first derivatives, `weights` (given values) of the second one
+    along a line as above; `least` and `most` are values among its samples."""
+
+    size: float
+    slopes: np.ndarray
+    weights: np.ndarray
+    least: float
+    most: float
+
+
+def bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span]) -> Bend | None:
+    """Bounds of a function (n, given) -> (n,); None where it is no such polynomial."""
+    count = len(spans)
+    angles = 2 * np.pi * np.arange(_POINTS) / _POINTS
+    grid = np.array(list(product(angles, repeat=count))).reshape(-1, count)
+    samples = values(_placed(grid, spans))
+    if not np.isfinite(samples).all():
+        return None
+    waves = np.fft.fftn(samples.reshape((_POINTS,) * count)) / _POINTS**count
+    orders = np.fft.fftfreq(_POINTS, 1.0 / _POINTS)
+    frequencies = np.stack(np.meshgrid(*([orders] * count), indexing="ij"), axis=-1).reshape(-1, count)
+    amplitudes = np.abs(waves).ravel()
+    largest = float(np.max(np.abs(samples)))
+    if not _reproduces(values, spans, waves.ravel(), frequencies, largest):
+        return None
+    first = np.array([[_slope(span, k) for k in np.abs(orders)] for span in spans])
+    second = np.array([[_curvature(span, k) for k in np.abs(orders)] for span in spans])
+    places = np.indices((_POINTS,) * count).reshape(count, -1)
+    once = np.stack([first[i][places[i]] for i in range(count)])
+    twice = np.stack([second[i][places[i]] for i in range(count)])
+    # 2 |d_i| |d_j| <= d_i^2 + d_j^2
+    hessian = np.array([
+        [np.sum(amplitudes * (twice[i] if i == j else once[i] * once[j])) for j in range(count)] for i in range(count)
+    ])  # fmt: skip
+    return Bend(
+        size=float(np.sum(amplitudes)),
+        slopes=np.sum(amplitudes * once, axis=1),
+        weights=np.sum(hessian, axis=1),
+        least=float(np.min(samples)),
+        most=float(np.max(samples)),
+    )
+
+
+def _placed(angles: np.ndarray, spans: Sequence[Span]) -> np.ndarray:
+    """Given values for angles of the waves: a length is middle + half cos, whose waves are Chebyshev polynomials."""
+    columns = [
+        angles[:, i] + _SHIFT * (i + 1) if s.angular else s.middle + s.half * np.cos(angles[:, i]) for i, s in enumerate(spans)
+    ]
+    return np.stack(columns, axis=-1)
+
+
+def _reproduces(
+    values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], waves: np.ndarray, frequencies: np.ndarray, largest: float
+) -> bool:
+    angles = np.random.default_rng(5).uniform(-np.pi, np.pi, (_CHECKED, len(spans)))
+    told = np.real(np.exp(1j * angles @ frequencies.T) @ waves)
+    return bool(np.max(np.abs(told - values(_placed(angles, spans)))) <= _MISFIT * largest)
+
+
+def _slope(span: Span, order: float) -> float:
+    """Largest first derivative of a wave."""
+    return float(order if span.angular else order**2 / span.half)
+
+
+def _curvature(span: Span, order: float) -> float:
+    """Largest second derivative of a wave."""
+    return float(order**2 if span.angular else order**2 * (order**2 - 1) / 3 / span.half**2)

@@ -1,0 +1,170 @@
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
+ * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
+ * and at u; y: the unknowns; share: largest square of a usual root over a root's. */
+typedef struct {
+    @{real} at[@{nu}];
+    @{real} u[@{nu}];
+    @{real} sign[@{nk}];
+    @{real} left[@{ng}];
+    @{real} guard[@{ng}];
+    @{real} y[@{ny}];
+    @{real} share;
+@{reach_member}
+} @{p}_direct_work;
+
+/* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
+static @{p}_status @{p}_read_guess(@{p}_direct_work *w, const @{p}_pose *guess)
+{
+    @{real} x[7];
+    @{p}_status status = @{p}_normalise_pose(guess, x);
+    if (status == @{P}_OK) {
+@{guess_lines}
+    }
+    return status;
+}
+
+/* The formulas (README.md) at w->u: unknowns and guards. */
+static void @{p}_direct_formulas(@{p}_direct_work *w)
+{
+@{formula_lines}
+}
+
+/* Sets w->u to joint values. */
+static void @{p}_direct_set(@{p}_direct_work *w, const @{real} joints[@{nq}])
+{
+@{set_lines}
+}
+
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
+ * changes: a guard bends by no more than its weights times these allow (README.md). */
+static bool @{p}_line_keeps(const @{p}_direct_work *w, const @{real} change[@{nq}])
+{
+    static const @{real} weights@{weights_size} = {
+@{weights}
+    };
+@{nested_tables}
+    static const @{real} least[@{ng}] = { @{least} };
+    bool kept = true;
+@{lowest_array}
+    for (int j = 0; j < @{ng}; ++j) {
+        const @{real} a = w->left[j] - least[j];
+        const @{real} b = w->guard[j] - least[j];
+        const @{real} lesser = (a < b) ? a : b;
+        @{real} bend = @{zero};
+        for (int i = 0; i < @{nq}; ++i) {
+            bend += @{weights_of}[j][i] * change[i];
+        }
+@{nested}
+        kept = kept && (lesser > @{zero}) && (bend < a + b + lesser + lesser);
+@{keep_lowest}
+    }
+    return kept;
+}
+
+@{p_angle}/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved where they are not. */
+static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} joints[@{nq}], unsigned int most, unsigned int *count)
+{
+    @{real} at[@{nq}];
+    @{real} given[@{nq}];
+    @{real} change[@{nq}];
+    @{real} done = @{zero};
+    @{real} part = @{first_part};
+    @{p}_status status = @{P}_MAX_ITERATIONS;
+@{at_lines}
+    while ((status == @{P}_MAX_ITERATIONS) && (*count < most)) {
+        const @{real} end = done + part;
+        bool above = true;
+        for (int i = 0; i < @{nq}; ++i) {
+            const @{real} way = given[i] - at[i];
+            change[i] = (part * way) * (part * way);
+            at_end[i] = (end < @{one}) ? (at[i] + end * way) : given[i];
+        }
+        @{p}_direct_set(w, at_end);
+        @{p}_direct_formulas(w);
+        ++*count;
+        for (int j = 0; j < @{ng}; ++j) {
+            above = above && (w->guard[j] > @{zero});
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = @{P}_WRONG_BRANCH;
+        } else if (@{p}_line_keeps(w, change)) {
+            for (int j = 0; j < @{ng}; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = (done + @{two} * part <= @{one}) ? (@{two} * part) : part;
+            if (done >= @{one}) {
+                status = @{P}_OK;
+            }
+        } else {
+            part *= @{half};
+            if (part < @{least_part}) {
+                status = @{P}_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
+static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, const @{p}_config *config, @{p}_info *info)
+{
+    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
+    @{p}_direct_work w;
+    unsigned int count = 0U;
+    @{real} residual = @{huge};
+    @{p}_status status = @{p}_read_guess(&w, guess);
+    const @{p}_status limits = @{p}_check_limits(joints);
+    w.share = @{zero};
+@{no_reach}
+    /* NaN or infinity anywhere comes first */
+    if ((status == @{P}_OK) || (limits == @{P}_NONFINITE)) {
+        status = limits;
+    }
+    if (config == NULL) {
+        config = &usual;
+    } else {
+        status = @{p}_check_config(config, status);
+    }
+@{span_lines}
+    if (status == @{P}_OK) {
+        const unsigned int most = config->max_iterations;
+        @{real} change[@{nq}];
+        bool kept = false;
+        if (most > 0U) {
+            @{p}_direct_set(&w, joints);
+            @{p}_direct_formulas(&w);
+            count = 1U;
+            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right angle */
+            kept = @{near};
+@{change_lines}
+            kept = kept && @{p}_line_keeps(&w, change);
+        }
+        if (!kept) {
+            status = @{p}_direct_walk(&w, joints, most, &count);
+        }
+        if (status == @{P}_OK) {
+            status = @{p}_direct_answer(&w, config->tolerance, pose, &residual);
+        }
+    }
+    if (count > 0U) {
+        @{p}_write_info(info, count, residual, @{zero}, w.share);
+    } else {
+        @{p}_write_no_step(info, joints);
+    }
+    return status;
+}
+
+@{p}_status @{p}_direct(const @{p}_config *config, const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, @{p}_info *info)
+{
+    return @{p}_direct_reach(joints, guess, pose, config, info);
+}
+
+@{p}_status @{p}_track(const @{real} joints[@{nq}], @{p}_pose *pose, @{p}_info *info)
+{
+    /* one evaluation */
+    static const @{p}_config once = { @{P}_TOLERANCE, 1U, @{P}_MAX_STEP };
+    const @{p}_status status = @{p}_direct_reach(joints, pose, pose, &once, info);
+    return (status == @{P}_MAX_ITERATIONS) ? @{P}_WRONG_BRANCH : status;
+}

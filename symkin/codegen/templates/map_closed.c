@@ -1,0 +1,58 @@
+/* Formulas of the @{which} problem (README.md): numbers x of the unknowns for known numbers k, by a sign for each choice between two
+ * values. Conditions d are above 0 where all is real and nothing vanishes that is divided by; they are 1 at a usual place. */
+static @{SHARED} void @{k}_formulas(const @{real} k[@{nk}], const @{real} sign[@{signs}], @{real} x[@{ns}], @{real} d[@{conditions}])
+{
+    (void)k;
+    (void)sign;
+    (void)d;
+@{formulas}
+}
+
+@{told}
+/* The end of the straight line of known values from w->at to `to`, if no condition vanishes on the way: between two points whose least
+ * value of a condition is g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest bend, which was
+ * sampled when this code was written. Then the rows are held against the answer. */
+static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{real} sign[@{signs}], const @{p}_config *config, @{p}_info *info)
+{
+    static const @{real} bend[@{conditions}] = { @{bends} };
+    @{real} begin[@{conditions}];
+    @{real} end[@{conditions}];
+    @{real} done = @{zero};
+    @{real} part = @{one};
+    @{real} least = @{zero};
+    @{real} way2 = @{zero};
+    @{p}_status status = @{P}_MAX_ITERATIONS;
+    unsigned int count = 0U;
+@{way}
+    @{k}_set_target(w, to, @{zero});
+    @{k}_formulas(w->k, sign, w->x, begin);
+    while ((count < (unsigned int)config->max_iterations) && (status == @{P}_MAX_ITERATIONS)) {
+        const @{real} aim = (done + part < @{near_one}) ? (done + part) : @{one};
+        bool held = true;
+        ++count;
+        @{k}_set_target(w, to, aim);
+        @{k}_formulas(w->k, sign, w->x, end);
+        least = @{one};
+        for (int i = 0; i < @{conditions}; ++i) {
+            const @{real} smaller = (begin[i] < end[i]) ? begin[i] : end[i];
+            held = held && (smaller > bend[i] * way2 * (aim - done) * (aim - done) + @{resolved});
+            least = (smaller < least) ? smaller : least;
+        }
+        if (held && (aim >= @{one})) {
+            status = @{P}_OK;
+        } else if (held) {
+            done = aim;
+            part += part;
+            for (int i = 0; i < @{conditions}; ++i) {
+                begin[i] = end[i];
+            }
+        } else if (part > @{least_part}) {
+            part *= @{half};
+        } else {
+            /* parts have become too short: a singularity is at hand */
+            status = @{P}_WRONG_BRANCH;
+        }
+    }
+    return (status == @{P}_OK) ? @{k}_finish(w, count, least, config, info) : status;
+}
+

@@ -1,0 +1,12 @@
+/* Copies results that are finite. */
+static @{SHARED} @{p}_status @{p}_give(const @{real} result[@{nq}], @{real} given[@{nq}])
+{
+    const @{p}_status status = (@{p}_check_finite(result, @{nq}, @{P}_OK) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
+    if (status == @{P}_OK) {
+        for (int i = 0; i < @{nq}; ++i) {
+            given[i] = result[i];
+        }
+    }
+    return status;
+}
+

@@ -1,0 +1,9 @@
+/* All numbers y of the configuration that has the values: of angles cosine and sine, in the order given, found, passive. The choices
+ * that the values leave are those of the reference configuration. */
+static @{SHARED} @{p}_status @{p}_state_of_@{values}(const @{real} values[@{nto}], @{real} y[@{ny}])
+{
+    @{p}_status status = @{P}_OK;
+@{lines}
+    return status;
+}
+

@@ -1,0 +1,153 @@
+/* Test of @{p}.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+ * SPDX-License-Identifier: MIT */
+#include "@{p}.h"
+#include "@{p}_vectors.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define N @{P}_JOINTS
+
+static int failures = 0;
+
+static void expect(int right, const char *what, int number)
+{
+    if (!right) {
+        ++failures;
+        (void)printf("failed: %s, case %d\n", what, number);
+    }
+}
+
+static void copy(const @{p}_real from[N], @{p}_real to[N])
+{
+    for (int i = 0; i < N; ++i) {
+        to[i] = from[i];
+    }
+}
+
+/* Largest difference, that of angles times the size. */
+static double difference(const @{p}_real a[N], const @{p}_real b[N], const double weight[N])
+{
+    double largest = 0.0;
+    for (int i = 0; i < N; ++i) {
+        const double off = weight[i] * fabs((double)a[i] - (double)b[i]);
+        largest = (off <= largest) ? largest : off;
+    }
+    return largest;
+}
+
+static void solve_all(void)
+{
+    static const double of_joints[N] = { @{joint_weights} };
+    static const double of_found[N] = { @{found_weights} };
+    for (int k = 0; k < @{P}_VECTORS; ++k) {
+        const double bound = @{p}_vector_bounds[k];
+        @{p}_real found[N];
+        @{p}_real joints[N];
+        @{p}_info info;
+        copy(@{p}_vector_guesses[k], found);
+        expect(@{p}_direct(NULL, @{p}_vector_joints[k], found, found, &info) == @{P}_OK, "direct", k);
+        expect(difference(found, @{p}_vector_found[k], of_found) <= bound, "direct's values", k);
+        expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
+        expect(info.min_pivot > @{zero}, "direct's smallest pivot", k);
+        expect(@{p}_track(@{p}_vector_joints[k], found, &info) == @{P}_OK, "track", k);
+        expect(difference(found, @{p}_vector_found[k], of_found) <= bound, "track's values", k);
+        copy(@{p}_vector_joint_guesses[k], joints);
+        expect(@{p}_inverse(NULL, @{p}_vector_found[k], joints, joints, &info) == @{P}_OK, "inverse", k);
+        expect(difference(joints, @{p}_vector_inverse[k], of_joints) <= bound, "inverse's joints", k);
+        expect(@{p}_inverse(NULL, @{p}_vector_found[k], @{p}_vector_joint_guesses[k], joints, NULL) == @{P}_OK, "inverse without info", k);
+        expect(@{p}_track_inverse(@{p}_vector_found[k], joints, &info) == @{P}_OK, "track_inverse", k);
+        expect(difference(joints, @{p}_vector_inverse[k], of_joints) <= bound, "track_inverse's joints", k);
+    }
+}
+
+/* The Jacobian, and the law of virtual power: joint torques on joint rates do what found torques do on found rates. */
+static void rates_all(void)
+{
+    for (int k = 0; k < @{P}_VECTOR_JACOBIANS; ++k) {
+        @{p}_real jacobian[N * N];
+        @{p}_real torques[N];
+        @{p}_real rates[N];
+        @{p}_real of_found[N];
+        @{p}_real of_joints[N];
+        double power = 0.0;
+        double size = 1.0;
+        for (int i = 0; i < N; ++i) {
+            torques[i] = (@{p}_real)(1 + i);
+            rates[i] = (@{p}_real)(2 - i);
+        }
+        expect(@{p}_jacobian(@{p}_vector_joints[k], @{p}_vector_found[k], jacobian) == @{P}_OK, "jacobian", k);
+        for (int i = 0; i < N * N; ++i) {
+            const double wanted = (double)@{p}_vector_jacobians[k][i];
+            expect(fabs((double)jacobian[i] - wanted) <= @{jacobian_bound} * (1.0 + fabs(wanted)), "jacobian's entry", i);
+        }
+        expect(@{p}_rates(@{p}_vector_joints[k], @{p}_vector_found[k], rates, of_found) == @{P}_OK, "rates", k);
+        expect(@{p}_torques(@{p}_vector_joints[k], @{p}_vector_found[k], torques, of_joints) == @{P}_OK, "torques", k);
+        for (int i = 0; i < N; ++i) {
+            power += (double)torques[i] * (double)of_found[i] - (double)of_joints[i] * (double)rates[i];
+            size += fabs((double)torques[i] * (double)of_found[i]);
+        }
+        expect(fabs(power) <= @{jacobian_bound} * size, "power", k);
+    }
+}
+
+/* Every function with one input that it refuses: the status, results untouched, info written. */
+static void refuse(const @{p}_real joints[N], const @{p}_real found[N], @{p}_status wanted, int number)
+{
+    @{p}_real result[N];
+    @{p}_real jacobian[N * N];
+    @{p}_info info;
+    for (int i = 0; i < N; ++i) {
+        result[i] = @{four};
+    }
+    info.iterations = 255U;
+    expect(@{p}_direct(NULL, joints, found, result, &info) == wanted, "direct refuses", number);
+    expect(info.iterations != 255U, "info written on failure", number);
+    info.iterations = 255U;
+    expect(@{p}_inverse(NULL, found, joints, result, &info) == wanted, "inverse refuses", number);
+    expect(info.iterations != 255U, "info written on failure", number);
+    for (int i = 0; i < N; ++i) {
+        expect(result[i] == @{four}, "result untouched on failure", number);
+    }
+    expect(@{p}_jacobian(joints, found, jacobian) == wanted, "jacobian refuses", number);
+    copy(found, result);
+    expect(@{p}_track(joints, result, &info) == wanted, "track refuses", number);
+    copy(joints, result);
+    expect(@{p}_track_inverse(found, result, &info) == wanted, "track_inverse refuses", number);
+    copy(joints, result);
+    expect(@{p}_rates(joints, found, joints, result) == wanted, "rates refuse", number);
+    expect(@{p}_torques(joints, found, joints, result) == wanted, "torques refuse", number);
+}
+
+static void refuse_all(void)
+{
+    static const @{p}_real wrong[3] = { (@{p}_real)NAN, (@{p}_real)INFINITY, -(@{p}_real)INFINITY };
+    const @{p}_config none = { @{P}_TOLERANCE, 0U, @{P}_MAX_STEP };
+    @{p}_real joints[N];
+    @{p}_real found[N];
+    @{p}_info info;
+    for (int i = 0; i < N; ++i) {
+        for (int k = 0; k < 4; ++k) {
+            copy(@{p}_vector_joints[0], joints);
+            copy(@{p}_vector_found[0], found);
+            joints[i] = (k < 3) ? wrong[k] : @{far};
+            refuse(joints, found, (k < 3) ? @{P}_NONFINITE : @{P}_OUT_OF_RANGE, 8 * i + k);
+            copy(@{p}_vector_joints[0], joints);
+            found[i] = (k < 3) ? wrong[k] : @{far};
+            refuse(joints, found, (k < 3) ? @{P}_NONFINITE : @{P}_OUT_OF_RANGE, 8 * i + 4 + k);
+        }
+    }
+    copy(@{p}_vector_joints[0], joints);
+    copy(@{p}_vector_found[0], found);
+    expect(@{p}_direct(&none, joints, found, found, &info) == @{P}_MAX_ITERATIONS, "direct without a step", 0);
+    expect(@{p}_inverse(&none, found, joints, joints, &info) == @{P}_MAX_ITERATIONS, "inverse without a step", 0);
+}
+
+int main(void)
+{
+    solve_all();
+    rates_all();
+    refuse_all();
+    (void)printf("@{p}: %d cases, %d failures\n", @{P}_VECTORS, failures);
+    return (failures == 0) ? 0 : 1;
+}

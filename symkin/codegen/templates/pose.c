@@ -1,0 +1,24 @@
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
+ * and positions so far away that squares could overflow. */
+static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
+{
+    const @{real} *const q = pose->quaternion;
+    const @{real} squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    @{p}_status status = @{P}_OK;
+    x[0] = pose->position[0];
+    x[1] = pose->position[1];
+    x[2] = pose->position[2];
+    @{real} inverse = @{one};
+    if ((squared >= @{least_norm}) && (squared <= @{most_norm})
+        && (@{fabs}(x[0]) + @{fabs}(x[1]) + @{fabs}(x[2]) <= @{farthest})) {
+        inverse = @{one} / @{sqrt}(squared);
+    } else {
+        status = @{p}_check_finite(q, 4, @{p}_check_finite(x, 3, @{P}_OUT_OF_RANGE));
+    }
+    x[3] = q[0] * inverse;
+    x[4] = q[1] * inverse;
+    x[5] = q[2] * inverse;
+    x[6] = q[3] * inverse;
+    return status;
+}
+
