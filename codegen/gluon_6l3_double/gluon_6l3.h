@@ -121,6 +121,35 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
     gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS]);
+
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 5e+08 are GLUON_6L3_OUT_OF_RANGE. */
+gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    const gluon_6l3_real twist[6], gluon_6l3_real rates[GLUON_6L3_JOINTS],
+    gluon_6l3_info *info);
+
+/* The twist of joint rates. */
+gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    const gluon_6l3_real rates[GLUON_6L3_JOINTS], gluon_6l3_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps the rates of gluon_6l3_rates within their
+ * limits (0 or more, in mm or radians for each unit of time). */
+gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    const gluon_6l3_real twist[6], const gluon_6l3_real rate_limits[GLUON_6L3_JOINTS],
+    gluon_6l3_real *feed);
+
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: GLUON_6L3_OK says that the joint values are within their ranges, and info->residual
+ * how far their tool pose is from the given one, as measured (mm, angles times the size). While it
+ * is below GLUON_6L3_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut
+ * to 0.2 rad (slides: of the size). It never makes the error larger. */
+#define GLUON_6L3_TRACK_LIMIT ((gluon_6l3_real)0.000147) /* mm */
+gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose,
+    gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 #ifdef __cplusplus
 }
 #endif

@@ -35,7 +35,12 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_re
 static gluon_6l3_status gluon_6l3_normalise_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
 {
     const gluon_6l3_real *const q = pose->quaternion;
-    const gluon_6l3_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 540000.0f) && (fabsf(pose->position[1]) <= 540000.0f)
+            && (fabsf(pose->position[2]) <= 540000.0f);
+    const gluon_6l3_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
+        + q[3] * q[3]) : 0.0f;
     gluon_6l3_status status = GLUON_6L3_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -3321,6 +3326,281 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_re
     }
     return status;
 }
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static gluon_6l3_status gluon_6l3_check_speeds(const gluon_6l3_real speeds[], int count,
+    gluon_6l3_status status)
+{
+    gluon_6l3_status found = gluon_6l3_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == GLUON_6L3_OK) && (fabsf(speeds[i]) > 5e+08f)) {
+            found = GLUON_6L3_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
+    const gluon_6l3_real e[6], gluon_6l3_real y[6])
+{
+    static const gluon_6l3_real row_scale[6] = { 0.0018542771f, 0.0018542771f, 0.0018542771f, 1.0f,
+        1.0f, 1.0f };
+    static const gluon_6l3_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    gluon_6l3_real a[6][6];
+    gluon_6l3_real g[6][6];
+    gluon_6l3_real r[6];
+    gluon_6l3_real smallest = 0.0f;
+    gluon_6l3_real mean = 0.0f;
+    gluon_6l3_real raised = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.16666667f;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
+        uint8_t order[6];
+        /* the normal equations */
+        for (int i = 0; i < 6; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = e[i];
+            for (int j = 0; j < 6; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0f;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[i][k] * a[j][k];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 6) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const gluon_6l3_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 6; ++j) {
+                const gluon_6l3_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 6; ++i) {
+                const gluon_6l3_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 9.536743e-07f * mean;
+            for (int i = c + 1; (i < 6) && whole; ++i) {
+                const gluon_6l3_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 6; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[5][5] / mean) : 0.0f;
+            raised = mean * (0.0004f - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 5; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 6; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            y[i] = 0.0f;
+        }
+        for (int i = 0; (i < 6) && whole; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                y[j] += a[order[i]][j] * r[i];
+            }
+        }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static gluon_6l3_real gluon_6l3_length_of(const gluon_6l3_real e[6])
+{
+    gluon_6l3_real sum = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrtf(sum) * GLUON_6L3_SIZE;
+}
+
+/* The twist of joint rates: the Jacobian times the rates. */
+gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3_real rates[6],
+    gluon_6l3_real twist[6])
+{
+    gluon_6l3_real jacobian[36];
+    const gluon_6l3_status status = gluon_6l3_check_speeds(rates, 6, gluon_6l3_jacobian(joints,
+        jacobian));
+    if (status == GLUON_6L3_OK) {
+        for (int i = 0; i < 6; ++i) {
+            gluon_6l3_real sum = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * rates[j];
+            }
+            twist[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* Joint rates next to a twist, damped near singularities. */
+gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6],
+    gluon_6l3_real rates[6], gluon_6l3_info *info)
+{
+    gluon_6l3_real jacobian[36];
+    const gluon_6l3_status status = gluon_6l3_check_speeds(twist, 6, gluon_6l3_jacobian(joints,
+        jacobian));
+    gluon_6l3_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (status == GLUON_6L3_OK) {
+        gluon_6l3_real e[6];
+        gluon_6l3_real found[6];
+        for (int i = 0; i < 6; ++i) {
+            e[i] = twist[i] * ((i < 3) ? 0.0018542771f : 1.0f);
+        }
+        const gluon_6l3_real pivot = gluon_6l3_damped(jacobian, e, found);
+        /* what is missing of the twist */
+        for (int i = 0; i < 6; ++i) {
+            gluon_6l3_real sum = twist[i];
+            for (int j = 0; j < 6; ++j) {
+                sum -= jacobian[6 * i + j] * found[j];
+            }
+            e[i] = sum * ((i < 3) ? 0.0018542771f : 1.0f);
+        }
+        for (int i = 0; i < 6; ++i) {
+            rates[i] = found[i];
+        }
+        gluon_6l3_write_info(info, 1U, gluon_6l3_length_of(e), 0.0f,
+            (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6],
+    const gluon_6l3_real rate_limits[6], gluon_6l3_real *feed)
+{
+    gluon_6l3_real rates[6];
+    gluon_6l3_status status = gluon_6l3_check_finite(rate_limits, 6, gluon_6l3_rates(joints, twist,
+        rates, NULL));
+    gluon_6l3_real most = 1.0f;
+    for (int i = 0; (i < 6) && (status == GLUON_6L3_OK); ++i) {
+        const gluon_6l3_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = GLUON_6L3_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == GLUON_6L3_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static gluon_6l3_real gluon_6l3_pose_error(const gluon_6l3_real q[6], const gluon_6l3_real to[7],
+    gluon_6l3_real e[6])
+{
+    gluon_6l3_real x[7];
+    gluon_6l3_forward(q, x);
+    const gluon_6l3_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const gluon_6l3_real twice = (w < 0.0f) ? -2.0f : 2.0f;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0018542771f;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return gluon_6l3_length_of(e);
+}
+
+/* One damped step towards a pose, shortened where the error would grow. */
+gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real joints[6],
+    gluon_6l3_info *info)
+{
+    static const gluon_6l3_real per_turn[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    gluon_6l3_real to[7];
+    gluon_6l3_real jacobian[36];
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, to);
+    const gluon_6l3_status started = gluon_6l3_jacobian(joints, jacobian);
+    gluon_6l3_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if ((started != GLUON_6L3_OK) && (status != GLUON_6L3_NONFINITE)) {
+        status = started;
+        if (info != NULL) {
+            info->joint = gluon_6l3_first_beyond(joints);
+        }
+    }
+    if (status == GLUON_6L3_OK) {
+        gluon_6l3_real e[6];
+        gluon_6l3_real step[6];
+        gluon_6l3_real moved[6];
+        const gluon_6l3_real before = gluon_6l3_pose_error(joints, to, e);
+        const gluon_6l3_real pivot = gluon_6l3_damped(jacobian, e, step);
+        gluon_6l3_real after = HUGE_VALF;
+        gluon_6l3_real part = 1.0f;
+        gluon_6l3_real longest = 0.0f;
+        gluon_6l3_real size = 0.0f;
+        for (int i = 0; i < 6; ++i) {
+            const gluon_6l3_real turn = fabsf(step[i]) * per_turn[i];
+            longest = (turn > longest) ? turn : longest;
+            size += turn * turn;
+        }
+        if (longest > 0.2f) {
+            part = 0.2f / longest;
+        }
+        for (int round = 0; (round < 4) && !(after <= before + 0.0020572422f); ++round) {
+            part *= (round == 0) ? 1.0f : 0.25f;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i] + part * step[i];
+            }
+            after = gluon_6l3_pose_error(moved, to, e);
+        }
+        if (!(after <= before + 0.0020572422f)) {
+            /* nothing is nearer: the joints stay */
+            part = 0.0f;
+            after = before;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i];
+            }
+        }
+        status = gluon_6l3_check_limits(moved);
+        gluon_6l3_write_info(info, 1U, after, part * part * size * GLUON_6L3_SIZE * GLUON_6L3_SIZE,
+            (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
+        if (status == GLUON_6L3_OK) {
+            for (int i = 0; i < 6; ++i) {
+                joints[i] = moved[i];
+            }
+        } else if (info != NULL) {
+            info->joint = gluon_6l3_first_beyond(moved);
+        } else {
+            /* nobody asks which joint */
+        }
+    }
+    return status;
+}
+
 /* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
  * least error for atan up to 1. */
 static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)

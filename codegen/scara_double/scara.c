@@ -35,7 +35,12 @@ static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int
 static scara_status scara_normalise_pose(const scara_pose *pose, scara_real x[7])
 {
     const scara_real *const q = pose->quaternion;
-    const scara_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 400000.0) && (fabs(pose->position[1]) <= 400000.0)
+            && (fabs(pose->position[2]) <= 400000.0);
+    const scara_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     scara_status status = SCARA_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -933,6 +938,274 @@ scara_status scara_jacobian(const scara_real joints[4], scara_real jacobian[24])
     }
     return status;
 }
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static scara_status scara_check_speeds(const scara_real speeds[], int count, scara_status status)
+{
+    scara_status found = scara_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == SCARA_OK) && (fabs(speeds[i]) > 400000000.0)) {
+            found = SCARA_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 4 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static scara_real scara_damped(const scara_real jacobian[24], const scara_real e[6],
+    scara_real y[4])
+{
+    static const scara_real row_scale[6] = { 0.0025, 0.0025, 0.0025, 1.0, 1.0, 1.0 };
+    static const scara_real column_scale[4] = { 1.0, 1.0, 1.0, 400.0 };
+    scara_real a[6][4];
+    scara_real g[4][4];
+    scara_real r[4];
+    scara_real smallest = 0.0;
+    scara_real mean = 0.0;
+    scara_real raised = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 4; ++j) {
+            a[i][j] = jacobian[4 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.25;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
+        uint8_t order[4];
+        /* the normal equations */
+        for (int i = 0; i < 4; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                r[i] += a[j][i] * e[j];
+            }
+            for (int j = 0; j < 4; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[k][i] * a[k][j];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 4) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 4; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const scara_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 4; ++j) {
+                const scara_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 4; ++i) {
+                const scara_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 1.7763568394002505e-15 * mean;
+            for (int i = c + 1; (i < 4) && whole; ++i) {
+                const scara_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 4; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[3][3] / mean) : 0.0;
+            raised = mean * (0.0004 - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 3; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 4; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            y[i] = 0.0;
+        }
+        for (int i = 0; (i < 4) && whole; ++i) {
+            y[order[i]] = r[i];
+        }
+    }
+    for (int i = 0; i < 4; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static scara_real scara_length_of(const scara_real e[6])
+{
+    scara_real sum = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrt(sum) * SCARA_SIZE;
+}
+
+/* The twist of joint rates: the Jacobian times the rates. */
+scara_status scara_twist(const scara_real joints[4], const scara_real rates[4], scara_real twist[6])
+{
+    scara_real jacobian[24];
+    const scara_status status = scara_check_speeds(rates, 4, scara_jacobian(joints, jacobian));
+    if (status == SCARA_OK) {
+        for (int i = 0; i < 6; ++i) {
+            scara_real sum = 0.0;
+            for (int j = 0; j < 4; ++j) {
+                sum += jacobian[4 * i + j] * rates[j];
+            }
+            twist[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* Joint rates next to a twist, damped near singularities. */
+scara_status scara_rates(const scara_real joints[4], const scara_real twist[6],
+    scara_real rates[4], scara_info *info)
+{
+    scara_real jacobian[24];
+    const scara_status status = scara_check_speeds(twist, 6, scara_jacobian(joints, jacobian));
+    scara_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (status == SCARA_OK) {
+        scara_real e[6];
+        scara_real found[4];
+        for (int i = 0; i < 6; ++i) {
+            e[i] = twist[i] * ((i < 3) ? 0.0025 : 1.0);
+        }
+        const scara_real pivot = scara_damped(jacobian, e, found);
+        /* what is missing of the twist */
+        for (int i = 0; i < 6; ++i) {
+            scara_real sum = twist[i];
+            for (int j = 0; j < 4; ++j) {
+                sum -= jacobian[4 * i + j] * found[j];
+            }
+            e[i] = sum * ((i < 3) ? 0.0025 : 1.0);
+        }
+        for (int i = 0; i < 4; ++i) {
+            rates[i] = found[i];
+        }
+        scara_write_info(info, 1U, scara_length_of(e), 0.0, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+scara_status scara_feed(const scara_real joints[4], const scara_real twist[6],
+    const scara_real rate_limits[4], scara_real *feed)
+{
+    scara_real rates[4];
+    scara_status status = scara_check_finite(rate_limits, 4, scara_rates(joints, twist, rates,
+        NULL));
+    scara_real most = 1.0;
+    for (int i = 0; (i < 4) && (status == SCARA_OK); ++i) {
+        const scara_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = SCARA_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == SCARA_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static scara_real scara_pose_error(const scara_real q[4], const scara_real to[7], scara_real e[6])
+{
+    scara_real x[7];
+    scara_forward(q, x);
+    const scara_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const scara_real twice = (w < 0.0) ? -2.0 : 2.0;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0025;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return scara_length_of(e);
+}
+
+/* One damped step towards a pose, shortened where the error would grow. */
+scara_status scara_track(const scara_pose *pose, scara_real joints[4], scara_info *info)
+{
+    static const scara_real per_turn[4] = { 1.0, 1.0, 1.0, 0.0025 };
+    scara_real to[7];
+    scara_real jacobian[24];
+    scara_status status = scara_normalise_pose(pose, to);
+    const scara_status started = scara_jacobian(joints, jacobian);
+    scara_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if ((started != SCARA_OK) && (status != SCARA_NONFINITE)) {
+        status = started;
+        if (info != NULL) {
+            info->joint = scara_first_beyond(joints);
+        }
+    }
+    if (status == SCARA_OK) {
+        scara_real e[6];
+        scara_real step[4];
+        scara_real moved[4];
+        const scara_real before = scara_pose_error(joints, to, e);
+        const scara_real pivot = scara_damped(jacobian, e, step);
+        scara_real after = HUGE_VAL;
+        scara_real part = 1.0;
+        scara_real longest = 0.0;
+        scara_real size = 0.0;
+        for (int i = 0; i < 4; ++i) {
+            const scara_real turn = fabs(step[i]) * per_turn[i];
+            longest = (turn > longest) ? turn : longest;
+            size += turn * turn;
+        }
+        if (longest > 0.2) {
+            part = 0.2 / longest;
+        }
+        for (int round = 0; (round < 4) && !(after <= before + 2.8421709430404007e-12); ++round) {
+            part *= (round == 0) ? 1.0 : 0.25;
+            for (int i = 0; i < 4; ++i) {
+                moved[i] = joints[i] + part * step[i];
+            }
+            after = scara_pose_error(moved, to, e);
+        }
+        if (!(after <= before + 2.8421709430404007e-12)) {
+            /* nothing is nearer: the joints stay */
+            part = 0.0;
+            after = before;
+            for (int i = 0; i < 4; ++i) {
+                moved[i] = joints[i];
+            }
+        }
+        status = scara_check_limits(moved);
+        scara_write_info(info, 1U, after, part * part * size * SCARA_SIZE * SCARA_SIZE,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        if (status == SCARA_OK) {
+            for (int i = 0; i < 4; ++i) {
+                joints[i] = moved[i];
+            }
+        } else if (info != NULL) {
+            info->joint = scara_first_beyond(moved);
+        } else {
+            /* nobody asks which joint */
+        }
+    }
+    return status;
+}
+
 /* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
  * turns. */
 static scara_real scara_sine(scara_real angle)

@@ -114,6 +114,34 @@ scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real gues
 /* Row-major 6 x 4: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 scara_status scara_jacobian(const scara_real joints[SCARA_JOINTS],
     scara_real jacobian[6 * SCARA_JOINTS]);
+
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 4e+08 are SCARA_OUT_OF_RANGE. */
+scara_status scara_rates(const scara_real joints[SCARA_JOINTS], const scara_real twist[6],
+    scara_real rates[SCARA_JOINTS],
+    scara_info *info);
+
+/* The twist of joint rates. */
+scara_status scara_twist(const scara_real joints[SCARA_JOINTS],
+    const scara_real rates[SCARA_JOINTS], scara_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps the rates of scara_rates within their limits
+ * (0 or more, in mm or radians for each unit of time). */
+scara_status scara_feed(const scara_real joints[SCARA_JOINTS], const scara_real twist[6],
+    const scara_real rate_limits[SCARA_JOINTS],
+    scara_real *feed);
+
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: SCARA_OK says that the joint values are within their ranges, and info->residual how
+ * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
+ * below SCARA_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to 0.2
+ * rad (slides: of the size). It never makes the error larger. */
+#define SCARA_TRACK_LIMIT ((scara_real)0.000115) /* mm */
+scara_status scara_track(const scara_pose *pose, scara_real joints[SCARA_JOINTS], scara_info *info);
 #ifdef __cplusplus
 }
 #endif

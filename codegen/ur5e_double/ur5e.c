@@ -35,7 +35,12 @@ static UR5E_COLD ur5e_status ur5e_check_finite(const ur5e_real values[], int cou
 static ur5e_status ur5e_normalise_pose(const ur5e_pose *pose, ur5e_real x[7])
 {
     const ur5e_real *const q = pose->quaternion;
-    const ur5e_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 845000.0) && (fabs(pose->position[1]) <= 845000.0)
+            && (fabs(pose->position[2]) <= 845000.0);
+    const ur5e_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     ur5e_status status = UR5E_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -3300,6 +3305,272 @@ ur5e_status ur5e_jacobian(const ur5e_real joints[6], ur5e_real jacobian[36])
     }
     return status;
 }
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static ur5e_status ur5e_check_speeds(const ur5e_real speeds[], int count, ur5e_status status)
+{
+    ur5e_status found = ur5e_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == UR5E_OK) && (fabs(speeds[i]) > 800000000.0)) {
+            found = UR5E_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6], ur5e_real y[6])
+{
+    static const ur5e_real row_scale[6] = { 0.0011851211647507592, 0.0011851211647507592,
+        0.0011851211647507592, 1.0, 1.0, 1.0 };
+    static const ur5e_real column_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    ur5e_real a[6][6];
+    ur5e_real g[6][6];
+    ur5e_real r[6];
+    ur5e_real smallest = 0.0;
+    ur5e_real mean = 0.0;
+    ur5e_real raised = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.16666666666666666;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
+        uint8_t order[6];
+        /* the normal equations */
+        for (int i = 0; i < 6; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = e[i];
+            for (int j = 0; j < 6; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[i][k] * a[j][k];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 6) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const ur5e_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 6; ++j) {
+                const ur5e_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 6; ++i) {
+                const ur5e_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 1.7763568394002505e-15 * mean;
+            for (int i = c + 1; (i < 6) && whole; ++i) {
+                const ur5e_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 6; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[5][5] / mean) : 0.0;
+            raised = mean * (0.0004 - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 5; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 6; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            y[i] = 0.0;
+        }
+        for (int i = 0; (i < 6) && whole; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                y[j] += a[order[i]][j] * r[i];
+            }
+        }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static ur5e_real ur5e_length_of(const ur5e_real e[6])
+{
+    ur5e_real sum = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrt(sum) * UR5E_SIZE;
+}
+
+/* The twist of joint rates: the Jacobian times the rates. */
+ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e_real twist[6])
+{
+    ur5e_real jacobian[36];
+    const ur5e_status status = ur5e_check_speeds(rates, 6, ur5e_jacobian(joints, jacobian));
+    if (status == UR5E_OK) {
+        for (int i = 0; i < 6; ++i) {
+            ur5e_real sum = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * rates[j];
+            }
+            twist[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* Joint rates next to a twist, damped near singularities. */
+ur5e_status ur5e_rates(const ur5e_real joints[6], const ur5e_real twist[6], ur5e_real rates[6],
+    ur5e_info *info)
+{
+    ur5e_real jacobian[36];
+    const ur5e_status status = ur5e_check_speeds(twist, 6, ur5e_jacobian(joints, jacobian));
+    ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (status == UR5E_OK) {
+        ur5e_real e[6];
+        ur5e_real found[6];
+        for (int i = 0; i < 6; ++i) {
+            e[i] = twist[i] * ((i < 3) ? 0.0011851211647507592 : 1.0);
+        }
+        const ur5e_real pivot = ur5e_damped(jacobian, e, found);
+        /* what is missing of the twist */
+        for (int i = 0; i < 6; ++i) {
+            ur5e_real sum = twist[i];
+            for (int j = 0; j < 6; ++j) {
+                sum -= jacobian[6 * i + j] * found[j];
+            }
+            e[i] = sum * ((i < 3) ? 0.0011851211647507592 : 1.0);
+        }
+        for (int i = 0; i < 6; ++i) {
+            rates[i] = found[i];
+        }
+        ur5e_write_info(info, 1U, ur5e_length_of(e), 0.0, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+ur5e_status ur5e_feed(const ur5e_real joints[6], const ur5e_real twist[6],
+    const ur5e_real rate_limits[6], ur5e_real *feed)
+{
+    ur5e_real rates[6];
+    ur5e_status status = ur5e_check_finite(rate_limits, 6, ur5e_rates(joints, twist, rates, NULL));
+    ur5e_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == UR5E_OK); ++i) {
+        const ur5e_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = UR5E_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == UR5E_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static ur5e_real ur5e_pose_error(const ur5e_real q[6], const ur5e_real to[7], ur5e_real e[6])
+{
+    ur5e_real x[7];
+    ur5e_forward(q, x);
+    const ur5e_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const ur5e_real twice = (w < 0.0) ? -2.0 : 2.0;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0011851211647507592;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return ur5e_length_of(e);
+}
+
+/* One damped step towards a pose, shortened where the error would grow. */
+ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *info)
+{
+    static const ur5e_real per_turn[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    ur5e_real to[7];
+    ur5e_real jacobian[36];
+    ur5e_status status = ur5e_normalise_pose(pose, to);
+    const ur5e_status started = ur5e_jacobian(joints, jacobian);
+    ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if ((started != UR5E_OK) && (status != UR5E_NONFINITE)) {
+        status = started;
+        if (info != NULL) {
+            info->joint = ur5e_first_beyond(joints);
+        }
+    }
+    if (status == UR5E_OK) {
+        ur5e_real e[6];
+        ur5e_real step[6];
+        ur5e_real moved[6];
+        const ur5e_real before = ur5e_pose_error(joints, to, e);
+        const ur5e_real pivot = ur5e_damped(jacobian, e, step);
+        ur5e_real after = HUGE_VAL;
+        ur5e_real part = 1.0;
+        ur5e_real longest = 0.0;
+        ur5e_real size = 0.0;
+        for (int i = 0; i < 6; ++i) {
+            const ur5e_real turn = fabs(step[i]) * per_turn[i];
+            longest = (turn > longest) ? turn : longest;
+            size += turn * turn;
+        }
+        if (longest > 0.2) {
+            part = 0.2 / longest;
+        }
+        for (int round = 0; (round < 4) && !(after <= before + 5.995528194870549e-12); ++round) {
+            part *= (round == 0) ? 1.0 : 0.25;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i] + part * step[i];
+            }
+            after = ur5e_pose_error(moved, to, e);
+        }
+        if (!(after <= before + 5.995528194870549e-12)) {
+            /* nothing is nearer: the joints stay */
+            part = 0.0;
+            after = before;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i];
+            }
+        }
+        status = ur5e_check_limits(moved);
+        ur5e_write_info(info, 1U, after, part * part * size * UR5E_SIZE * UR5E_SIZE,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        if (status == UR5E_OK) {
+            for (int i = 0; i < 6; ++i) {
+                joints[i] = moved[i];
+            }
+        } else if (info != NULL) {
+            info->joint = ur5e_first_beyond(moved);
+        } else {
+            /* nobody asks which joint */
+        }
+    }
+    return status;
+}
+
 /* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
  * turns. */
 static ur5e_real ur5e_sine(ur5e_real angle)

@@ -117,6 +117,34 @@ ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[UR
     ur5e_real joints[UR5E_JOINTS]);
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 ur5e_status ur5e_jacobian(const ur5e_real joints[UR5E_JOINTS], ur5e_real jacobian[6 * UR5E_JOINTS]);
+
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 8e+08 are UR5E_OUT_OF_RANGE. */
+ur5e_status ur5e_rates(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
+    ur5e_real rates[UR5E_JOINTS],
+    ur5e_info *info);
+
+/* The twist of joint rates. */
+ur5e_status ur5e_twist(const ur5e_real joints[UR5E_JOINTS], const ur5e_real rates[UR5E_JOINTS],
+    ur5e_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps the rates of ur5e_rates within their limits (0
+ * or more, in mm or radians for each unit of time). */
+ur5e_status ur5e_feed(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
+    const ur5e_real rate_limits[UR5E_JOINTS],
+    ur5e_real *feed);
+
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: UR5E_OK says that the joint values are within their ranges, and info->residual how
+ * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
+ * below UR5E_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to 0.2
+ * rad (slides: of the size). It never makes the error larger. */
+#define UR5E_TRACK_LIMIT ((ur5e_real)0.0629f) /* mm */
+ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
 #ifdef __cplusplus
 }
 #endif

@@ -35,7 +35,12 @@ static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real value
 static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
-    const yao2020_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 556000.0) && (fabs(pose->position[1]) <= 556000.0)
+            && (fabs(pose->position[2]) <= 556000.0);
+    const yao2020_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     yao2020_status status = YAO2020_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -2647,6 +2652,280 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
     }
     return status;
 }
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int count,
+    yao2020_status status)
+{
+    yao2020_status found = yao2020_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == YAO2020_OK) && (fabs(speeds[i]) > 600000000.0)) {
+            found = YAO2020_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao2020_real e[6],
+    yao2020_real y[6])
+{
+    static const yao2020_real row_scale[6] = { 0.0018017286871142555, 0.0018017286871142555,
+        0.0018017286871142555, 1.0, 1.0, 1.0 };
+    static const yao2020_real column_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 555.0225220655465 };
+    yao2020_real a[6][6];
+    yao2020_real g[6][6];
+    yao2020_real r[6];
+    yao2020_real smallest = 0.0;
+    yao2020_real mean = 0.0;
+    yao2020_real raised = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.16666666666666666;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
+        uint8_t order[6];
+        /* the normal equations */
+        for (int i = 0; i < 6; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = e[i];
+            for (int j = 0; j < 6; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[i][k] * a[j][k];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 6) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const yao2020_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 6; ++j) {
+                const yao2020_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 6; ++i) {
+                const yao2020_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 1.7763568394002505e-15 * mean;
+            for (int i = c + 1; (i < 6) && whole; ++i) {
+                const yao2020_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 6; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[5][5] / mean) : 0.0;
+            raised = mean * (0.0004 - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 5; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 6; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            y[i] = 0.0;
+        }
+        for (int i = 0; (i < 6) && whole; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                y[j] += a[order[i]][j] * r[i];
+            }
+        }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static yao2020_real yao2020_length_of(const yao2020_real e[6])
+{
+    yao2020_real sum = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrt(sum) * YAO2020_SIZE;
+}
+
+/* The twist of joint rates: the Jacobian times the rates. */
+yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6],
+    yao2020_real twist[6])
+{
+    yao2020_real jacobian[36];
+    const yao2020_status status = yao2020_check_speeds(rates, 6, yao2020_jacobian(joints,
+        jacobian));
+    if (status == YAO2020_OK) {
+        for (int i = 0; i < 6; ++i) {
+            yao2020_real sum = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * rates[j];
+            }
+            twist[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* Joint rates next to a twist, damped near singularities. */
+yao2020_status yao2020_rates(const yao2020_real joints[6], const yao2020_real twist[6],
+    yao2020_real rates[6], yao2020_info *info)
+{
+    yao2020_real jacobian[36];
+    const yao2020_status status = yao2020_check_speeds(twist, 6, yao2020_jacobian(joints,
+        jacobian));
+    yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (status == YAO2020_OK) {
+        yao2020_real e[6];
+        yao2020_real found[6];
+        for (int i = 0; i < 6; ++i) {
+            e[i] = twist[i] * ((i < 3) ? 0.0018017286871142555 : 1.0);
+        }
+        const yao2020_real pivot = yao2020_damped(jacobian, e, found);
+        /* what is missing of the twist */
+        for (int i = 0; i < 6; ++i) {
+            yao2020_real sum = twist[i];
+            for (int j = 0; j < 6; ++j) {
+                sum -= jacobian[6 * i + j] * found[j];
+            }
+            e[i] = sum * ((i < 3) ? 0.0018017286871142555 : 1.0);
+        }
+        for (int i = 0; i < 6; ++i) {
+            rates[i] = found[i];
+        }
+        yao2020_write_info(info, 1U, yao2020_length_of(e), 0.0,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twist[6],
+    const yao2020_real rate_limits[6], yao2020_real *feed)
+{
+    yao2020_real rates[6];
+    yao2020_status status = yao2020_check_finite(rate_limits, 6, yao2020_rates(joints, twist,
+        rates, NULL));
+    yao2020_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == YAO2020_OK); ++i) {
+        const yao2020_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = YAO2020_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == YAO2020_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static yao2020_real yao2020_pose_error(const yao2020_real q[6], const yao2020_real to[7],
+    yao2020_real e[6])
+{
+    yao2020_real x[7];
+    yao2020_forward(q, x);
+    const yao2020_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const yao2020_real twice = (w < 0.0) ? -2.0 : 2.0;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0018017286871142555;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return yao2020_length_of(e);
+}
+
+/* One damped step towards a pose, shortened where the error would grow. */
+yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], yao2020_info *info)
+{
+    static const yao2020_real per_turn[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 0.0018017286871142555 };
+    yao2020_real to[7];
+    yao2020_real jacobian[36];
+    yao2020_status status = yao2020_normalise_pose(pose, to);
+    const yao2020_status started = yao2020_jacobian(joints, jacobian);
+    yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if ((started != YAO2020_OK) && (status != YAO2020_NONFINITE)) {
+        status = started;
+        if (info != NULL) {
+            info->joint = yao2020_first_beyond(joints);
+        }
+    }
+    if (status == YAO2020_OK) {
+        yao2020_real e[6];
+        yao2020_real step[6];
+        yao2020_real moved[6];
+        const yao2020_real before = yao2020_pose_error(joints, to, e);
+        const yao2020_real pivot = yao2020_damped(jacobian, e, step);
+        yao2020_real after = HUGE_VAL;
+        yao2020_real part = 1.0;
+        yao2020_real longest = 0.0;
+        yao2020_real size = 0.0;
+        for (int i = 0; i < 6; ++i) {
+            const yao2020_real turn = fabs(step[i]) * per_turn[i];
+            longest = (turn > longest) ? turn : longest;
+            size += turn * turn;
+        }
+        if (longest > 0.2) {
+            part = 0.2 / longest;
+        }
+        for (int round = 0; (round < 4) && !(after <= before + 3.9436722123692396e-12); ++round) {
+            part *= (round == 0) ? 1.0 : 0.25;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i] + part * step[i];
+            }
+            after = yao2020_pose_error(moved, to, e);
+        }
+        if (!(after <= before + 3.9436722123692396e-12)) {
+            /* nothing is nearer: the joints stay */
+            part = 0.0;
+            after = before;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i];
+            }
+        }
+        status = yao2020_check_limits(moved);
+        yao2020_write_info(info, 1U, after, part * part * size * YAO2020_SIZE * YAO2020_SIZE,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        if (status == YAO2020_OK) {
+            for (int i = 0; i < 6; ++i) {
+                joints[i] = moved[i];
+            }
+        } else if (info != NULL) {
+            info->joint = yao2020_first_beyond(moved);
+        } else {
+            /* nobody asks which joint */
+        }
+    }
+    return status;
+}
+
 /* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
  * turns. */
 static yao2020_real yao2020_sine(yao2020_real angle)

@@ -120,6 +120,35 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose,
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 yao2020_status yao2020_jacobian(const yao2020_real joints[YAO2020_JOINTS],
     yao2020_real jacobian[6 * YAO2020_JOINTS]);
+
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 6e+08 are YAO2020_OUT_OF_RANGE. */
+yao2020_status yao2020_rates(const yao2020_real joints[YAO2020_JOINTS],
+    const yao2020_real twist[6], yao2020_real rates[YAO2020_JOINTS],
+    yao2020_info *info);
+
+/* The twist of joint rates. */
+yao2020_status yao2020_twist(const yao2020_real joints[YAO2020_JOINTS],
+    const yao2020_real rates[YAO2020_JOINTS], yao2020_real twist[6]);
+
+/* The largest factor, 0 to 1, by which a twist keeps the rates of yao2020_rates within their limits
+ * (0 or more, in mm or radians for each unit of time). */
+yao2020_status yao2020_feed(const yao2020_real joints[YAO2020_JOINTS], const yao2020_real twist[6],
+    const yao2020_real rate_limits[YAO2020_JOINTS],
+    yao2020_real *feed);
+
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: YAO2020_OK says that the joint values are within their ranges, and info->residual how
+ * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
+ * below YAO2020_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to
+ * 0.2 rad (slides: of the size). It never makes the error larger. */
+#define YAO2020_TRACK_LIMIT ((yao2020_real)0.000435) /* mm */
+yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[YAO2020_JOINTS],
+    yao2020_info *info);
 #ifdef __cplusplus
 }
 #endif

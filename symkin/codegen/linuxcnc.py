@@ -61,7 +61,7 @@ def _memory(program: Program, home: np.ndarray) -> str:
 def _pins(program: Program) -> list[tuple[str, str, float]]:
     """(pin, C text of the struct's member, nominal value) of each number of the geometry, where it is given at run time."""
     kind, name = program.kind, program.mechanism.name
-    if program.options.geometry != "struct" or isinstance(kind, JointMap):
+    if isinstance(kind, JointMap) or program.options.geometry != "struct":
         return []
     names = kind.geometry_names if isinstance(kind, RodPlatform) else kind.geometry.names
     values = kind.geometry_values if isinstance(kind, RodPlatform) else kind.geometry.values

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypedDict, Unpack
 
 from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+
+
+class OptionValues(TypedDict, total=False):
+    """What a caller may give of `Options`, in lists of any kind."""
+
+    real: Literal["float", "double"]
+    home_relative: bool
+    geometry: Literal["fixed", "struct"]
+    home: Sequence[float] | None
+    given: Sequence[str]
+    find: Sequence[str]
+    also: Collection[Literal["package", "linuxcnc", "cpp"]]
 
 
 @dataclass(frozen=True)
@@ -26,11 +39,6 @@ class Options:
     also: tuple[Literal["package", "linuxcnc", "cpp"], ...] = ()
 
     @property
-    def is_map(self) -> bool:
-        """Whether joints are mapped to joints."""
-        return bool(self.given or self.find)
-
-    @property
     def package(self) -> bool:
         return "package" in self.also
 
@@ -42,19 +50,38 @@ class Options:
     def cpp(self) -> bool:
         return "cpp" in self.also
 
+    @property
+    def is_map(self) -> bool:
+        """Whether joints are mapped to joints."""
+        return bool(self.given or self.find)
+
+    @staticmethod
+    def of(**values: Unpack[OptionValues]) -> Options:
+        """From what a caller gives."""
+        home = values.get("home")
+        return Options(
+            real=values.get("real", "double"),
+            home_relative=values.get("home_relative", False),
+            geometry=values.get("geometry", "fixed"),
+            home=None if home is None else tuple(float(v) for v in home),
+            given=tuple(values.get("given", ())),
+            find=tuple(values.get("find", ())),
+            also=tuple(values.get("also", ())),
+        )
+
     def check(self, mechanism: Mechanism) -> None:
         if self.home_relative and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home-relative is made for platforms on six rods with a spatial pose")
         if self.home is not None and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
+        if self.is_map and self.geometry != "fixed":
+            raise InputError(f"{mechanism.name}: a map between joints has its geometry in the code; leave --geometry struct out")
+        if self.is_map and (self.linuxcnc or self.cpp):
+            raise InputError(f"{mechanism.name}: --linuxcnc and --cpp need poses; a map between joints has none: leave them out")
         if self.linuxcnc and (self.real != "double" or self.home_relative):
             raise InputError(
                 f"{mechanism.name}: --linuxcnc needs --real double and no --home-relative: LinuxCNC's numbers are doubles"
             )
-        if self.is_map and self.geometry != "fixed":
-            raise InputError(f"{mechanism.name}: a map between joints has its geometry in the code; leave --geometry struct out")
-        if self.is_map and (self.linuxcnc or self.cpp):
-            raise InputError(f"{mechanism.name}: a map between joints has no pose; leave --linuxcnc and --cpp out")
 
     @property
     def arguments(self) -> str:
