@@ -15,7 +15,9 @@ from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
-FOLDERS = sorted(path.parent.name for path in CODEGEN.glob("*/manifest.json"))
+MANIFESTS = [(path.parent.name, json.loads(path.read_text())) for path in CODEGEN.glob("*/manifest.json")]
+FOLDERS = sorted(name for name, manifest in MANIFESTS if "given" not in manifest["options"])
+"""Folders of machines with a pose: maps between joints have an example of their own."""
 USER = """#include <NAME.h>
 int main(void) { NAME_pose pose = { { 0, 0, 0 }, { 2, 0, 0, 0 } }; NAME_real joints[NAME_COUNT]; return NAME_inverse(&pose, joints) == OUTSIDE ? 0 : 1; }
 """

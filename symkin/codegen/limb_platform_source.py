@@ -96,7 +96,13 @@ class LimbPlatformSource:
             known_count=nq,
             first_turn=_FIRST_TURN,
             measured=made.core is not None,
+            keeps_known=self._keeps_known,
         )
+
+    @property
+    def _keeps_known(self) -> bool:
+        """Whether the matrix reads known values, which are dear: they are kept at the part of the line that is done."""
+        return self.made.core is not None and self.made.direct_kernel.reads_known
 
     @cached_property
     def _common(self) -> dict[str, object]:
@@ -113,6 +119,7 @@ class LimbPlatformSource:
     def values(self) -> dict[str, object]:
         """Values of the names in the templates of this kind, the tests and the header."""
         made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
+        kernel = made.direct_kernel
         passive = sum(c.width for c in made.passive)
         answer = "w.x" if made.tells_branch else f"{ga}&w.x[{passive}]"
         branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({answer}, given);", "}"]
@@ -120,6 +127,7 @@ class LimbPlatformSource:
         return self._common | {
             "check_branch": indent(branch, 2) if made.has_dead_centres else "", "unwrap": indent(unwrap, 2),
             "enter": indent(self._enter_lines(passive)), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
+            "keep_known": indent(copy("w.k0", "w.k", int(kernel.known.shape[0])), 2) if self._keeps_known else "",
             "to": "given", "whole": ", " + literal(1.0),
             "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga),
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.characteristic_length / 24) ** 2),

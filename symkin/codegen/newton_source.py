@@ -52,7 +52,8 @@ class NewtonCode:
     w->at, `to` and `part`. What differs from one kind of mechanism to another has defaults: `known_count` numbers in `to`;
     `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `measured`, whether the ratio of steps says how far the next part reaches; `members`, more members of the work space; `matrix`,
     statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
-    and puts the state back, where known values at the guess are not kept.
+    and puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix reads w->k0, the known values at
+    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them.
     """
 
     kernel: Kernel
@@ -69,6 +70,7 @@ class NewtonCode:
     members: Sequence[str] = ()
     matrix: Sequence[str] = ()
     retarget: str = ""
+    keeps_known: bool = False
 
     @property
     def k(self) -> str:
@@ -100,13 +102,9 @@ class NewtonCode:
     def linear(self) -> LinearSolver:
         """The linear solver."""
         inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
+        if self.keeps_known:
+            inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
         return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix)
-
-    @property
-    def keeps_known(self) -> bool:
-        """Whether known values at the part of the line that is done are kept beside those aimed at: where they are dear and the matrix
-        reads them."""
-        return self.measured and self.kernel.reads_known and not self.kernel.is_wide
 
     @property
     def bends(self) -> bool:
@@ -122,7 +120,7 @@ class NewtonCode:
             "to_end": indent(copy_loop("w->x", "end", count)),
             "aimed_at": "",
         }
-        if self.keeps_known:
+        if self.keeps_known and self.measured:
             nk = int(self.kernel.known.shape[0])
             copies["aimed_at"] = f"    {self.real.type} aimed[{nk}];"
             copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
@@ -167,7 +165,8 @@ class NewtonCode:
         count = int(kernel.shared_symbols.shape[0])
         for row in range(kernel.m):
             if kernel.m > 1:
-                emitter.comment(kernel.meaning.row.format(i=row + 1))
+                about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
+                emitter.comment(c_comment(f"row {row + 1}: {about}" if about else f"row {row + 1}"))
             text = emitter.value(0, row)
             emitter.lines.append(f"w->f[{row}] = {text};")
             for shared in range(count * row // kernel.m, count * (row + 1) // kernel.m):
@@ -221,7 +220,7 @@ class NewtonCode:
         kernel = self.kernel
         n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
         return {
-            "n": n, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
+            "n": n, "last": n - 1, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
             "na": m * n, "most": max(m, n),
         }  # fmt: skip
 
@@ -240,12 +239,16 @@ class NewtonCode:
             "at": ""
             if self.retarget
             else f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the line begins */",
-            "shared": f"    {kind} d[{nd}]; /* values that rows and matrix share */" if nd else "",
+            "shared": "\n".join(
+                ([f"    {kind} d[{nd}]; /* values that rows and matrix share */"] if nd else [])
+                + (
+                    [f"    {kind} k0[{self._sizes['nk']}]; /* known values at the part that is done: the matrix's */"]
+                    if self.keeps_known
+                    else []
+                )
+            ),
             "r": "" if kernel.is_square else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
             "factors": factors,
-            "kept": f"    {kind} k0[{int(kernel.known.shape[0])}]; /* known values at the part of the line that is done */"
-            if self.keeps_known
-            else "",
             "members": "\n".join(f"    {line}" for line in self.members),
         }
 
@@ -268,23 +271,36 @@ class NewtonCode:
         # the matrix reads known values: it is made at the part of the line that is done. Of wide systems it is made at the part
         # aimed at, because shortest steps follow the path more closely by that one
         reads_known = self.kernel.reads_known and not self.kernel.is_wide
-        by_call, nk = bool(self.retarget), int(self.kernel.known.shape[0])
-        at_done, at_aim, save0, keep = [done], [aim], copy("w->x0", "w->x", int(self.kernel.state.shape[0])), list[str]()
+        by_call = bool(self.retarget)
         if self.keeps_known:
-            at_done = at_aim = [
-                f"for (int i = 0; i < {nk}; ++i) {{", f"    const {self.real.type} known = w->k[i];",
-                "    w->k[i] = w->k0[i];", "    w->k0[i] = known;", "}",
-            ]  # fmt: skip
-            keep = copy_loop("w->k0", "w->k", nk)
-            save0 = [*save0, *keep, f"{self.k}_set_target({self._ga}w, to, {self.real.literal(0.0)});", *at_done]
+            return self._aiming_by_kept(aim, done)
         return {
-            "part_of": "" if by_call else ", aim", "part": "" if by_call else f", {self.real.type} part",
+            "begin_target": indent([f"{self.k}_set_target({self._ga}w, to);" if by_call else aim]), "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
-            "at_done": indent(["if (taken == 0U) {", *("    " + line for line in at_done), "}"], 3) if reads_known else "",
-            "at_aim": indent(["if (taken == 0U) {", *("    " + line for line in at_aim), "}"], 3) if reads_known else "",
-            "save0": "" if by_call else indent(save0),
-            "advance": indent([*copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])), *keep, self.retarget or aim], 4),
+            "at_done": indent(["if (taken == 0U) {", f"    {done}", "}"], 3) if reads_known else "",
+            "at_aim": indent(["if (taken == 0U) {", f"    {aim}", "}"], 3) if reads_known else "",
+            "save0": "" if by_call else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
+            "advance": indent([*copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])), self.retarget or aim], 4),
             "retreat": indent([self.retarget] if by_call else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim], 3),
+        }  # fmt: skip
+
+    def _aiming_by_kept(self, aim: str, done: str) -> dict[str, object]:
+        """The same where the known values at the part that is done are kept: new factors on the way to the aim are those of the aim."""
+        state, nk = int(self.kernel.state.shape[0]), int(self.kernel.known.shape[0])
+        keep = copy("w->k0", "w->k", nk)
+        # the caller has set the kept values, or they are made here, where the line is `measured`
+        begin, back = list[str](), [done, *keep]
+        if self.measured:
+            begin = [
+                f"{self.k}_set_target({self._ga}w, to, {self.real.literal(0.0)});", *keep, f"{self.k}_set_target({self._ga}w, to, aim);",
+            ]  # fmt: skip
+            back = ["if (!kept) {", *("    " + line for line in back), "}"]
+        return {
+            "begin_target": "" if self.measured else indent([aim]), "part": f", {self.real.type} part", "aimed": ": a part of the line from the guess's to `to`",
+            "at_done": indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3), "at_aim": "",
+            "save0": indent([*copy("w->x0", "w->x", state), *begin]),
+            "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, aim], 4),
+            "retreat": indent([*copy_loop("w->x", "w->x0", state), *back, aim], 3),
         }  # fmt: skip
 
     @property
@@ -325,7 +341,7 @@ class NewtonCode:
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > {literal(_STRAIGHT2)})) {{",
             f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle}, still2);",
-            *([] if self.keeps_known else [f"    {self.k}_set_target({self._ga}w, to, aim);"]), "}",
+            *([] if self.keeps_known and self.measured else [f"    {self.k}_set_target({self._ga}w, to, aim);"]), "}",
         ]  # fmt: skip
         start = [
             "/* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */",

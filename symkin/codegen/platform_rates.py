@@ -93,6 +93,8 @@ def core_twist(made: LimbPlatform, core: PoseKernel, values: Mapping[str, object
     stores = Emitter(function, [state, indexed("w->f", kernel.n)], made.real)
     of_twist = [f"twist[{i}] = {stores.value(0, i)};" for i in range(6)]
     aim = [f"{k}_set_target(w, w->at, {made.real.literal(1.0)});", f"{k}_rows(w);"]
+    if driver is kernel and kernel.reads_known:
+        aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
     shown = {
         "k": k, "into": "w->at", "state": indent([*copy("w->x", "c", len(state)), *aim], 2), "sides": indent([*emitter.lines, *sides], 3),
         "singular_there": singular_condition(kernel, k, "w", ""), "nf": kernel.n, "store": indent([*stores.lines, *of_twist], 2),

@@ -31,7 +31,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
 @{turn}
-    @{k}_set_target(@{ga}w, to@{part_of});
+@{begin_target}
 @{save0}
     for (;;) {
         @{k}_rows(@{ga}w);

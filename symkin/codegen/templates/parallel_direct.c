@@ -45,6 +45,7 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
 @{unwrap}
         /* one step of Newton's method from the last pose */
         @{p}_direct_set_target(@{ga}&w, @{to}@{whole});
+@{keep_known}
         @{p}_direct_rows(@{ga}&w);
         if (@{track_factor}) {
             status = @{P}_SINGULAR;

@@ -6,7 +6,6 @@ typedef struct {
     @{real} x0[@{ns}]; /* state at the part of the line that is done, to which a failed try returns */
 @{at}
     @{real} k[@{nk}]; /* known values aimed at */
-@{kept}
     @{real} f[@{most}]; /* rows; the linear solver leaves the step in their place */
 @{shared}
     @{real} a[@{na}]; /* matrix -df/dstep, row by row; then @{factors} in its place */
