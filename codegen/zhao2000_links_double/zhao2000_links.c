@@ -5111,7 +5111,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where
+                /* accepted at a point of the line: go on from here, by up to twice the part where
                  * convergence was quick */
                 const zhao2000_links_real part = aim - done;
                 done = aim;
@@ -5694,7 +5694,7 @@ zhao2000_links_status zhao2000_links_feed(const zhao2000_links_pose *pose,
     return status;
 }
 
-/* The twist of joint rates: the closure's linear system at the pose, passive joints included. */
+/* The twist of joint rates: the closure's linear system at the pose. */
 zhao2000_links_status zhao2000_links_twist(const zhao2000_links_pose *pose,
     const zhao2000_links_real rates[4], zhao2000_links_real twist[6])
 {
