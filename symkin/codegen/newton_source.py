@@ -52,7 +52,8 @@ class NewtonCode:
     w->at, `to` and `part`. What differs from one kind of mechanism to another has defaults: `known_count` numbers in `to`;
     `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `members`, more members of the work space; `matrix`,
     statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
-    and puts the state back, where known values at the guess are not kept.
+    and puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix reads w->k0, the known values at
+    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them.
     """
 
     kernel: Kernel
@@ -68,6 +69,7 @@ class NewtonCode:
     members: Sequence[str] = ()
     matrix: Sequence[str] = ()
     retarget: str = ""
+    keeps_known: bool = False
 
     @property
     def k(self) -> str:
@@ -99,6 +101,8 @@ class NewtonCode:
     def linear(self) -> LinearSolver:
         """The linear solver."""
         inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
+        if self.keeps_known:
+            inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
         return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix)
 
     @property
@@ -154,7 +158,8 @@ class NewtonCode:
         each = int(kernel.shared_symbols.shape[0]) // max(kernel.m, 1)
         for row in range(kernel.m):
             if kernel.m > 1:
-                emitter.comment(kernel.meaning.row.format(i=row + 1))
+                about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
+                emitter.comment(c_comment(f"row {row + 1}: {about}" if about else f"row {row + 1}"))
             text = emitter.value(0, row)
             emitter.lines.append(f"w->f[{row}] = {text};")
             for shared in range(each * row, each * (row + 1)):
@@ -207,7 +212,7 @@ class NewtonCode:
         kernel = self.kernel
         n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
         return {
-            "n": n, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
+            "n": n, "last": n - 1, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
             "na": m * n, "most": max(m, n),
         }  # fmt: skip
 
@@ -226,7 +231,14 @@ class NewtonCode:
             "at": ""
             if self.retarget
             else f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the line begins */",
-            "shared": f"    {kind} d[{nd}]; /* values that rows and matrix share */" if nd else "",
+            "shared": "\n".join(
+                ([f"    {kind} d[{nd}]; /* values that rows and matrix share */"] if nd else [])
+                + (
+                    [f"    {kind} k0[{self._sizes['nk']}]; /* known values at the part that is done: the matrix's */"]
+                    if self.keeps_known
+                    else []
+                )
+            ),
             "r": "" if kernel.is_square else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
             "factors": factors,
             "members": "\n".join(f"    {line}" for line in self.members),
@@ -252,6 +264,8 @@ class NewtonCode:
         # aimed at, because shortest steps follow the path more closely by that one
         reads_known = self.kernel.reads_known and not self.kernel.is_wide
         by_call = bool(self.retarget)
+        if self.keeps_known:
+            return self._aiming_by_kept(aim, done)
         return {
             "part_of": "" if by_call else ", aim", "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
@@ -260,6 +274,16 @@ class NewtonCode:
             "save0": "" if by_call else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
             "advance": indent([*copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])), self.retarget or aim], 4),
             "retreat": indent([self.retarget] if by_call else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim], 3),
+        }  # fmt: skip
+
+    def _aiming_by_kept(self, aim: str, done: str) -> dict[str, object]:
+        """The same where the known values at the part that is done are kept: new factors on the way to the aim are those of the aim."""
+        state, keep = int(self.kernel.state.shape[0]), copy("w->k0", "w->k", int(self.kernel.known.shape[0]))
+        return {
+            "part_of": ", aim", "part": f", {self.real.type} part", "aimed": ": a part of the line from the guess's to `to`",
+            "at_done": indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3), "at_aim": "",
+            "save0": indent(copy("w->x0", "w->x", state)), "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, aim], 4),
+            "retreat": indent([*copy_loop("w->x", "w->x0", state), done, *keep, aim], 3),
         }  # fmt: skip
 
     @property
