@@ -56,11 +56,6 @@ class LimbBlock:
     sides: ca.SX
 
 
-def _tell_branch(blocks: Sequence[LimbBlock]) -> bool:
-    """Whether signs tell every limb's branch: all are rods or have closed forms."""
-    return all(block.rod is not None or block.formulas is not None for block in blocks)
-
-
 @dataclass(frozen=True, eq=False)
 class LimbPlatform:
     """A parallel mechanism with its options: what its C is written from."""
@@ -136,7 +131,7 @@ class LimbPlatform:
     @cached_property
     def direct_formulas(self) -> DirectFormulas | None:
         """The closed form of the direct problem, where the geometry is constant and all limbs have one too."""
-        if self.geometry.at_run_time or not _tell_branch(self._whole_limbs):
+        if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
         return direct_formulas(self.direct, self.samples)
 
@@ -153,7 +148,7 @@ class LimbPlatform:
     @property
     def tells_branch(self) -> bool:
         """Whether signs tell every limb's branch: all are rods or have closed forms."""
-        return _tell_branch(self.blocks)
+        return _tells_branch(self.blocks)
 
     @cached_property
     def conditions(self) -> System:
@@ -163,14 +158,14 @@ class LimbPlatform:
     @cached_property
     def blocks(self) -> tuple[LimbBlock, ...]:
         """Limbs, each a system of its own once the pose is given."""
-        return self._whole_limbs if self.core is None else self._blocks_of(self.core.limbs)
+        if self.core is None:
+            return self._closure_blocks
+        return tuple(self._block(number, system) for number, system in enumerate(self.core.limbs, start=1))
 
     @cached_property
-    def _whole_limbs(self) -> tuple[LimbBlock, ...]:
-        """Limbs with all their passive joints."""
-        return self._blocks_of(split_blocks(self.geometry.system(self.inverse)))
-
-    def _blocks_of(self, systems: Sequence[System]) -> tuple[LimbBlock, ...]:
+    def _closure_blocks(self) -> tuple[LimbBlock, ...]:
+        """Limbs with their passive joints."""
+        systems = split_blocks(self.geometry.system(self.inverse))
         return tuple(self._block(number, system) for number, system in enumerate(systems, start=1))
 
     def _block(self, number: int, system: System) -> LimbBlock:
@@ -278,6 +273,10 @@ class LimbPlatform:
                     f"{self.name}: the platform's pose does not fix joints of one limb ({names}), so that there is no inverse; "
                     "nothing to generate"
                 )
+
+
+def _tells_branch(blocks: Sequence[LimbBlock]) -> bool:
+    return all(block.rod is not None or block.formulas is not None for block in blocks)
 
 
 def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Problem) -> bool:

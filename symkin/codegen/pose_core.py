@@ -17,11 +17,13 @@ from symkin.numeric.system import System
 
 @dataclass(frozen=True, eq=False)
 class PoseCore:
-    """The direct problem over the pose alone; the limbs that are left for a given pose, and conditions on the pose alone."""
+    """The direct problem over the pose alone; the limbs that are left for a given pose, and conditions on the pose alone. `steps` are the
+    derivation, a sentence for each row."""
 
     direct: PoseKernel
     limbs: tuple[System, ...]
     conditions: System
+    steps: tuple[str, ...]
 
 
 @dataclass
@@ -36,6 +38,7 @@ class _Gathered:
     others: list[ca.SX]
     limbs: list[System] = field(default_factory=list)
     conditions: list[ca.SX] = field(default_factory=list)
+    steps: list[str] = field(default_factory=list)
 
     def add_condition(self, row: ca.SX) -> None:
         """A row of the pose alone."""
@@ -44,6 +47,7 @@ class _Gathered:
             self.others.append(row)
         else:
             self.planes.append(found)
+            self.steps.append(_told(found, []))
 
     def add_limb(self, system: System, poses: np.ndarray) -> bool:
         """The rows of a limb; whether they are found."""
@@ -59,6 +63,8 @@ class _Gathered:
         self.spheres += [sphere for sphere in spheres if sphere is not None]
         if None in planes or None in spheres:
             return False
+        gone = [c.name for c in system.unknowns if c.role != "actuated"]
+        self.steps += [_told(point, gone) for point in (*planes, *spheres) if point is not None]
         return self._add_reduced(system, [self.pose.row(point) for point in (*planes, *spheres) if point is not None])
 
     def _add_reduced(self, system: System, rows: list[ca.SX]) -> bool:
@@ -78,6 +84,7 @@ class _Gathered:
         found = self.pose.rod(row, self.joints, self.actuated)
         if found is not None:
             self.spheres.append(found)
+            self.steps.append(_told(found, []))
         return found is not None
 
 
@@ -105,4 +112,19 @@ def pose_core(
         pose_kernel(pose, points, gathered.others, actuated, reference),
         tuple(gathered.limbs),
         System((), ca.SX(0, 1), conditions.known, alone, errors, closure.characteristic_length),
+        tuple(gathered.steps),
     )
+
+
+def _told(point: TiedPoint, gone: Sequence[str]) -> str:
+    """What a row says, and which passive joints have been taken out for it."""
+    arm = ", ".join(f"{v:.6g}" for v in point.arm)
+    of = ", ".join(_text(point.of[i]) for i in range(int(point.of.shape[0])))
+    free = f"free of {', '.join(gone)}: " if gone else ""
+    what = "on a sphere about A" if point.is_sphere else "in a plane of normal n"
+    names = ("A", "squared radius") if point.is_sphere else ("n", "level")
+    return f"{free}the point a = ({arm}) lies {what}; {names[0]} = ({of}), {names[1]} {_text(point.level)}"
+
+
+def _text(value: ca.SX) -> str:
+    return "0" if value.is_zero() else str(value)

@@ -95,7 +95,10 @@ class PlatformPose:
             return None
         axes, arm, fixed = found
         normal = ca.mtimes(numbers_of(axes.T), row.of)
-        return TiedPoint(arm, normal, ca.simplify(row.level - dot(row.of, numbers_of(fixed))), is_sphere=False)
+        level = row.level - dot(row.of, numbers_of(fixed))
+        if level.is_constant():
+            level = ca.SX(snap(float(level), self.closure.characteristic_length))
+        return TiedPoint(arm, normal, level, is_sphere=False)
 
     def sphere(self, row: PointRow, planes: Sequence[TiedPoint]) -> TiedPoint | None:
         """A sphere on which a point of the platform lies. A component that is not in the row is that of one of the `planes`."""

@@ -7,6 +7,7 @@ from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_readme import map_branch, map_chapter
 from symkin.codegen.latex import equations
 from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.pose_readme import rows_over_the_pose
 from symkin.codegen.program import Program, is_closed
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
@@ -207,6 +208,10 @@ def _formulas(program: Program) -> list[str]:
     return ["\n".join(lines)]
 
 
+def _over_the_pose(program: Program) -> list[str]:
+    return rows_over_the_pose(program.kind.core) if isinstance(program.kind, LimbPlatform) else []
+
+
 _LIBM = """ (with the same libm: its sin and cos differ from one library to another in the last bit, and results with
 them)"""
 
@@ -277,7 +282,7 @@ def readme(program: Program) -> str:
     kind = text + (_RELATIVE if options.home_relative else "")
     kind += "\n" + _REDUNDANT if program.kind.is_redundant else ""
     closure = equations(mechanism)
-    chapters = "\n\n".join([kind, *_formulas(program), _branch(program), *_closed_form(program)])
+    chapters = "\n\n".join([kind, *_over_the_pose(program), *_formulas(program), _branch(program), *_closed_form(program)])
     counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
     return f"""# {name}: {markdown(mechanism.title) or "generated kinematics"}
 
