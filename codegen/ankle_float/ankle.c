@@ -591,11 +591,15 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
 {
     ankle_real end[4];
     ankle_real size[3];
+    ankle_real aimed[4];
     for (int i = 0; i < 4; ++i) {
         end[i] = w->x[i];
     }
     for (int i = 0; i < 4; ++i) {
         w->x[i] = w->x0[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        aimed[i] = w->k[i];
     }
     ankle_direct_set_target(w, to, middle);
     for (int i = 0; i < 3; ++i) {
@@ -605,6 +609,9 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
     }
     for (int i = 0; i < 4; ++i) {
         w->x[i] = end[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        w->k[i] = aimed[i];
     }
     return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0])
         && (size[2] <= 0.140625f * size[1]));
@@ -722,7 +729,6 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         if (accepted && (taken == 1U) && ((aim - done) * (aim
             - done) * turn2 * w->spread > 0.25f)) {
             accepted = ankle_direct_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
-            ankle_direct_set_target(w, to, aim);
         }
         if (accepted) {
             if (aim >= 1.0f) {
@@ -749,7 +755,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where
+                /* accepted at a point of the line: go on from here, by up to twice the part where
                  * convergence was quick */
                 const ankle_real part = aim - done;
                 done = aim;

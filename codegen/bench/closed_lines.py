@@ -16,7 +16,8 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from branches import Reach, asking
+from asked import Asked
+from goals import Reach
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.options import Options
 from symkin.codegen.program import build_program
@@ -139,8 +140,8 @@ def study(mechanism: Mechanism, real: str, count: int, reach: Reach, points: int
     turned = goals - starts
     ends = starts + np.where(free, turned - 2 * np.pi * np.round(turned / (2 * np.pi)), turned)
     guesses = _poses(reference, unknown, starts)
-    status, answers, _ = asking(mechanism, Options(real))(goals, guesses)  # type: ignore[arg-type]
-    ok = status == 0
+    asked = Asked(mechanism, Options(real)).answers(goals, guesses)  # type: ignore[arg-type]
+    status, answers, ok = asked.status, asked.found, asked.status == 0
     least = reference.least(signs, starts, ends, points)
     at_end, _ = reference.at(signs, ends)
     poses = _poses(reference, at_end, ends)

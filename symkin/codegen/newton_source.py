@@ -120,7 +120,7 @@ class NewtonCode:
             "to_end": indent(copy_loop("w->x", "end", count)),
             "aimed_at": "",
         }
-        if self.keeps_known and self.measured:
+        if self.keeps_known:
             nk = int(self.kernel.known.shape[0])
             copies["aimed_at"] = f"    {self.real.type} aimed[{nk}];"
             copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
@@ -341,7 +341,7 @@ class NewtonCode:
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > {literal(_STRAIGHT2)})) {{",
             f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle}, still2);",
-            *([] if self.keeps_known and self.measured else [f"    {self.k}_set_target({self._ga}w, to, aim);"]), "}",
+            *([] if self.keeps_known else [f"    {self.k}_set_target({self._ga}w, to, aim);"]), "}",
         ]  # fmt: skip
         start = [
             "/* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */",

@@ -103,7 +103,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
+                /* accepted at a point of the line: go on from here, by up to twice the part where convergence was quick */
                 const @{real} part = aim - done;
                 done = aim;
                 aim += @{next_part};
