@@ -165,7 +165,7 @@ class JointMapSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         made = self.made
-        parts = [self._solver_text(d) + self._place_text(d) for d in (made.direct, made.inverse)]
+        parts = [self._solver_text(d) + self._place_text(d) + self._sheet_text(d) for d in (made.direct, made.inverse)]
         parts += [self._state_text(made.inverse), self._state_text(made.direct)]
         parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
         parts += [fill("map_give.c", self._common), self._rates_text]
@@ -347,25 +347,34 @@ class JointMapSource:
         sheet = self.home_sheets.get(direction.name)
         if sheet is None:
             return [*line, *self._other_lines(direction, "w.x")]
-        count = int(sheet.values.shape[0])
-        emitter = Emitter(
-            ca.Function("f", [sheet.known], [ca.densify(sheet.values)], {"cse": True}), [indexed("u", n)], self.real
-        )
-        texts = [emitter.value(0, i) for i in range(count)]
         columns = self._step_columns(direction)
         return [
-            "/* near the reference configuration: one step of Newton's method from polynomials, which were held against rays through it */",
-            "bool near_home = true;", f"{kind} u[{n}];",
-            *(f"u[{i}] = values[{i}] - {literal(float(v))};" for i, v in enumerate(at)),
-            *(f"near_home = near_home && ({self.real.call('fabs')}(u[{i}]) <= {literal(float(v))});" for i, v in enumerate(sheet.reach)),
-            "if (near_home) {", f"    {kind} {out}[{count}];", *("    " + text for text in emitter.lines),
-            *(f"    {out}[{i}] = {text};" for i, text in enumerate(texts)),
-            f"    {k}_place(&w, values, {out});", f"    {k}_rows(&w);", f"    near_home = !({singular_condition(direction.kernel, k, '&w')});",
+            "/* near the reference configuration by one step of Newton's method from polynomials */",
+            f"{kind} {out}[{len(columns)}];", f"bool near_home = {k}_near_home(values, {out});",
+            "if (near_home) {", f"    {k}_place(&w, values, {out});", f"    {k}_rows(&w);",
+            f"    near_home = !({singular_condition(direction.kernel, k, '&w')});",
             "    if (near_home) {", f"        {k}_solve(&w);",
             *(f"        other[{i}] = {out}[{i}] + w.f[{column}]{scale};" for i, (column, scale) in enumerate(columns)),
             f"        near_home = ({k}_apply_step(&w) <= {literal((_ROUGH * sheet.error * made.size) ** 2)});", "    }", "}",
             "if (!near_home) {", *("    " + text for text in [*line, *self._other_lines(direction, "w.x")]), "}",
         ]  # fmt: skip
+
+    def _sheet_text(self, direction: Direction) -> str:
+        """The function of the polynomials, where there are some."""
+        sheet = self.home_sheets.get(direction.name)
+        if sheet is None:
+            return ""
+        n, literal = len(direction.known), self.real.literal
+        function = ca.Function("f", [sheet.known], [ca.densify(sheet.values)], {"cse": True})
+        emitter = Emitter(function, [[f"u{i}" for i in range(n)]], self.real)
+        texts = [emitter.value(0, i) for i in range(int(sheet.values.shape[0]))]
+        at = self.made.reference_of(direction.known)
+        lines = [f"const {self.real.type} u{i} = values[{i}] - {literal(float(v))};" for i, v in enumerate(at)]
+        lines += [*emitter.lines, *(f"wanted[{i}] = {text};" for i, text in enumerate(texts))]
+        within = [f"({self.real.call('fabs')}(u{i}) <= {literal(float(v))})" for i, v in enumerate(sheet.reach)]
+        return fill("map_sheet.c", self._common | {
+            "k": f"{self.name}_{direction.name}", "nto": n, "count": len(texts), "lines": indent(lines), "within": " && ".join(within),
+        })  # fmt: skip
 
     def _other_lines(self, direction: Direction, state: str) -> list[str]:
         """Statements that set `other` by the numbers of a state."""
@@ -402,11 +411,7 @@ class JointMapSource:
         copies = self._copies("w.x", direction.unknown)
         closed = self._closed.get(direction.name)
         if closed is None:
-            follow = [
-                *copies,
-                *self._known_of_y(direction, "w.k0"),
-                f"status = {k}_newton(&w, {values}, used, info);",
-            ]
+            follow = [*copies, *self._known_of_y(direction, "w.k0"), f"status = {k}_newton(&w, {values}, used, info);"]
         else:
             follow = [*copies, *self._copies("w.k", known), f"status = {k}_follow(&w, {values}, used, info);"]
         places = self._unknown_places(direction, wanted)
