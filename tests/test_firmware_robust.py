@@ -27,7 +27,8 @@ def _called(folder: Path, tmp_path: Path, *flags: str) -> str:
     """What helpers/firmware_calls.c prints of a folder; it must end with status 0."""
     manifest = json.loads((folder / "manifest.json").read_text())
     name, options = manifest["mechanism"], manifest["options"]
-    kind = "PARALLEL" if "_track(" in (folder / f"{name}.h").read_text() else "SERIAL"
+    is_arm = re.search(rf"{name}_inverse\([^)]*guess", (folder / f"{name}.h").read_text()) is not None
+    kind = "SERIAL" if is_arm else "PARALLEL"
     macros = [f"-D{kind}", f"-DNAME={name}", f"-DUPPER={name.upper()}", f'-DHEADER="{name}.h"', f'-DVECTORS="{name}_vectors.h"']
     macros += ["-DSTRUCT"] if options["geometry"] == "struct" else []
     macros += [f"-DHUGE_FINITE={'3e38' if options['real'] == 'float' else '1e200'}"]
@@ -89,7 +90,7 @@ def test_fresh_code_is_as_careful(made, real, tmp_path):
     _fuzzed(tmp_path / "folder", 1000)
 
 
-WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("zhao2000", 150, "double", 50.0)]
+WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("zhao2000", 150, "double", 93.0)]
 """Mechanism, goals, type, and how many of the regular lines must succeed (%)."""
 
 
@@ -110,7 +111,7 @@ def test_all_near_goals_are_ok():
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
     near = branches.study(
-        load("zhang2009"), Options("float", home=branches.HOME), 200, branches.Reach(60.0 / 531.2592, 0.25), seed=5
+        load("zhang2009"), Options("float", home=branches.HOME), 200, branches.Reach(60.0 / 531.2592, 0.25), seed=5, folds=False
     )
     assert near.ok == 200
     assert near.wrong == 0

@@ -274,7 +274,11 @@ static void call_all(const inputs *in, long number)
 #else
         const F(pose) *const place = &in->pose;
 #endif
+#ifdef SERIAL
+        CALL(rates, all_finite(speeds, N) && isfinite(info.residual), place, in->twist, speeds, &info);
+#else
         CALL(rates, all_finite(speeds, N), place, in->twist, speeds);
+#endif
 #ifdef HAS_twist
         CALL(twist, all_finite(twist, 6), place, in->rates, twist);
 #endif

@@ -93,8 +93,8 @@ def _rows(text: str) -> np.ndarray:
 if __name__ == "__main__":
     bench, header = Path(sys.argv[1]), Path(sys.argv[2])
     name = header.stem
-    has_track = f"_status {name}_track(" in header.read_text()
-    rows = counted(bench, (f"{name}_direct", f"{name}_track") if has_track else (f"{name}_inverse",))
+    is_arm = re.search(rf"{name}_inverse\([^)]*guess", header.read_text()) is not None
+    rows = counted(bench, (f"{name}_inverse",) if is_arm else (f"{name}_direct", f"{name}_track"))
     for kind in sorted(set(rows[:, 0])):
         part = rows[rows[:, 0] == kind, 1]
         print(f"kind {int(kind)}: {part.mean():,.0f} instructions a solve, largest {part.max():,.0f}, {len(part)} solves")

@@ -15,8 +15,10 @@
 #define SCARA_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int count, scara_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int count,
+    scara_status otherwise)
 {
     scara_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,12 +30,17 @@ static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static scara_status scara_normalise_pose(const scara_pose *pose, scara_real x[7])
 {
     const scara_real *const q = pose->quaternion;
-    const scara_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 400000.0f) && (fabsf(pose->position[1]) <= 400000.0f)
+            && (fabsf(pose->position[2]) <= 400000.0f);
+    const scara_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0f;
     scara_status status = SCARA_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -52,9 +59,10 @@ static scara_status scara_normalise_pose(const scara_pose *pose, scara_real x[7]
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static SCARA_COLD void scara_write_info(scara_info *info, unsigned int count, scara_real residual, scara_real size, scara_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static SCARA_COLD void scara_write_info(scara_info *info, unsigned int count, scara_real residual,
+    scara_real size, scara_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -71,15 +79,18 @@ static SCARA_COLD scara_status scara_check_config(const scara_config *config, sc
     const scara_real tolerance = config->tolerance;
     const scara_real longest = config->max_step;
     scara_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 400000.0f - longest)) && (before != SCARA_NONFINITE)) {
-        const scara_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 400000.0f - longest))
+        && (before != SCARA_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const scara_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? SCARA_OUT_OF_RANGE : SCARA_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static SCARA_SHARED uint8_t scara_first_beyond(const scara_real joints[4])
 {
     static const scara_real low[4] = { -2.3038356f, -2.460915f, -1000.0f, -150.00038f };
@@ -104,13 +115,14 @@ static SCARA_SHARED scara_status scara_check_limits(const scara_real joints[4])
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and
+ * slides. */
 static void scara_forward(const scara_real q[4], scara_real x[7])
 {
     const scara_real t0 = cosf(q[0]);
     const scara_real t1 = cosf(q[1]);
     const scara_real t2 = 175.0f * t1;
-    const scara_real t3 = 225.0f + t2;
+    const scara_real t3 = t2 + 225.0f;
     const scara_real t4 = t0 * t3;
     const scara_real t5 = sinf(q[0]);
     const scara_real t6 = sinf(q[1]);
@@ -166,18 +178,21 @@ static void scara_forward(const scara_real q[4], scara_real x[7])
 /* Work space of scara_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: shoulder, elbow, turn, slide
  * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
+ * state: lengths,
  *    angles and turns times the size
  */
 typedef struct {
     scara_real x[4]; /* state */
-    scara_real x0[4]; /* state at the part of the line that is done, to which a failed try returns */
+    /* state at the part of the line that is done, to which a failed try returns */
+    scara_real x0[4];
     scara_real at[7]; /* known values at the guess, where the line begins */
     scara_real k[7]; /* known values aimed at */
     scara_real f[6]; /* rows; the linear solver leaves the step in their place */
     scara_real a[24]; /* matrix -df/dstep, row by row; then Q of QR in its place */
     scara_real r[16]; /* R of QR, reciprocals on its diagonal */
-    scara_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    scara_real spread;
     uint8_t order[4]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
 } scara_inverse_work;
@@ -189,7 +204,7 @@ static void scara_inverse_rows(scara_inverse_work *w)
     const scara_real t0 = cosf(w->x[0]);
     const scara_real t1 = cosf(w->x[1]);
     const scara_real t2 = 175.0f * t1;
-    const scara_real t3 = 225.0f + t2;
+    const scara_real t3 = t2 + 225.0f;
     const scara_real t4 = t0 * t3;
     const scara_real t5 = sinf(w->x[0]);
     const scara_real t6 = sinf(w->x[1]);
@@ -277,8 +292,8 @@ static SCARA_SHARED scara_real scara_inverse_residual(const scara_inverse_work *
     return sqrtf(sum);
 }
 
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
+ * turned. Returns the squared length of the step, angles times the size. */
 static scara_real scara_inverse_apply_step(scara_inverse_work *w)
 {
     const scara_real t0 = 0.0025f * w->f[0];
@@ -303,7 +318,8 @@ static scara_real scara_inverse_apply_step(scara_inverse_work *w)
 }
 
 /* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static SCARA_SHARED void scara_inverse_set_target(scara_inverse_work *w, const scara_real to[7], scara_real part)
+static SCARA_SHARED void scara_inverse_set_target(scara_inverse_work *w, const scara_real to[7],
+    scara_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
@@ -319,7 +335,8 @@ static SCARA_SHARED void scara_inverse_set_target(scara_inverse_work *w, const s
         for (int i = 0; i < 7; ++i) {
             w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
         }
-        const scara_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
+        const scara_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4]
+            + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
         w->k[3] *= inverse;
         w->k[4] *= inverse;
         w->k[5] *= inverse;
@@ -332,7 +349,7 @@ static void scara_inverse_matrix(scara_inverse_work *w)
 {
     const scara_real t0 = cosf(w->x[1]);
     const scara_real t1 = 175.0f * t0;
-    const scara_real t2 = 225.0f + t1;
+    const scara_real t2 = t1 + 225.0f;
     const scara_real t3 = sinf(w->x[0]);
     const scara_real t4 = t2 * t3;
     const scara_real t5 = sinf(w->x[1]);
@@ -474,8 +491,8 @@ static void scara_inverse_matrix(scara_inverse_work *w)
     w->a[23] = 0.0f;
 }
 
-/* QR of the 6 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the diagonal; 0 where
- * its columns are dependent. */
+/* QR of the 6 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the
+ * diagonal; 0 where its columns are dependent. */
 static int scara_inverse_factor(scara_inverse_work *w)
 {
     scara_inverse_matrix(w);
@@ -533,10 +550,11 @@ static void scara_inverse_solve(scara_inverse_work *w)
     }
 }
 
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static SCARA_COLD bool scara_inverse_reaches_middle(scara_inverse_work *w, const scara_real to[7], scara_real middle, scara_real still2)
+/* Whether the middle of the part that is tried is reached as its end is: three steps from the
+ * part's begin with its factors, each judged by the next. Where known values turn, the rows' change
+ * is bent: both ends of a part may have a configuration, and points between them none. */
+static SCARA_COLD bool scara_inverse_reaches_middle(scara_inverse_work *w, const scara_real to[7],
+    scara_real middle, scara_real still2)
 {
     scara_real end[4];
     scara_real size[3];
@@ -555,17 +573,22 @@ static SCARA_COLD bool scara_inverse_reaches_middle(scara_inverse_work *w, const
     for (int i = 0; i < 4; ++i) {
         w->x[i] = end[i];
     }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
+    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0])
+        && (size[2] <= 0.140625f * size[1]));
 }
 
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
+/* Newton's method along the straight line from the known values of the guess to the given ones
+ * (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real to[7], const scara_config *config, scara_info *info)
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
+ * values turn by at most 1 rad is tried first. Where the second step is longer than a quarter of
+ * the first, or a later one than three eighths of the one before, the theorem of Newton and
+ * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
+ * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
+ * called OK. */
+static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real to[7],
+    const scara_config *config, scara_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const scara_real tolerance2 = config->tolerance * config->tolerance;
@@ -588,11 +611,15 @@ static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
+    /* whether the tolerance should be reached: the rows are evaluated once more */
+    bool verify = false;
     w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
+    /* the square of the largest turn of a known value on the line (rad), and what part of the line
+     * is tried first */
     scara_real turn2 = 0.0f;
-    const scara_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
+    /* of half the turn */
+    const scara_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5]
+        + w->at[6] * to[6];
     turn2 = 8.0f * (1.0f - fabsf(cosine));
     if (turn2 > 1.0f) {
         aim = 1.0f / sqrtf(turn2);
@@ -636,9 +663,11 @@ static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real
                 break;
             }
             sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f)) ? (3.6379788e-08f * w->spread) : 2.3283064e-06f;
+            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
+                ? (3.6379788e-08f * w->spread) : 2.3283064e-06f;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
+         * later 3/8 (README.md) */
         scara_inverse_solve(w);
         const scara_real before = size;
         size = scara_inverse_apply_step(w);
@@ -650,7 +679,8 @@ static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real
             limit = 0.140625f * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
+        if (accepted && (taken == 1U) && ((aim - done) * (aim
+            - done) * turn2 * w->spread > 0.25f)) {
             accepted = scara_inverse_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
             scara_inverse_set_target(w, to, aim);
         }
@@ -667,7 +697,8 @@ static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real
                 }
                 gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
+                    && (size <= still2));
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
@@ -678,7 +709,8 @@ static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
+                /* accepted at a point of the line: go on from here, by twice the part where
+                 * convergence was quick */
                 const scara_real part = aim - done;
                 done = aim;
                 aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
@@ -719,7 +751,8 @@ scara_status scara_direct(const scara_real joints[4], scara_pose *pose)
         scara_real x[7];
         scara_forward(joints, x);
         const scara_real sign = (x[3] < 0.0f) ? -1.0f : 1.0f;
-        const scara_real inverse = sign / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        const scara_real inverse = sign / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+            + x[6] * x[6]);
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -732,7 +765,8 @@ scara_status scara_direct(const scara_real joints[4], scara_pose *pose)
 }
 
 /* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
-scara_status scara_inverse(const scara_config *config, const scara_pose *pose, const scara_real guess[4], scara_real joints[4], scara_info *info)
+scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
+    const scara_real guess[4], scara_real joints[4], scara_info *info)
 {
     static const scara_config usual = { SCARA_TOLERANCE, SCARA_MAX_STEPS, SCARA_MAX_STEP };
     scara_inverse_work w;
@@ -780,7 +814,7 @@ scara_status scara_jacobian(const scara_real joints[4], scara_real jacobian[24])
     if (status == SCARA_OK) {
         const scara_real t0 = cosf(joints[1]);
         const scara_real t1 = 175.0f * t0;
-        const scara_real t2 = 225.0f + t1;
+        const scara_real t2 = t1 + 225.0f;
         const scara_real t3 = sinf(joints[0]);
         const scara_real t4 = t2 * t3;
         const scara_real t5 = sinf(joints[1]);
@@ -901,7 +935,277 @@ scara_status scara_jacobian(const scara_real joints[4], scara_real jacobian[24])
     }
     return status;
 }
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static scara_status scara_check_speeds(const scara_real speeds[], int count, scara_status status)
+{
+    scara_status found = scara_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == SCARA_OK) && (fabsf(speeds[i]) > 4e+08f)) {
+            found = SCARA_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 4 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static scara_real scara_damped(const scara_real jacobian[24], const scara_real e[6],
+    scara_real y[4])
+{
+    static const scara_real row_scale[6] = { 0.0025f, 0.0025f, 0.0025f, 1.0f, 1.0f, 1.0f };
+    static const scara_real column_scale[4] = { 1.0f, 1.0f, 1.0f, 400.0f };
+    scara_real a[6][4];
+    scara_real g[4][4];
+    scara_real r[4];
+    scara_real smallest = 0.0f;
+    scara_real mean = 0.0f;
+    scara_real raised = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 4; ++j) {
+            a[i][j] = jacobian[4 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.25f;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
+        uint8_t order[4];
+        /* the normal equations */
+        for (int i = 0; i < 4; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = 0.0f;
+            for (int j = 0; j < 6; ++j) {
+                r[i] += a[j][i] * e[j];
+            }
+            for (int j = 0; j < 4; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0f;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[k][i] * a[k][j];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 4) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 4; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const scara_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 4; ++j) {
+                const scara_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 4; ++i) {
+                const scara_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 9.536743e-07f * mean;
+            for (int i = c + 1; (i < 4) && whole; ++i) {
+                const scara_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 4; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[3][3] / mean) : 0.0f;
+            raised = mean * (0.0004f - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 3; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 4; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            y[i] = 0.0f;
+        }
+        for (int i = 0; (i < 4) && whole; ++i) {
+            y[order[i]] = r[i];
+        }
+    }
+    for (int i = 0; i < 4; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static scara_real scara_length_of(const scara_real e[6])
+{
+    scara_real sum = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrtf(sum) * SCARA_SIZE;
+}
+
+/* The twist of joint rates: the Jacobian times the rates. */
+scara_status scara_twist(const scara_real joints[4], const scara_real rates[4], scara_real twist[6])
+{
+    scara_real jacobian[24];
+    const scara_status status = scara_check_speeds(rates, 4, scara_jacobian(joints, jacobian));
+    if (status == SCARA_OK) {
+        for (int i = 0; i < 6; ++i) {
+            scara_real sum = 0.0f;
+            for (int j = 0; j < 4; ++j) {
+                sum += jacobian[4 * i + j] * rates[j];
+            }
+            twist[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* Joint rates next to a twist, damped near singularities. */
+scara_status scara_rates(const scara_real joints[4], const scara_real twist[6],
+    scara_real rates[4], scara_info *info)
+{
+    scara_real jacobian[24];
+    const scara_status status = scara_check_speeds(twist, 6, scara_jacobian(joints, jacobian));
+    scara_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if (status == SCARA_OK) {
+        scara_real e[6];
+        scara_real found[4];
+        for (int i = 0; i < 6; ++i) {
+            e[i] = twist[i] * ((i < 3) ? 0.0025f : 1.0f);
+        }
+        const scara_real pivot = scara_damped(jacobian, e, found);
+        /* what is missing of the twist */
+        for (int i = 0; i < 6; ++i) {
+            scara_real sum = twist[i];
+            for (int j = 0; j < 4; ++j) {
+                sum -= jacobian[4 * i + j] * found[j];
+            }
+            e[i] = sum * ((i < 3) ? 0.0025f : 1.0f);
+        }
+        for (int i = 0; i < 4; ++i) {
+            rates[i] = found[i];
+        }
+        scara_write_info(info, 1U, scara_length_of(e), 0.0f,
+            (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+scara_status scara_feed(const scara_real joints[4], const scara_real twist[6],
+    const scara_real rate_limits[4], scara_real *feed)
+{
+    scara_real rates[4];
+    scara_status status = scara_check_finite(rate_limits, 4, scara_rates(joints, twist, rates,
+        NULL));
+    scara_real most = 1.0f;
+    for (int i = 0; (i < 4) && (status == SCARA_OK); ++i) {
+        const scara_real rate = fabsf(rates[i]);
+        if (rate_limits[i] < 0.0f) {
+            status = SCARA_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == SCARA_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static scara_real scara_pose_error(const scara_real q[4], const scara_real to[7], scara_real e[6])
+{
+    scara_real x[7];
+    scara_forward(q, x);
+    const scara_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const scara_real twice = (w < 0.0f) ? -2.0f : 2.0f;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0025f;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return scara_length_of(e);
+}
+
+/* One damped step towards a pose, shortened where the error would grow. */
+scara_status scara_track(const scara_pose *pose, scara_real joints[4], scara_info *info)
+{
+    static const scara_real per_turn[4] = { 1.0f, 1.0f, 1.0f, 0.0025f };
+    scara_real to[7];
+    scara_real jacobian[24];
+    scara_status status = scara_normalise_pose(pose, to);
+    const scara_status started = scara_jacobian(joints, jacobian);
+    scara_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
+    if ((started != SCARA_OK) && (status != SCARA_NONFINITE)) {
+        status = started;
+        if (info != NULL) {
+            info->joint = scara_first_beyond(joints);
+        }
+    }
+    if (status == SCARA_OK) {
+        scara_real e[6];
+        scara_real step[4];
+        scara_real moved[4];
+        const scara_real before = scara_pose_error(joints, to, e);
+        const scara_real pivot = scara_damped(jacobian, e, step);
+        scara_real after = HUGE_VALF;
+        scara_real part = 1.0f;
+        scara_real longest = 0.0f;
+        scara_real size = 0.0f;
+        for (int i = 0; i < 4; ++i) {
+            const scara_real turn = fabsf(step[i]) * per_turn[i];
+            longest = (turn > longest) ? turn : longest;
+            size += turn * turn;
+        }
+        if (longest > 0.2f) {
+            part = 0.2f / longest;
+        }
+        for (int round = 0; (round < 4) && !(after <= before + 0.0015258789f); ++round) {
+            part *= (round == 0) ? 1.0f : 0.25f;
+            for (int i = 0; i < 4; ++i) {
+                moved[i] = joints[i] + part * step[i];
+            }
+            after = scara_pose_error(moved, to, e);
+        }
+        if (!(after <= before + 0.0015258789f)) {
+            /* nothing is nearer: the joints stay */
+            part = 0.0f;
+            after = before;
+            for (int i = 0; i < 4; ++i) {
+                moved[i] = joints[i];
+            }
+        }
+        status = scara_check_limits(moved);
+        scara_write_info(info, 1U, after, part * part * size * SCARA_SIZE * SCARA_SIZE,
+            (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
+        if (status == SCARA_OK) {
+            for (int i = 0; i < 4; ++i) {
+                joints[i] = moved[i];
+            }
+        } else if (info != NULL) {
+            info->joint = scara_first_beyond(moved);
+        } else {
+            /* nobody asks which joint */
+        }
+    }
+    return status;
+}
+
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
 static scara_real scara_angle(scara_real s, scara_real c)
 {
     const scara_real x = fabsf(c);
@@ -909,7 +1213,9 @@ static scara_real scara_angle(scara_real s, scara_real c)
     const bool steep = y > x;
     const scara_real ratio = steep ? (x / y) : (y / x);
     const scara_real square = ratio * ratio;
-    scara_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    scara_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
     if (steep) {
         angle = 1.5707964f - angle;
     }
@@ -919,13 +1225,15 @@ static scara_real scara_angle(scara_real s, scara_real c)
     return (s < 0.0f) ? -angle : angle;
 }
 
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
 static scara_real scara_sine(scara_real angle)
 {
     const scara_real number = angle * 0.15915494f;
     scara_real sine = 0.0f;
     if (fabsf(number) < 10000.0f) {
-        scara_real x = angle - 6.2831855f * (scara_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        scara_real x = angle - 6.2831855f * (scara_real)(int)(number + ((number < 0.0f)
+            ? -0.5f : 0.5f));
         if (x > 1.5707964f) {
             x = 3.1415927f - x;
         } else if (x < -1.5707964f) {
@@ -934,20 +1242,24 @@ static scara_real scara_sine(scara_real angle)
             /* within a quarter turn */
         }
         const scara_real square = x * x;
-        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f + square * -0.00018363616f)));
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
+            + square * -0.00018363616f)));
     }
     return sine;
 }
 
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint. */
-static int scara_branches(const scara_real x[7], const scara_real near[2], unsigned int wanted, scara_real found[][4], bool *undecided)
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint. */
+static int scara_branches(const scara_real x[7], const scara_real near[2], unsigned int wanted,
+    scara_real found[][4], bool *undecided)
 {
     int count = 0;
     (void)near;
     (void)wanted;
-    /* shoulder, elbow, turn have parallel axes: a level along them, which they do not change, tells slide */
+    /* shoulder, elbow, turn have parallel axes: a level along them, which they do not change, tells
+     * slide */
     const scara_real t0 = x[4] * x[6];
     const scara_real t1 = x[3] * x[5];
     const scara_real t2 = t0 - t1;
@@ -976,124 +1288,123 @@ static int scara_branches(const scara_real x[7], const scara_real near[2], unsig
     const scara_real t24 = x[2] - t23;
     const scara_real t25 = t24 * t24;
     const scara_real t26 = t17 + t25;
-    const scara_real t27 = t26 - 50625.0f;
-    const scara_real t28 = t27 - 30625.0f;
-    const scara_real t29 = 0.5f * t28;
-    const scara_real t30 = t29 * t29;
-    const scara_real t31 = 1.5503907e+09f - t30;
-    const scara_real t32 = t31 * 3.90625e-11f;
-    if (t32 > 1.5258789e-05f) {
-        const scara_real t34 = 39375.0f * near[1];
+    const scara_real t27 = t26 - 81250.0f;
+    const scara_real t28 = 0.5f * t27;
+    const scara_real t29 = t28 * t28;
+    const scara_real t30 = 1.5503907e+09f - t29;
+    const scara_real t31 = t30 * 3.90625e-11f;
+    if (t31 > 1.5258789e-05f) {
+        const scara_real t33 = 39375.0f * near[1];
         const unsigned int bits0 = (wanted >> 0U) & 3U;
-        const unsigned int side0 = (t34 < 0.0f) ? 2U : 1U;
+        const unsigned int side0 = (t33 < 0.0f) ? 2U : 1U;
         for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
             if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
                 const scara_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
-                const scara_real t40 = fabsf(t31);
-                const scara_real t41 = t31 + t40;
-                const scara_real t42 = 0.5f * t41;
-                const scara_real t43 = sqrtf(t42);
-                const scara_real t44 = sign0 * t43;
-                const scara_real t45 = 1.2698412e-05f * t28;
-                const scara_real t46 = 2.5396825e-05f * t44;
-                const scara_real t47 = scara_angle(t46, t45);
+                const scara_real t39 = fabsf(t30);
+                const scara_real t40 = t30 + t39;
+                const scara_real t41 = 0.5f * t40;
+                const scara_real t42 = sqrtf(t41);
+                const scara_real t43 = sign0 * t42;
+                const scara_real t44 = 1.2698412e-05f * t27;
+                const scara_real t45 = 2.5396825e-05f * t43;
+                const scara_real t46 = scara_angle(t45, t44);
                 /* shoulder turns a point of the axis of turn to where it must be */
-                const scara_real t48 = 0.0022222223f * t28;
-                const scara_real t49 = 225.0f + t48;
-                const scara_real t50 = t49 * t8;
-                const scara_real t51 = 0.0044444446f * t44;
-                const scara_real t52 = t51 * t15;
-                const scara_real t53 = t50 + t52;
-                const scara_real t54 = t53 * t53;
-                const scara_real t55 = t49 * t15;
-                const scara_real t56 = t51 * t8;
-                const scara_real t57 = t55 - t56;
-                const scara_real t58 = t57 * t57;
-                const scara_real t59 = t54 + t58;
-                const scara_real t60 = sqrtf(t59);
-                const scara_real t61 = t60 * 6.25e-06f;
-                if (t61 > 1.5258789e-05f) {
-                    const scara_real t63 = scara_angle(t57, t53);
+                const scara_real t47 = 0.0022222223f * t27;
+                const scara_real t48 = t47 + 225.0f;
+                const scara_real t49 = t48 * t8;
+                const scara_real t50 = 0.0044444446f * t43;
+                const scara_real t51 = t50 * t15;
+                const scara_real t52 = t49 + t51;
+                const scara_real t53 = t52 * t52;
+                const scara_real t54 = t48 * t15;
+                const scara_real t55 = t50 * t8;
+                const scara_real t56 = t54 - t55;
+                const scara_real t57 = t56 * t56;
+                const scara_real t58 = t53 + t57;
+                const scara_real t59 = sqrtf(t58);
+                const scara_real t60 = t59 * 6.25e-06f;
+                if (t60 > 1.5258789e-05f) {
+                    const scara_real t62 = scara_angle(t56, t52);
                     /* turn turns a direction of the tool to where it must be */
-                    const scara_real t64 = 1.0f / t60;
-                    const scara_real t65 = t53 * t64;
-                    const scara_real t66 = x[6] * x[6];
-                    const scara_real t67 = t19 + t66;
-                    const scara_real t68 = t67 + t67;
-                    const scara_real t69 = 1.0f - t68;
-                    const scara_real t70 = t65 * t69;
-                    const scara_real t71 = t57 * t64;
-                    const scara_real t72 = x[4] * x[5];
-                    const scara_real t73 = x[3] * x[6];
-                    const scara_real t74 = t72 + t73;
-                    const scara_real t75 = t74 + t74;
-                    const scara_real t76 = t71 * t75;
-                    const scara_real t77 = t70 + t76;
-                    const scara_real t78 = t45 * t77;
-                    const scara_real t79 = t65 * t75;
-                    const scara_real t80 = t71 * t69;
-                    const scara_real t81 = t79 - t80;
-                    const scara_real t82 = t46 * t81;
-                    const scara_real t83 = t78 + t82;
-                    const scara_real t84 = t83 * t83;
-                    const scara_real t85 = t45 * t81;
-                    const scara_real t86 = t46 * t77;
-                    const scara_real t87 = t85 - t86;
-                    const scara_real t88 = t87 * t87;
-                    const scara_real t89 = t84 + t88;
-                    const scara_real t90 = sqrtf(t89);
-                    if (t90 > 1.5258789e-05f) {
-                        const scara_real t92 = scara_angle(t87, t83);
-                        const scara_real t93 = t65 * t49;
-                        const scara_real t94 = t71 * t51;
-                        const scara_real t95 = t93 - t94;
-                        const scara_real t96 = t95 - x[0];
-                        const scara_real t97 = t96 * t96;
-                        const scara_real t98 = t65 * t51;
-                        const scara_real t99 = t71 * t49;
-                        const scara_real t100 = t98 + t99;
-                        const scara_real t101 = t100 - x[1];
-                        const scara_real t102 = t101 * t101;
-                        const scara_real t103 = t97 + t102;
-                        const scara_real t104 = t3 * t3;
-                        const scara_real t105 = t103 + t104;
-                        const scara_real t106 = t6 * t6;
-                        const scara_real t107 = t13 * t13;
-                        const scara_real t108 = t106 + t107;
-                        const scara_real t109 = 1.0f - t22;
-                        const scara_real t110 = t109 * t109;
-                        const scara_real t111 = t108 + t110;
-                        const scara_real t112 = 160000.0f * t111;
-                        const scara_real t113 = t105 + t112;
-                        const scara_real t114 = 1.0f / t90;
-                        const scara_real t115 = t83 * t114;
-                        const scara_real t116 = t45 * t115;
-                        const scara_real t117 = t87 * t114;
-                        const scara_real t118 = t46 * t117;
-                        const scara_real t119 = t116 - t118;
-                        const scara_real t120 = t65 * t119;
-                        const scara_real t121 = t45 * t117;
-                        const scara_real t122 = t46 * t115;
-                        const scara_real t123 = t121 + t122;
-                        const scara_real t124 = t71 * t123;
-                        const scara_real t125 = t120 - t124;
-                        const scara_real t126 = t125 - t69;
-                        const scara_real t127 = t126 * t126;
-                        const scara_real t128 = t65 * t123;
-                        const scara_real t129 = t71 * t119;
-                        const scara_real t130 = t128 + t129;
-                        const scara_real t131 = t130 - t75;
-                        const scara_real t132 = t131 * t131;
-                        const scara_real t133 = t127 + t132;
-                        const scara_real t134 = t2 + t2;
-                        const scara_real t135 = t134 * t134;
-                        const scara_real t136 = t133 + t135;
-                        const scara_real t137 = 160000.0f * t136;
-                        const scara_real t138 = t113 + t137;
-                        if (t138 < 2.6284397e-06f) {
-                            found[count][0] = t63;
-                            found[count][1] = t47;
-                            found[count][2] = t92;
+                    const scara_real t63 = 1.0f / t59;
+                    const scara_real t64 = t52 * t63;
+                    const scara_real t65 = x[6] * x[6];
+                    const scara_real t66 = t19 + t65;
+                    const scara_real t67 = t66 + t66;
+                    const scara_real t68 = 1.0f - t67;
+                    const scara_real t69 = t64 * t68;
+                    const scara_real t70 = t56 * t63;
+                    const scara_real t71 = x[4] * x[5];
+                    const scara_real t72 = x[3] * x[6];
+                    const scara_real t73 = t71 + t72;
+                    const scara_real t74 = t73 + t73;
+                    const scara_real t75 = t70 * t74;
+                    const scara_real t76 = t69 + t75;
+                    const scara_real t77 = t44 * t76;
+                    const scara_real t78 = t64 * t74;
+                    const scara_real t79 = t70 * t68;
+                    const scara_real t80 = t78 - t79;
+                    const scara_real t81 = t45 * t80;
+                    const scara_real t82 = t77 + t81;
+                    const scara_real t83 = t82 * t82;
+                    const scara_real t84 = t44 * t80;
+                    const scara_real t85 = t45 * t76;
+                    const scara_real t86 = t84 - t85;
+                    const scara_real t87 = t86 * t86;
+                    const scara_real t88 = t83 + t87;
+                    const scara_real t89 = sqrtf(t88);
+                    if (t89 > 1.5258789e-05f) {
+                        const scara_real t91 = scara_angle(t86, t82);
+                        const scara_real t92 = t64 * t48;
+                        const scara_real t93 = t70 * t50;
+                        const scara_real t94 = t92 - t93;
+                        const scara_real t95 = t94 - x[0];
+                        const scara_real t96 = t95 * t95;
+                        const scara_real t97 = t64 * t50;
+                        const scara_real t98 = t70 * t48;
+                        const scara_real t99 = t97 + t98;
+                        const scara_real t100 = t99 - x[1];
+                        const scara_real t101 = t100 * t100;
+                        const scara_real t102 = t96 + t101;
+                        const scara_real t103 = t3 * t3;
+                        const scara_real t104 = t102 + t103;
+                        const scara_real t105 = t6 * t6;
+                        const scara_real t106 = t13 * t13;
+                        const scara_real t107 = t105 + t106;
+                        const scara_real t108 = 1.0f - t22;
+                        const scara_real t109 = t108 * t108;
+                        const scara_real t110 = t107 + t109;
+                        const scara_real t111 = 160000.0f * t110;
+                        const scara_real t112 = t104 + t111;
+                        const scara_real t113 = 1.0f / t89;
+                        const scara_real t114 = t82 * t113;
+                        const scara_real t115 = t44 * t114;
+                        const scara_real t116 = t86 * t113;
+                        const scara_real t117 = t45 * t116;
+                        const scara_real t118 = t115 - t117;
+                        const scara_real t119 = t64 * t118;
+                        const scara_real t120 = t44 * t116;
+                        const scara_real t121 = t45 * t114;
+                        const scara_real t122 = t120 + t121;
+                        const scara_real t123 = t70 * t122;
+                        const scara_real t124 = t119 - t123;
+                        const scara_real t125 = t124 - t68;
+                        const scara_real t126 = t125 * t125;
+                        const scara_real t127 = t64 * t122;
+                        const scara_real t128 = t70 * t118;
+                        const scara_real t129 = t127 + t128;
+                        const scara_real t130 = t129 - t74;
+                        const scara_real t131 = t130 * t130;
+                        const scara_real t132 = t126 + t131;
+                        const scara_real t133 = t2 + t2;
+                        const scara_real t134 = t133 * t133;
+                        const scara_real t135 = t132 + t134;
+                        const scara_real t136 = 160000.0f * t135;
+                        const scara_real t137 = t112 + t136;
+                        if (t137 < 2.6284397e-06f) {
+                            found[count][0] = t62;
+                            found[count][1] = t46;
+                            found[count][2] = t91;
                             found[count][3] = t4;
                             ++count;
                         }
@@ -1105,7 +1416,7 @@ static int scara_branches(const scara_real x[7], const scara_real near[2], unsig
                 }
             }
         }
-    } else if (t32 > -1.5258789e-05f) {
+    } else if (t31 > -1.5258789e-05f) {
         *undecided = true;
     } else {
         /* out of reach */
@@ -1113,7 +1424,8 @@ static int scara_branches(const scara_real x[7], const scara_real near[2], unsig
     return count;
 }
 
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
 static scara_status scara_turn_near(const scara_real about[4], scara_real joints[4])
 {
     static const bool angular[4] = { true, true, true, false };
@@ -1134,7 +1446,8 @@ static scara_status scara_turn_near(const scara_real about[4], scara_real joints
 }
 
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static scara_status scara_one_branch(const scara_pose *pose, const scara_real near[2], unsigned int wanted, const scara_real about[4], scara_real joints[4])
+static scara_status scara_one_branch(const scara_pose *pose, const scara_real near[2],
+    unsigned int wanted, const scara_real about[4], scara_real joints[4])
 {
     scara_real x[7];
     scara_real found[1][4];
@@ -1193,7 +1506,8 @@ scara_status scara_inverse_branch(const scara_pose *pose, unsigned int branch, s
 }
 
 /* The branch nearest to the guess, choice by choice. */
-scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[4], scara_real joints[4])
+scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[4],
+    scara_real joints[4])
 {
     scara_status status = scara_check_finite(guess, 4, SCARA_OK);
     if (status == SCARA_OK) {

@@ -15,8 +15,10 @@
 #define YAO2020_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real values[], int count, yao2020_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real values[], int count,
+    yao2020_status otherwise)
 {
     yao2020_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,12 +30,17 @@ static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real value
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
-    const yao2020_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 556000.0) && (fabs(pose->position[1]) <= 556000.0)
+            && (fabs(pose->position[2]) <= 556000.0);
+    const yao2020_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     yao2020_status status = YAO2020_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -52,9 +59,10 @@ static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_r
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int count, yao2020_real residual, yao2020_real size, yao2020_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int count,
+    yao2020_real residual, yao2020_real size, yao2020_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -66,24 +74,30 @@ static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int cou
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static YAO2020_COLD yao2020_status yao2020_check_config(const yao2020_config *config, yao2020_status before)
+static YAO2020_COLD yao2020_status yao2020_check_config(const yao2020_config *config,
+    yao2020_status before)
 {
     const yao2020_real tolerance = config->tolerance;
     const yao2020_real longest = config->max_step;
     yao2020_status status = before;
-    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 556000.0 - longest)) && (before != YAO2020_NONFINITE)) {
-        const yao2020_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 556000.0 - longest))
+        && (before != YAO2020_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const yao2020_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0) ? YAO2020_OUT_OF_RANGE : YAO2020_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static YAO2020_SHARED uint8_t yao2020_first_beyond(const yao2020_real joints[6])
 {
-    static const yao2020_real low[6] = { -1000.000000001, -1000.000000001, -1000.000000001, -1000.000000001, -1000.000000001, -555022.5220661015 };
-    static const yao2020_real high[6] = { 1000.000000001, 1000.000000001, 1000.000000001, 1000.000000001, 1000.000000001, 555022.5220661015 };
+    static const yao2020_real low[6] = { -1000.000000001, -1000.000000001, -1000.000000001,
+        -1000.000000001, -1000.000000001, -555022.5220661015 };
+    static const yao2020_real high[6] = { 1000.000000001, 1000.000000001, 1000.000000001,
+        1000.000000001, 1000.000000001, 555022.5220661015 };
     uint8_t joint = 0U;
     while ((joint < 6U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
         ++joint;
@@ -106,7 +120,8 @@ static YAO2020_SHARED yao2020_status yao2020_check_limits(const yao2020_real joi
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and
+ * slides. */
 static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
 {
     const yao2020_real t0 = cos(q[0]);
@@ -114,136 +129,137 @@ static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
     const yao2020_real t2 = cos(q[2]);
     const yao2020_real t3 = cos(q[3]);
     const yao2020_real t4 = cos(q[4]);
-    const yao2020_real t5 = -545.0 + q[5];
-    const yao2020_real t6 = t5 - (-385.0);
-    const yao2020_real t7 = t4 * t6;
-    const yao2020_real t8 = -385.0 + t7;
-    const yao2020_real t9 = t8 - (-300.0);
-    const yao2020_real t10 = t3 * t9;
-    const yao2020_real t11 = sin(q[3]);
-    const yao2020_real t12 = 105.0 * t11;
-    const yao2020_real t13 = t10 + t12;
-    const yao2020_real t14 = -300.0 + t13;
-    const yao2020_real t15 = t2 * t14;
-    const yao2020_real t16 = 1.0 - t2;
-    const yao2020_real t17 = t16 * t14;
-    const yao2020_real t18 = t15 + t17;
-    const yao2020_real t19 = t1 * t18;
-    const yao2020_real t20 = sin(q[1]);
-    const yao2020_real t21 = 105.0 * t3;
-    const yao2020_real t22 = t11 * t9;
-    const yao2020_real t23 = t21 - t22;
-    const yao2020_real t24 = t2 * t23;
-    const yao2020_real t25 = sin(q[2]);
-    const yao2020_real t26 = sin(q[4]);
-    const yao2020_real t27 = t26 * t6;
-    const yao2020_real t28 = t3 * t27;
-    const yao2020_real t29 = 1.0 - t3;
-    const yao2020_real t30 = t29 * t27;
-    const yao2020_real t31 = t28 + t30;
-    const yao2020_real t32 = t25 * t31;
-    const yao2020_real t33 = t24 + t32;
-    const yao2020_real t34 = t20 * t33;
-    const yao2020_real t35 = t19 + t34;
-    const yao2020_real t36 = t0 * t35;
-    const yao2020_real t37 = sin(q[0]);
-    const yao2020_real t38 = t2 * t31;
-    const yao2020_real t39 = t25 * t23;
-    const yao2020_real t40 = t38 - t39;
-    const yao2020_real t41 = t1 * t40;
-    const yao2020_real t42 = 1.0 - t1;
-    const yao2020_real t43 = t42 * t40;
-    const yao2020_real t44 = t41 + t43;
-    const yao2020_real t45 = t37 * t44;
-    const yao2020_real t46 = t36 - t45;
-    const yao2020_real t47 = t0 * t44;
-    const yao2020_real t48 = t37 * t35;
-    const yao2020_real t49 = t47 + t48;
-    const yao2020_real t50 = t1 * t33;
-    const yao2020_real t51 = t20 * t18;
-    const yao2020_real t52 = t50 - t51;
-    const yao2020_real t53 = t0 * t52;
-    const yao2020_real t54 = 1.0 - t0;
-    const yao2020_real t55 = t54 * t52;
-    const yao2020_real t56 = t53 + t55;
-    const yao2020_real t57 = 0.5 * q[0];
+    const yao2020_real t5 = q[5] - 160.0;
+    const yao2020_real t6 = t4 * t5;
+    const yao2020_real t7 = t6 - 85.0;
+    const yao2020_real t8 = t3 * t7;
+    const yao2020_real t9 = sin(q[3]);
+    const yao2020_real t10 = 105.0 * t9;
+    const yao2020_real t11 = t8 + t10;
+    const yao2020_real t12 = t11 - 300.0;
+    const yao2020_real t13 = t2 * t12;
+    const yao2020_real t14 = 1.0 - t2;
+    const yao2020_real t15 = t14 * t12;
+    const yao2020_real t16 = t13 + t15;
+    const yao2020_real t17 = t1 * t16;
+    const yao2020_real t18 = sin(q[1]);
+    const yao2020_real t19 = 105.0 * t3;
+    const yao2020_real t20 = t9 * t7;
+    const yao2020_real t21 = t19 - t20;
+    const yao2020_real t22 = t2 * t21;
+    const yao2020_real t23 = sin(q[2]);
+    const yao2020_real t24 = sin(q[4]);
+    const yao2020_real t25 = t24 * t5;
+    const yao2020_real t26 = t3 * t25;
+    const yao2020_real t27 = 1.0 - t3;
+    const yao2020_real t28 = t27 * t25;
+    const yao2020_real t29 = t26 + t28;
+    const yao2020_real t30 = t23 * t29;
+    const yao2020_real t31 = t22 + t30;
+    const yao2020_real t32 = t18 * t31;
+    const yao2020_real t33 = t17 + t32;
+    const yao2020_real t34 = t0 * t33;
+    const yao2020_real t35 = sin(q[0]);
+    const yao2020_real t36 = t2 * t29;
+    const yao2020_real t37 = t23 * t21;
+    const yao2020_real t38 = t36 - t37;
+    const yao2020_real t39 = t1 * t38;
+    const yao2020_real t40 = 1.0 - t1;
+    const yao2020_real t41 = t40 * t38;
+    const yao2020_real t42 = t39 + t41;
+    const yao2020_real t43 = t35 * t42;
+    const yao2020_real t44 = t34 - t43;
+    const yao2020_real t45 = t0 * t42;
+    const yao2020_real t46 = t35 * t33;
+    const yao2020_real t47 = t45 + t46;
+    const yao2020_real t48 = t1 * t31;
+    const yao2020_real t49 = t18 * t16;
+    const yao2020_real t50 = t48 - t49;
+    const yao2020_real t51 = t0 * t50;
+    const yao2020_real t52 = 1.0 - t0;
+    const yao2020_real t53 = t52 * t50;
+    const yao2020_real t54 = t51 + t53;
+    const yao2020_real t55 = 0.5 * q[0];
+    const yao2020_real t56 = cos(t55);
+    const yao2020_real t57 = 0.5 * q[1];
     const yao2020_real t58 = cos(t57);
-    const yao2020_real t59 = 0.5 * q[1];
-    const yao2020_real t60 = cos(t59);
-    const yao2020_real t61 = t58 * t60;
-    const yao2020_real t62 = 0.5 * q[2];
-    const yao2020_real t63 = cos(t62);
-    const yao2020_real t64 = t61 * t63;
-    const yao2020_real t65 = sin(t57);
-    const yao2020_real t66 = sin(t59);
+    const yao2020_real t59 = t56 * t58;
+    const yao2020_real t60 = 0.5 * q[2];
+    const yao2020_real t61 = cos(t60);
+    const yao2020_real t62 = t59 * t61;
+    const yao2020_real t63 = sin(t55);
+    const yao2020_real t64 = sin(t57);
+    const yao2020_real t65 = t63 * t64;
+    const yao2020_real t66 = sin(t60);
     const yao2020_real t67 = t65 * t66;
-    const yao2020_real t68 = sin(t62);
-    const yao2020_real t69 = t67 * t68;
-    const yao2020_real t70 = t64 + t69;
-    const yao2020_real t71 = 0.5 * q[3];
-    const yao2020_real t72 = cos(t71);
-    const yao2020_real t73 = t70 * t72;
-    const yao2020_real t74 = t58 * t66;
-    const yao2020_real t75 = t74 * t63;
-    const yao2020_real t76 = t65 * t60;
-    const yao2020_real t77 = t76 * t68;
-    const yao2020_real t78 = t75 + t77;
-    const yao2020_real t79 = sin(t71);
-    const yao2020_real t80 = t78 * t79;
-    const yao2020_real t81 = t73 - t80;
-    const yao2020_real t82 = 0.5 * q[4];
-    const yao2020_real t83 = cos(t82);
-    const yao2020_real t84 = t81 * t83;
-    const yao2020_real t85 = t61 * t68;
-    const yao2020_real t86 = t67 * t63;
-    const yao2020_real t87 = t85 - t86;
-    const yao2020_real t88 = t87 * t79;
-    const yao2020_real t89 = t76 * t63;
-    const yao2020_real t90 = t74 * t68;
-    const yao2020_real t91 = t89 - t90;
-    const yao2020_real t92 = t91 * t72;
-    const yao2020_real t93 = t88 + t92;
-    const yao2020_real t94 = sin(t82);
-    const yao2020_real t95 = t93 * t94;
-    const yao2020_real t96 = t84 - t95;
-    const yao2020_real t97 = t87 * t72;
-    const yao2020_real t98 = t91 * t79;
-    const yao2020_real t99 = t97 - t98;
-    const yao2020_real t100 = t99 * t83;
-    const yao2020_real t101 = t70 * t79;
-    const yao2020_real t102 = t78 * t72;
-    const yao2020_real t103 = t101 + t102;
-    const yao2020_real t104 = t103 * t94;
-    const yao2020_real t105 = t100 + t104;
-    const yao2020_real t106 = t103 * t83;
-    const yao2020_real t107 = t99 * t94;
-    const yao2020_real t108 = t106 - t107;
-    const yao2020_real t109 = t81 * t94;
-    const yao2020_real t110 = t93 * t83;
-    const yao2020_real t111 = t109 + t110;
-    x[0] = t46;
-    x[1] = t49;
-    x[2] = t56;
-    x[3] = t96;
-    x[4] = t105;
-    x[5] = t108;
-    x[6] = t111;
+    const yao2020_real t68 = t62 + t67;
+    const yao2020_real t69 = 0.5 * q[3];
+    const yao2020_real t70 = cos(t69);
+    const yao2020_real t71 = t68 * t70;
+    const yao2020_real t72 = t56 * t64;
+    const yao2020_real t73 = t72 * t61;
+    const yao2020_real t74 = t63 * t58;
+    const yao2020_real t75 = t74 * t66;
+    const yao2020_real t76 = t73 + t75;
+    const yao2020_real t77 = sin(t69);
+    const yao2020_real t78 = t76 * t77;
+    const yao2020_real t79 = t71 - t78;
+    const yao2020_real t80 = 0.5 * q[4];
+    const yao2020_real t81 = cos(t80);
+    const yao2020_real t82 = t79 * t81;
+    const yao2020_real t83 = t59 * t66;
+    const yao2020_real t84 = t65 * t61;
+    const yao2020_real t85 = t83 - t84;
+    const yao2020_real t86 = t85 * t77;
+    const yao2020_real t87 = t74 * t61;
+    const yao2020_real t88 = t72 * t66;
+    const yao2020_real t89 = t87 - t88;
+    const yao2020_real t90 = t89 * t70;
+    const yao2020_real t91 = t86 + t90;
+    const yao2020_real t92 = sin(t80);
+    const yao2020_real t93 = t91 * t92;
+    const yao2020_real t94 = t82 - t93;
+    const yao2020_real t95 = t85 * t70;
+    const yao2020_real t96 = t89 * t77;
+    const yao2020_real t97 = t95 - t96;
+    const yao2020_real t98 = t97 * t81;
+    const yao2020_real t99 = t68 * t77;
+    const yao2020_real t100 = t76 * t70;
+    const yao2020_real t101 = t99 + t100;
+    const yao2020_real t102 = t101 * t92;
+    const yao2020_real t103 = t98 + t102;
+    const yao2020_real t104 = t101 * t81;
+    const yao2020_real t105 = t97 * t92;
+    const yao2020_real t106 = t104 - t105;
+    const yao2020_real t107 = t79 * t92;
+    const yao2020_real t108 = t91 * t81;
+    const yao2020_real t109 = t107 + t108;
+    x[0] = t44;
+    x[1] = t47;
+    x[2] = t54;
+    x[3] = t94;
+    x[4] = t103;
+    x[5] = t106;
+    x[6] = t109;
 }
 
 /* Work space of yao2020_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: theta1, theta2, theta3, theta4, theta5, L6
  * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
+ * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
+ * state: lengths,
  *    angles and turns times the size
  */
 typedef struct {
     yao2020_real x[6]; /* state */
-    yao2020_real x0[6]; /* state at the part of the line that is done, to which a failed try returns */
+    /* state at the part of the line that is done, to which a failed try returns */
+    yao2020_real x0[6];
     yao2020_real at[7]; /* known values at the guess, where the line begins */
     yao2020_real k[7]; /* known values aimed at */
     yao2020_real f[6]; /* rows; the linear solver leaves the step in their place */
     yao2020_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    yao2020_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    yao2020_real spread;
     uint8_t order[6]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
 } yao2020_inverse_work;
@@ -257,157 +273,155 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t2 = cos(w->x[2]);
     const yao2020_real t3 = cos(w->x[3]);
     const yao2020_real t4 = cos(w->x[4]);
-    const yao2020_real t5 = -545.0 + w->x[5];
-    const yao2020_real t6 = t5 - (-385.0);
-    const yao2020_real t7 = t4 * t6;
-    const yao2020_real t8 = -385.0 + t7;
-    const yao2020_real t9 = t8 - (-300.0);
-    const yao2020_real t10 = t3 * t9;
-    const yao2020_real t11 = sin(w->x[3]);
-    const yao2020_real t12 = 105.0 * t11;
-    const yao2020_real t13 = t10 + t12;
-    const yao2020_real t14 = -300.0 + t13;
-    const yao2020_real t15 = t2 * t14;
-    const yao2020_real t16 = 1.0 - t2;
-    const yao2020_real t17 = t16 * t14;
-    const yao2020_real t18 = t15 + t17;
-    const yao2020_real t19 = t1 * t18;
-    const yao2020_real t20 = sin(w->x[1]);
-    const yao2020_real t21 = 105.0 * t3;
-    const yao2020_real t22 = t11 * t9;
-    const yao2020_real t23 = t21 - t22;
-    const yao2020_real t24 = t2 * t23;
-    const yao2020_real t25 = sin(w->x[2]);
-    const yao2020_real t26 = sin(w->x[4]);
-    const yao2020_real t27 = t26 * t6;
-    const yao2020_real t28 = t3 * t27;
-    const yao2020_real t29 = 1.0 - t3;
-    const yao2020_real t30 = t29 * t27;
-    const yao2020_real t31 = t28 + t30;
-    const yao2020_real t32 = t25 * t31;
-    const yao2020_real t33 = t24 + t32;
-    const yao2020_real t34 = t20 * t33;
-    const yao2020_real t35 = t19 + t34;
-    const yao2020_real t36 = t0 * t35;
-    const yao2020_real t37 = sin(w->x[0]);
-    const yao2020_real t38 = t2 * t31;
-    const yao2020_real t39 = t25 * t23;
-    const yao2020_real t40 = t38 - t39;
-    const yao2020_real t41 = t1 * t40;
-    const yao2020_real t42 = 1.0 - t1;
-    const yao2020_real t43 = t42 * t40;
-    const yao2020_real t44 = t41 + t43;
-    const yao2020_real t45 = t37 * t44;
-    const yao2020_real t46 = t36 - t45;
-    const yao2020_real t47 = w->k[0] - t46;
-    const yao2020_real t48 = -t47;
-    w->f[0] = t48;
+    const yao2020_real t5 = w->x[5] - 160.0;
+    const yao2020_real t6 = t4 * t5;
+    const yao2020_real t7 = t6 - 85.0;
+    const yao2020_real t8 = t3 * t7;
+    const yao2020_real t9 = sin(w->x[3]);
+    const yao2020_real t10 = 105.0 * t9;
+    const yao2020_real t11 = t8 + t10;
+    const yao2020_real t12 = t11 - 300.0;
+    const yao2020_real t13 = t2 * t12;
+    const yao2020_real t14 = 1.0 - t2;
+    const yao2020_real t15 = t14 * t12;
+    const yao2020_real t16 = t13 + t15;
+    const yao2020_real t17 = t1 * t16;
+    const yao2020_real t18 = sin(w->x[1]);
+    const yao2020_real t19 = 105.0 * t3;
+    const yao2020_real t20 = t9 * t7;
+    const yao2020_real t21 = t19 - t20;
+    const yao2020_real t22 = t2 * t21;
+    const yao2020_real t23 = sin(w->x[2]);
+    const yao2020_real t24 = sin(w->x[4]);
+    const yao2020_real t25 = t24 * t5;
+    const yao2020_real t26 = t3 * t25;
+    const yao2020_real t27 = 1.0 - t3;
+    const yao2020_real t28 = t27 * t25;
+    const yao2020_real t29 = t26 + t28;
+    const yao2020_real t30 = t23 * t29;
+    const yao2020_real t31 = t22 + t30;
+    const yao2020_real t32 = t18 * t31;
+    const yao2020_real t33 = t17 + t32;
+    const yao2020_real t34 = t0 * t33;
+    const yao2020_real t35 = sin(w->x[0]);
+    const yao2020_real t36 = t2 * t29;
+    const yao2020_real t37 = t23 * t21;
+    const yao2020_real t38 = t36 - t37;
+    const yao2020_real t39 = t1 * t38;
+    const yao2020_real t40 = 1.0 - t1;
+    const yao2020_real t41 = t40 * t38;
+    const yao2020_real t42 = t39 + t41;
+    const yao2020_real t43 = t35 * t42;
+    const yao2020_real t44 = t34 - t43;
+    const yao2020_real t45 = w->k[0] - t44;
+    const yao2020_real t46 = -t45;
+    w->f[0] = t46;
     /* row 2 */
-    const yao2020_real t50 = t0 * t44;
-    const yao2020_real t51 = t37 * t35;
-    const yao2020_real t52 = t50 + t51;
-    const yao2020_real t53 = w->k[1] - t52;
-    const yao2020_real t54 = -t53;
-    w->f[1] = t54;
+    const yao2020_real t48 = t0 * t42;
+    const yao2020_real t49 = t35 * t33;
+    const yao2020_real t50 = t48 + t49;
+    const yao2020_real t51 = w->k[1] - t50;
+    const yao2020_real t52 = -t51;
+    w->f[1] = t52;
     /* row 3 */
-    const yao2020_real t56 = t1 * t33;
-    const yao2020_real t57 = t20 * t18;
-    const yao2020_real t58 = t56 - t57;
-    const yao2020_real t59 = t0 * t58;
-    const yao2020_real t60 = 1.0 - t0;
-    const yao2020_real t61 = t60 * t58;
-    const yao2020_real t62 = t59 + t61;
-    const yao2020_real t63 = w->k[2] - t62;
-    const yao2020_real t64 = -t63;
-    w->f[2] = t64;
+    const yao2020_real t54 = t1 * t31;
+    const yao2020_real t55 = t18 * t16;
+    const yao2020_real t56 = t54 - t55;
+    const yao2020_real t57 = t0 * t56;
+    const yao2020_real t58 = 1.0 - t0;
+    const yao2020_real t59 = t58 * t56;
+    const yao2020_real t60 = t57 + t59;
+    const yao2020_real t61 = w->k[2] - t60;
+    const yao2020_real t62 = -t61;
+    w->f[2] = t62;
     /* row 4 */
-    const yao2020_real t66 = 0.5 * w->x[0];
+    const yao2020_real t64 = 0.5 * w->x[0];
+    const yao2020_real t65 = cos(t64);
+    const yao2020_real t66 = 0.5 * w->x[1];
     const yao2020_real t67 = cos(t66);
-    const yao2020_real t68 = 0.5 * w->x[1];
-    const yao2020_real t69 = cos(t68);
-    const yao2020_real t70 = t67 * t69;
-    const yao2020_real t71 = 0.5 * w->x[2];
-    const yao2020_real t72 = cos(t71);
-    const yao2020_real t73 = t70 * t72;
-    const yao2020_real t74 = sin(t66);
-    const yao2020_real t75 = sin(t68);
+    const yao2020_real t68 = t65 * t67;
+    const yao2020_real t69 = 0.5 * w->x[2];
+    const yao2020_real t70 = cos(t69);
+    const yao2020_real t71 = t68 * t70;
+    const yao2020_real t72 = sin(t64);
+    const yao2020_real t73 = sin(t66);
+    const yao2020_real t74 = t72 * t73;
+    const yao2020_real t75 = sin(t69);
     const yao2020_real t76 = t74 * t75;
-    const yao2020_real t77 = sin(t71);
-    const yao2020_real t78 = t76 * t77;
-    const yao2020_real t79 = t73 + t78;
-    const yao2020_real t80 = 0.5 * w->x[3];
-    const yao2020_real t81 = cos(t80);
-    const yao2020_real t82 = t79 * t81;
-    const yao2020_real t83 = t67 * t75;
-    const yao2020_real t84 = t83 * t72;
-    const yao2020_real t85 = t74 * t69;
-    const yao2020_real t86 = t85 * t77;
-    const yao2020_real t87 = t84 + t86;
-    const yao2020_real t88 = sin(t80);
-    const yao2020_real t89 = t87 * t88;
-    const yao2020_real t90 = t82 - t89;
-    const yao2020_real t91 = 0.5 * w->x[4];
-    const yao2020_real t92 = cos(t91);
-    const yao2020_real t93 = t90 * t92;
-    const yao2020_real t94 = t70 * t77;
-    const yao2020_real t95 = t76 * t72;
-    const yao2020_real t96 = t94 - t95;
-    const yao2020_real t97 = t96 * t88;
-    const yao2020_real t98 = t85 * t72;
-    const yao2020_real t99 = t83 * t77;
-    const yao2020_real t100 = t98 - t99;
-    const yao2020_real t101 = t100 * t81;
-    const yao2020_real t102 = t97 + t101;
-    const yao2020_real t103 = sin(t91);
-    const yao2020_real t104 = t102 * t103;
-    const yao2020_real t105 = t93 - t104;
-    const yao2020_real t106 = t105 * w->k[4];
-    const yao2020_real t107 = t96 * t81;
-    const yao2020_real t108 = t100 * t88;
-    const yao2020_real t109 = t107 - t108;
-    const yao2020_real t110 = t109 * t92;
-    const yao2020_real t111 = t79 * t88;
-    const yao2020_real t112 = t87 * t81;
-    const yao2020_real t113 = t111 + t112;
-    const yao2020_real t114 = t113 * t103;
-    const yao2020_real t115 = t110 + t114;
-    const yao2020_real t116 = t115 * w->k[3];
-    const yao2020_real t117 = t106 - t116;
-    const yao2020_real t118 = t113 * t92;
-    const yao2020_real t119 = t109 * t103;
-    const yao2020_real t120 = t118 - t119;
-    const yao2020_real t121 = t120 * w->k[6];
-    const yao2020_real t122 = t117 - t121;
-    const yao2020_real t123 = t90 * t103;
-    const yao2020_real t124 = t102 * t92;
-    const yao2020_real t125 = t123 + t124;
-    const yao2020_real t126 = t125 * w->k[5];
-    const yao2020_real t127 = t122 + t126;
-    const yao2020_real t128 = 1110.045044131093 * t127;
-    const yao2020_real t129 = -t128;
-    w->f[3] = t129;
+    const yao2020_real t77 = t71 + t76;
+    const yao2020_real t78 = 0.5 * w->x[3];
+    const yao2020_real t79 = cos(t78);
+    const yao2020_real t80 = t77 * t79;
+    const yao2020_real t81 = t65 * t73;
+    const yao2020_real t82 = t81 * t70;
+    const yao2020_real t83 = t72 * t67;
+    const yao2020_real t84 = t83 * t75;
+    const yao2020_real t85 = t82 + t84;
+    const yao2020_real t86 = sin(t78);
+    const yao2020_real t87 = t85 * t86;
+    const yao2020_real t88 = t80 - t87;
+    const yao2020_real t89 = 0.5 * w->x[4];
+    const yao2020_real t90 = cos(t89);
+    const yao2020_real t91 = t88 * t90;
+    const yao2020_real t92 = t68 * t75;
+    const yao2020_real t93 = t74 * t70;
+    const yao2020_real t94 = t92 - t93;
+    const yao2020_real t95 = t94 * t86;
+    const yao2020_real t96 = t83 * t70;
+    const yao2020_real t97 = t81 * t75;
+    const yao2020_real t98 = t96 - t97;
+    const yao2020_real t99 = t98 * t79;
+    const yao2020_real t100 = t95 + t99;
+    const yao2020_real t101 = sin(t89);
+    const yao2020_real t102 = t100 * t101;
+    const yao2020_real t103 = t91 - t102;
+    const yao2020_real t104 = t103 * w->k[4];
+    const yao2020_real t105 = t94 * t79;
+    const yao2020_real t106 = t98 * t86;
+    const yao2020_real t107 = t105 - t106;
+    const yao2020_real t108 = t107 * t90;
+    const yao2020_real t109 = t77 * t86;
+    const yao2020_real t110 = t85 * t79;
+    const yao2020_real t111 = t109 + t110;
+    const yao2020_real t112 = t111 * t101;
+    const yao2020_real t113 = t108 + t112;
+    const yao2020_real t114 = t113 * w->k[3];
+    const yao2020_real t115 = t104 - t114;
+    const yao2020_real t116 = t111 * t90;
+    const yao2020_real t117 = t107 * t101;
+    const yao2020_real t118 = t116 - t117;
+    const yao2020_real t119 = t118 * w->k[6];
+    const yao2020_real t120 = t115 - t119;
+    const yao2020_real t121 = t88 * t101;
+    const yao2020_real t122 = t100 * t90;
+    const yao2020_real t123 = t121 + t122;
+    const yao2020_real t124 = t123 * w->k[5];
+    const yao2020_real t125 = t120 + t124;
+    const yao2020_real t126 = 1110.045044131093 * t125;
+    const yao2020_real t127 = -t126;
+    w->f[3] = t127;
     /* row 5 */
-    const yao2020_real t131 = t105 * w->k[5];
-    const yao2020_real t132 = t115 * w->k[6];
-    const yao2020_real t133 = t131 + t132;
-    const yao2020_real t134 = t120 * w->k[3];
+    const yao2020_real t129 = t103 * w->k[5];
+    const yao2020_real t130 = t113 * w->k[6];
+    const yao2020_real t131 = t129 + t130;
+    const yao2020_real t132 = t118 * w->k[3];
+    const yao2020_real t133 = t131 - t132;
+    const yao2020_real t134 = t123 * w->k[4];
     const yao2020_real t135 = t133 - t134;
-    const yao2020_real t136 = t125 * w->k[4];
-    const yao2020_real t137 = t135 - t136;
-    const yao2020_real t138 = 1110.045044131093 * t137;
-    const yao2020_real t139 = -t138;
-    w->f[4] = t139;
+    const yao2020_real t136 = 1110.045044131093 * t135;
+    const yao2020_real t137 = -t136;
+    w->f[4] = t137;
     /* row 6 */
-    const yao2020_real t141 = t105 * w->k[6];
-    const yao2020_real t142 = t115 * w->k[5];
-    const yao2020_real t143 = t141 - t142;
-    const yao2020_real t144 = t120 * w->k[4];
-    const yao2020_real t145 = t143 + t144;
-    const yao2020_real t146 = t125 * w->k[3];
-    const yao2020_real t147 = t145 - t146;
-    const yao2020_real t148 = 1110.045044131093 * t147;
-    const yao2020_real t149 = -t148;
-    w->f[5] = t149;
+    const yao2020_real t139 = t103 * w->k[6];
+    const yao2020_real t140 = t113 * w->k[5];
+    const yao2020_real t141 = t139 - t140;
+    const yao2020_real t142 = t118 * w->k[4];
+    const yao2020_real t143 = t141 + t142;
+    const yao2020_real t144 = t123 * w->k[3];
+    const yao2020_real t145 = t143 - t144;
+    const yao2020_real t146 = 1110.045044131093 * t145;
+    const yao2020_real t147 = -t146;
+    w->f[5] = t147;
 }
 
 /* Norm of the rows in w->f as a length: no row is further from zero. */
@@ -422,8 +436,8 @@ static YAO2020_SHARED yao2020_real yao2020_inverse_residual(const yao2020_invers
     return sqrt(sum);
 }
 
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
+ * turned. Returns the squared length of the step, angles times the size. */
 static yao2020_real yao2020_inverse_apply_step(yao2020_inverse_work *w)
 {
     const yao2020_real t0 = 0.0018017286871142555 * w->f[0];
@@ -458,7 +472,8 @@ static yao2020_real yao2020_inverse_apply_step(yao2020_inverse_work *w)
 }
 
 /* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static YAO2020_SHARED void yao2020_inverse_set_target(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real part)
+static YAO2020_SHARED void yao2020_inverse_set_target(yao2020_inverse_work *w,
+    const yao2020_real to[7], yao2020_real part)
 {
     for (int i = 0; i < 7; ++i) {
         w->k[i] = to[i];
@@ -474,7 +489,8 @@ static YAO2020_SHARED void yao2020_inverse_set_target(yao2020_inverse_work *w, c
         for (int i = 0; i < 7; ++i) {
             w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
         }
-        const yao2020_real inverse = 1.0 / sqrt(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
+        const yao2020_real inverse = 1.0 / sqrt(w->k[3] * w->k[3] + w->k[4] * w->k[4]
+            + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
         w->k[3] *= inverse;
         w->k[4] *= inverse;
         w->k[5] *= inverse;
@@ -489,570 +505,569 @@ static void yao2020_inverse_matrix(yao2020_inverse_work *w)
     const yao2020_real t1 = cos(w->x[2]);
     const yao2020_real t2 = cos(w->x[3]);
     const yao2020_real t3 = cos(w->x[4]);
-    const yao2020_real t4 = -545.0 + w->x[5];
-    const yao2020_real t5 = t4 - (-385.0);
-    const yao2020_real t6 = t3 * t5;
-    const yao2020_real t7 = -385.0 + t6;
-    const yao2020_real t8 = t7 - (-300.0);
-    const yao2020_real t9 = t2 * t8;
-    const yao2020_real t10 = sin(w->x[3]);
-    const yao2020_real t11 = 105.0 * t10;
-    const yao2020_real t12 = t9 + t11;
-    const yao2020_real t13 = -300.0 + t12;
-    const yao2020_real t14 = t1 * t13;
-    const yao2020_real t15 = 1.0 - t1;
-    const yao2020_real t16 = t15 * t13;
-    const yao2020_real t17 = t14 + t16;
-    const yao2020_real t18 = t0 * t17;
-    const yao2020_real t19 = sin(w->x[1]);
-    const yao2020_real t20 = 105.0 * t2;
-    const yao2020_real t21 = t10 * t8;
-    const yao2020_real t22 = t20 - t21;
-    const yao2020_real t23 = t1 * t22;
-    const yao2020_real t24 = sin(w->x[2]);
-    const yao2020_real t25 = sin(w->x[4]);
-    const yao2020_real t26 = t25 * t5;
-    const yao2020_real t27 = t2 * t26;
-    const yao2020_real t28 = 1.0 - t2;
-    const yao2020_real t29 = t28 * t26;
-    const yao2020_real t30 = t27 + t29;
-    const yao2020_real t31 = t24 * t30;
-    const yao2020_real t32 = t23 + t31;
-    const yao2020_real t33 = t19 * t32;
-    const yao2020_real t34 = t18 + t33;
-    const yao2020_real t35 = sin(w->x[0]);
-    const yao2020_real t36 = t34 * t35;
-    const yao2020_real t37 = t1 * t30;
-    const yao2020_real t38 = t24 * t22;
-    const yao2020_real t39 = t37 - t38;
-    const yao2020_real t40 = t0 * t39;
-    const yao2020_real t41 = 1.0 - t0;
-    const yao2020_real t42 = t41 * t39;
-    const yao2020_real t43 = t40 + t42;
-    const yao2020_real t44 = cos(w->x[0]);
-    const yao2020_real t45 = t43 * t44;
-    const yao2020_real t46 = t36 + t45;
-    const yao2020_real t47 = 0.0018017286871142555 * t46;
-    w->a[0] = t47;
-    const yao2020_real t49 = t32 * t0;
-    const yao2020_real t50 = t17 * t19;
-    const yao2020_real t51 = t49 - t50;
-    const yao2020_real t52 = t44 * t51;
-    const yao2020_real t53 = 0.0018017286871142555 * t52;
-    const yao2020_real t54 = -t53;
-    w->a[1] = t54;
-    const yao2020_real t56 = t30 * t1;
-    const yao2020_real t57 = t22 * t24;
-    const yao2020_real t58 = t56 - t57;
-    const yao2020_real t59 = t19 * t58;
-    const yao2020_real t60 = t44 * t59;
-    const yao2020_real t61 = t30 * t24;
-    const yao2020_real t62 = t22 * t1;
-    const yao2020_real t63 = t61 + t62;
-    const yao2020_real t64 = t0 * t63;
-    const yao2020_real t65 = t41 * t63;
-    const yao2020_real t66 = t64 + t65;
-    const yao2020_real t67 = t35 * t66;
-    const yao2020_real t68 = t60 + t67;
-    const yao2020_real t69 = 0.0018017286871142555 * t68;
-    const yao2020_real t70 = -t69;
-    w->a[2] = t70;
-    const yao2020_real t72 = t8 * t10;
-    const yao2020_real t73 = t20 - t72;
-    const yao2020_real t74 = t1 * t73;
-    const yao2020_real t75 = t15 * t73;
-    const yao2020_real t76 = t74 + t75;
-    const yao2020_real t77 = t0 * t76;
-    const yao2020_real t78 = t8 * t2;
-    const yao2020_real t79 = t11 + t78;
-    const yao2020_real t80 = t1 * t79;
-    const yao2020_real t81 = t19 * t80;
-    const yao2020_real t82 = t77 - t81;
-    const yao2020_real t83 = t44 * t82;
-    const yao2020_real t84 = t24 * t79;
-    const yao2020_real t85 = t0 * t84;
-    const yao2020_real t86 = t41 * t84;
-    const yao2020_real t87 = t85 + t86;
-    const yao2020_real t88 = t35 * t87;
-    const yao2020_real t89 = t83 - t88;
-    const yao2020_real t90 = 0.0018017286871142555 * t89;
-    const yao2020_real t91 = -t90;
-    w->a[3] = t91;
-    const yao2020_real t93 = t5 * t25;
-    const yao2020_real t94 = t10 * t93;
-    const yao2020_real t95 = t1 * t94;
-    const yao2020_real t96 = t5 * t3;
-    const yao2020_real t97 = t2 * t96;
-    const yao2020_real t98 = t28 * t96;
-    const yao2020_real t99 = t97 + t98;
-    const yao2020_real t100 = t24 * t99;
-    const yao2020_real t101 = t95 + t100;
-    const yao2020_real t102 = t19 * t101;
-    const yao2020_real t103 = t2 * t93;
-    const yao2020_real t104 = t1 * t103;
-    const yao2020_real t105 = t15 * t103;
-    const yao2020_real t106 = t104 + t105;
-    const yao2020_real t107 = t0 * t106;
-    const yao2020_real t108 = t102 - t107;
-    const yao2020_real t109 = t44 * t108;
-    const yao2020_real t110 = t1 * t99;
-    const yao2020_real t111 = t24 * t94;
-    const yao2020_real t112 = t110 - t111;
-    const yao2020_real t113 = t0 * t112;
-    const yao2020_real t114 = t41 * t112;
-    const yao2020_real t115 = t113 + t114;
-    const yao2020_real t116 = t35 * t115;
-    const yao2020_real t117 = t109 - t116;
-    const yao2020_real t118 = 0.0018017286871142555 * t117;
-    const yao2020_real t119 = -t118;
-    w->a[4] = t119;
-    const yao2020_real t121 = t2 * t3;
-    const yao2020_real t122 = t1 * t121;
-    const yao2020_real t123 = t15 * t121;
-    const yao2020_real t124 = t122 + t123;
-    const yao2020_real t125 = t0 * t124;
-    const yao2020_real t126 = t2 * t25;
-    const yao2020_real t127 = t28 * t25;
-    const yao2020_real t128 = t126 + t127;
-    const yao2020_real t129 = t24 * t128;
-    const yao2020_real t130 = t10 * t3;
-    const yao2020_real t131 = t1 * t130;
-    const yao2020_real t132 = t129 - t131;
-    const yao2020_real t133 = t19 * t132;
-    const yao2020_real t134 = t125 + t133;
-    const yao2020_real t135 = t44 * t134;
-    const yao2020_real t136 = t1 * t128;
-    const yao2020_real t137 = t24 * t130;
-    const yao2020_real t138 = t136 + t137;
-    const yao2020_real t139 = t0 * t138;
-    const yao2020_real t140 = t41 * t138;
-    const yao2020_real t141 = t139 + t140;
-    const yao2020_real t142 = t35 * t141;
-    const yao2020_real t143 = t135 - t142;
-    const yao2020_real t144 = -t143;
-    w->a[5] = t144;
-    const yao2020_real t146 = t34 * t44;
-    const yao2020_real t147 = t43 * t35;
-    const yao2020_real t148 = t146 - t147;
-    const yao2020_real t149 = 0.0018017286871142555 * t148;
-    const yao2020_real t150 = -t149;
-    w->a[6] = t150;
-    const yao2020_real t152 = t35 * t51;
-    const yao2020_real t153 = 0.0018017286871142555 * t152;
-    const yao2020_real t154 = -t153;
-    w->a[7] = t154;
-    const yao2020_real t156 = t35 * t59;
-    const yao2020_real t157 = t44 * t66;
-    const yao2020_real t158 = t156 - t157;
-    const yao2020_real t159 = 0.0018017286871142555 * t158;
-    const yao2020_real t160 = -t159;
-    w->a[8] = t160;
-    const yao2020_real t162 = t44 * t87;
-    const yao2020_real t163 = t35 * t82;
-    const yao2020_real t164 = t162 + t163;
-    const yao2020_real t165 = 0.0018017286871142555 * t164;
-    const yao2020_real t166 = -t165;
-    w->a[9] = t166;
-    const yao2020_real t168 = t44 * t115;
-    const yao2020_real t169 = t35 * t108;
-    const yao2020_real t170 = t168 + t169;
-    const yao2020_real t171 = 0.0018017286871142555 * t170;
-    const yao2020_real t172 = -t171;
-    w->a[10] = t172;
-    const yao2020_real t174 = t44 * t141;
-    const yao2020_real t175 = t35 * t134;
-    const yao2020_real t176 = t174 + t175;
-    const yao2020_real t177 = -t176;
-    w->a[11] = t177;
+    const yao2020_real t4 = w->x[5] - 160.0;
+    const yao2020_real t5 = t3 * t4;
+    const yao2020_real t6 = t5 - 85.0;
+    const yao2020_real t7 = t2 * t6;
+    const yao2020_real t8 = sin(w->x[3]);
+    const yao2020_real t9 = 105.0 * t8;
+    const yao2020_real t10 = t7 + t9;
+    const yao2020_real t11 = t10 - 300.0;
+    const yao2020_real t12 = t1 * t11;
+    const yao2020_real t13 = 1.0 - t1;
+    const yao2020_real t14 = t13 * t11;
+    const yao2020_real t15 = t12 + t14;
+    const yao2020_real t16 = t0 * t15;
+    const yao2020_real t17 = sin(w->x[1]);
+    const yao2020_real t18 = 105.0 * t2;
+    const yao2020_real t19 = t8 * t6;
+    const yao2020_real t20 = t18 - t19;
+    const yao2020_real t21 = t1 * t20;
+    const yao2020_real t22 = sin(w->x[2]);
+    const yao2020_real t23 = sin(w->x[4]);
+    const yao2020_real t24 = t23 * t4;
+    const yao2020_real t25 = t2 * t24;
+    const yao2020_real t26 = 1.0 - t2;
+    const yao2020_real t27 = t26 * t24;
+    const yao2020_real t28 = t25 + t27;
+    const yao2020_real t29 = t22 * t28;
+    const yao2020_real t30 = t21 + t29;
+    const yao2020_real t31 = t17 * t30;
+    const yao2020_real t32 = t16 + t31;
+    const yao2020_real t33 = sin(w->x[0]);
+    const yao2020_real t34 = t32 * t33;
+    const yao2020_real t35 = t1 * t28;
+    const yao2020_real t36 = t22 * t20;
+    const yao2020_real t37 = t35 - t36;
+    const yao2020_real t38 = t0 * t37;
+    const yao2020_real t39 = 1.0 - t0;
+    const yao2020_real t40 = t39 * t37;
+    const yao2020_real t41 = t38 + t40;
+    const yao2020_real t42 = cos(w->x[0]);
+    const yao2020_real t43 = t41 * t42;
+    const yao2020_real t44 = t34 + t43;
+    const yao2020_real t45 = 0.0018017286871142555 * t44;
+    w->a[0] = t45;
+    const yao2020_real t47 = t30 * t0;
+    const yao2020_real t48 = t15 * t17;
+    const yao2020_real t49 = t47 - t48;
+    const yao2020_real t50 = t42 * t49;
+    const yao2020_real t51 = 0.0018017286871142555 * t50;
+    const yao2020_real t52 = -t51;
+    w->a[1] = t52;
+    const yao2020_real t54 = t28 * t1;
+    const yao2020_real t55 = t20 * t22;
+    const yao2020_real t56 = t54 - t55;
+    const yao2020_real t57 = t17 * t56;
+    const yao2020_real t58 = t42 * t57;
+    const yao2020_real t59 = t28 * t22;
+    const yao2020_real t60 = t20 * t1;
+    const yao2020_real t61 = t59 + t60;
+    const yao2020_real t62 = t0 * t61;
+    const yao2020_real t63 = t39 * t61;
+    const yao2020_real t64 = t62 + t63;
+    const yao2020_real t65 = t33 * t64;
+    const yao2020_real t66 = t58 + t65;
+    const yao2020_real t67 = 0.0018017286871142555 * t66;
+    const yao2020_real t68 = -t67;
+    w->a[2] = t68;
+    const yao2020_real t70 = t6 * t8;
+    const yao2020_real t71 = t18 - t70;
+    const yao2020_real t72 = t1 * t71;
+    const yao2020_real t73 = t13 * t71;
+    const yao2020_real t74 = t72 + t73;
+    const yao2020_real t75 = t0 * t74;
+    const yao2020_real t76 = t6 * t2;
+    const yao2020_real t77 = t9 + t76;
+    const yao2020_real t78 = t1 * t77;
+    const yao2020_real t79 = t17 * t78;
+    const yao2020_real t80 = t75 - t79;
+    const yao2020_real t81 = t42 * t80;
+    const yao2020_real t82 = t22 * t77;
+    const yao2020_real t83 = t0 * t82;
+    const yao2020_real t84 = t39 * t82;
+    const yao2020_real t85 = t83 + t84;
+    const yao2020_real t86 = t33 * t85;
+    const yao2020_real t87 = t81 - t86;
+    const yao2020_real t88 = 0.0018017286871142555 * t87;
+    const yao2020_real t89 = -t88;
+    w->a[3] = t89;
+    const yao2020_real t91 = t4 * t23;
+    const yao2020_real t92 = t8 * t91;
+    const yao2020_real t93 = t1 * t92;
+    const yao2020_real t94 = t4 * t3;
+    const yao2020_real t95 = t2 * t94;
+    const yao2020_real t96 = t26 * t94;
+    const yao2020_real t97 = t95 + t96;
+    const yao2020_real t98 = t22 * t97;
+    const yao2020_real t99 = t93 + t98;
+    const yao2020_real t100 = t17 * t99;
+    const yao2020_real t101 = t2 * t91;
+    const yao2020_real t102 = t1 * t101;
+    const yao2020_real t103 = t13 * t101;
+    const yao2020_real t104 = t102 + t103;
+    const yao2020_real t105 = t0 * t104;
+    const yao2020_real t106 = t100 - t105;
+    const yao2020_real t107 = t42 * t106;
+    const yao2020_real t108 = t1 * t97;
+    const yao2020_real t109 = t22 * t92;
+    const yao2020_real t110 = t108 - t109;
+    const yao2020_real t111 = t0 * t110;
+    const yao2020_real t112 = t39 * t110;
+    const yao2020_real t113 = t111 + t112;
+    const yao2020_real t114 = t33 * t113;
+    const yao2020_real t115 = t107 - t114;
+    const yao2020_real t116 = 0.0018017286871142555 * t115;
+    const yao2020_real t117 = -t116;
+    w->a[4] = t117;
+    const yao2020_real t119 = t2 * t3;
+    const yao2020_real t120 = t1 * t119;
+    const yao2020_real t121 = t13 * t119;
+    const yao2020_real t122 = t120 + t121;
+    const yao2020_real t123 = t0 * t122;
+    const yao2020_real t124 = t2 * t23;
+    const yao2020_real t125 = t26 * t23;
+    const yao2020_real t126 = t124 + t125;
+    const yao2020_real t127 = t22 * t126;
+    const yao2020_real t128 = t8 * t3;
+    const yao2020_real t129 = t1 * t128;
+    const yao2020_real t130 = t127 - t129;
+    const yao2020_real t131 = t17 * t130;
+    const yao2020_real t132 = t123 + t131;
+    const yao2020_real t133 = t42 * t132;
+    const yao2020_real t134 = t1 * t126;
+    const yao2020_real t135 = t22 * t128;
+    const yao2020_real t136 = t134 + t135;
+    const yao2020_real t137 = t0 * t136;
+    const yao2020_real t138 = t39 * t136;
+    const yao2020_real t139 = t137 + t138;
+    const yao2020_real t140 = t33 * t139;
+    const yao2020_real t141 = t133 - t140;
+    const yao2020_real t142 = -t141;
+    w->a[5] = t142;
+    const yao2020_real t144 = t32 * t42;
+    const yao2020_real t145 = t41 * t33;
+    const yao2020_real t146 = t144 - t145;
+    const yao2020_real t147 = 0.0018017286871142555 * t146;
+    const yao2020_real t148 = -t147;
+    w->a[6] = t148;
+    const yao2020_real t150 = t33 * t49;
+    const yao2020_real t151 = 0.0018017286871142555 * t150;
+    const yao2020_real t152 = -t151;
+    w->a[7] = t152;
+    const yao2020_real t154 = t33 * t57;
+    const yao2020_real t155 = t42 * t64;
+    const yao2020_real t156 = t154 - t155;
+    const yao2020_real t157 = 0.0018017286871142555 * t156;
+    const yao2020_real t158 = -t157;
+    w->a[8] = t158;
+    const yao2020_real t160 = t42 * t85;
+    const yao2020_real t161 = t33 * t80;
+    const yao2020_real t162 = t160 + t161;
+    const yao2020_real t163 = 0.0018017286871142555 * t162;
+    const yao2020_real t164 = -t163;
+    w->a[9] = t164;
+    const yao2020_real t166 = t42 * t113;
+    const yao2020_real t167 = t33 * t106;
+    const yao2020_real t168 = t166 + t167;
+    const yao2020_real t169 = 0.0018017286871142555 * t168;
+    const yao2020_real t170 = -t169;
+    w->a[10] = t170;
+    const yao2020_real t172 = t42 * t139;
+    const yao2020_real t173 = t33 * t132;
+    const yao2020_real t174 = t172 + t173;
+    const yao2020_real t175 = -t174;
+    w->a[11] = t175;
     w->a[12] = 0.0;
-    const yao2020_real t180 = t32 * t19;
-    const yao2020_real t181 = t17 * t0;
-    const yao2020_real t182 = t180 + t181;
-    const yao2020_real t183 = t44 * t182;
-    const yao2020_real t184 = 1.0 - t44;
-    const yao2020_real t185 = t184 * t182;
-    const yao2020_real t186 = t183 + t185;
-    const yao2020_real t187 = 0.0018017286871142555 * t186;
-    w->a[13] = t187;
-    const yao2020_real t189 = t0 * t58;
-    const yao2020_real t190 = t44 * t189;
-    const yao2020_real t191 = t184 * t189;
-    const yao2020_real t192 = t190 + t191;
-    const yao2020_real t193 = 0.0018017286871142555 * t192;
-    const yao2020_real t194 = -t193;
-    w->a[14] = t194;
-    const yao2020_real t196 = t0 * t80;
-    const yao2020_real t197 = t19 * t76;
-    const yao2020_real t198 = t196 + t197;
-    const yao2020_real t199 = t44 * t198;
-    const yao2020_real t200 = t184 * t198;
-    const yao2020_real t201 = t199 + t200;
-    const yao2020_real t202 = 0.0018017286871142555 * t201;
-    w->a[15] = t202;
-    const yao2020_real t204 = t0 * t101;
-    const yao2020_real t205 = t19 * t106;
-    const yao2020_real t206 = t204 + t205;
-    const yao2020_real t207 = t44 * t206;
-    const yao2020_real t208 = t184 * t206;
-    const yao2020_real t209 = t207 + t208;
-    const yao2020_real t210 = 0.0018017286871142555 * t209;
-    const yao2020_real t211 = -t210;
-    w->a[16] = t211;
-    const yao2020_real t213 = t0 * t132;
-    const yao2020_real t214 = t19 * t124;
-    const yao2020_real t215 = t213 - t214;
-    const yao2020_real t216 = t44 * t215;
-    const yao2020_real t217 = t184 * t215;
-    const yao2020_real t218 = t216 + t217;
-    const yao2020_real t219 = -t218;
-    w->a[17] = t219;
-    const yao2020_real t221 = 0.5 * w->x[4];
+    const yao2020_real t178 = t30 * t17;
+    const yao2020_real t179 = t15 * t0;
+    const yao2020_real t180 = t178 + t179;
+    const yao2020_real t181 = t42 * t180;
+    const yao2020_real t182 = 1.0 - t42;
+    const yao2020_real t183 = t182 * t180;
+    const yao2020_real t184 = t181 + t183;
+    const yao2020_real t185 = 0.0018017286871142555 * t184;
+    w->a[13] = t185;
+    const yao2020_real t187 = t0 * t56;
+    const yao2020_real t188 = t42 * t187;
+    const yao2020_real t189 = t182 * t187;
+    const yao2020_real t190 = t188 + t189;
+    const yao2020_real t191 = 0.0018017286871142555 * t190;
+    const yao2020_real t192 = -t191;
+    w->a[14] = t192;
+    const yao2020_real t194 = t0 * t78;
+    const yao2020_real t195 = t17 * t74;
+    const yao2020_real t196 = t194 + t195;
+    const yao2020_real t197 = t42 * t196;
+    const yao2020_real t198 = t182 * t196;
+    const yao2020_real t199 = t197 + t198;
+    const yao2020_real t200 = 0.0018017286871142555 * t199;
+    w->a[15] = t200;
+    const yao2020_real t202 = t0 * t99;
+    const yao2020_real t203 = t17 * t104;
+    const yao2020_real t204 = t202 + t203;
+    const yao2020_real t205 = t42 * t204;
+    const yao2020_real t206 = t182 * t204;
+    const yao2020_real t207 = t205 + t206;
+    const yao2020_real t208 = 0.0018017286871142555 * t207;
+    const yao2020_real t209 = -t208;
+    w->a[16] = t209;
+    const yao2020_real t211 = t0 * t130;
+    const yao2020_real t212 = t17 * t122;
+    const yao2020_real t213 = t211 - t212;
+    const yao2020_real t214 = t42 * t213;
+    const yao2020_real t215 = t182 * t213;
+    const yao2020_real t216 = t214 + t215;
+    const yao2020_real t217 = -t216;
+    w->a[17] = t217;
+    const yao2020_real t219 = 0.5 * w->x[4];
+    const yao2020_real t220 = cos(t219);
+    const yao2020_real t221 = 0.5 * w->x[3];
     const yao2020_real t222 = cos(t221);
-    const yao2020_real t223 = 0.5 * w->x[3];
-    const yao2020_real t224 = cos(t223);
-    const yao2020_real t225 = 0.5 * w->x[2];
+    const yao2020_real t223 = 0.5 * w->x[2];
+    const yao2020_real t224 = sin(t223);
+    const yao2020_real t225 = 0.5 * w->x[1];
     const yao2020_real t226 = sin(t225);
-    const yao2020_real t227 = 0.5 * w->x[1];
-    const yao2020_real t228 = sin(t227);
-    const yao2020_real t229 = 0.5 * w->x[0];
-    const yao2020_real t230 = cos(t229);
-    const yao2020_real t231 = 0.5 * t230;
-    const yao2020_real t232 = t228 * t231;
-    const yao2020_real t233 = t226 * t232;
-    const yao2020_real t234 = cos(t225);
-    const yao2020_real t235 = cos(t227);
-    const yao2020_real t236 = sin(t229);
-    const yao2020_real t237 = 0.5 * t236;
-    const yao2020_real t238 = t235 * t237;
-    const yao2020_real t239 = t234 * t238;
-    const yao2020_real t240 = t233 - t239;
-    const yao2020_real t241 = t224 * t240;
-    const yao2020_real t242 = sin(t223);
-    const yao2020_real t243 = t235 * t231;
-    const yao2020_real t244 = t226 * t243;
-    const yao2020_real t245 = t228 * t237;
-    const yao2020_real t246 = t234 * t245;
-    const yao2020_real t247 = t244 - t246;
-    const yao2020_real t248 = t242 * t247;
-    const yao2020_real t249 = t241 - t248;
-    const yao2020_real t250 = t222 * t249;
-    const yao2020_real t251 = sin(t221);
-    const yao2020_real t252 = t234 * t243;
-    const yao2020_real t253 = t226 * t245;
-    const yao2020_real t254 = t252 + t253;
-    const yao2020_real t255 = t224 * t254;
-    const yao2020_real t256 = t226 * t238;
-    const yao2020_real t257 = t234 * t232;
-    const yao2020_real t258 = t256 + t257;
-    const yao2020_real t259 = t242 * t258;
-    const yao2020_real t260 = t255 - t259;
-    const yao2020_real t261 = t251 * t260;
-    const yao2020_real t262 = t250 - t261;
-    const yao2020_real t263 = w->k[4] * t262;
-    const yao2020_real t264 = t242 * t240;
-    const yao2020_real t265 = t224 * t247;
-    const yao2020_real t266 = t264 + t265;
-    const yao2020_real t267 = t251 * t266;
-    const yao2020_real t268 = t224 * t258;
-    const yao2020_real t269 = t242 * t254;
-    const yao2020_real t270 = t268 + t269;
-    const yao2020_real t271 = t222 * t270;
-    const yao2020_real t272 = t267 - t271;
-    const yao2020_real t273 = w->k[3] * t272;
-    const yao2020_real t274 = t263 - t273;
-    const yao2020_real t275 = t222 * t266;
-    const yao2020_real t276 = t251 * t270;
-    const yao2020_real t277 = t275 + t276;
-    const yao2020_real t278 = w->k[6] * t277;
-    const yao2020_real t279 = t274 - t278;
-    const yao2020_real t280 = t251 * t249;
-    const yao2020_real t281 = t222 * t260;
-    const yao2020_real t282 = t280 + t281;
-    const yao2020_real t283 = w->k[5] * t282;
-    const yao2020_real t284 = t279 + t283;
-    const yao2020_real t285 = t284 + t284;
-    w->a[18] = t285;
-    const yao2020_real t287 = 0.5 * t235;
-    const yao2020_real t288 = t236 * t287;
-    const yao2020_real t289 = t226 * t288;
-    const yao2020_real t290 = 0.5 * t228;
-    const yao2020_real t291 = t230 * t290;
-    const yao2020_real t292 = t234 * t291;
-    const yao2020_real t293 = t289 - t292;
-    const yao2020_real t294 = t224 * t293;
-    const yao2020_real t295 = t230 * t287;
-    const yao2020_real t296 = t234 * t295;
-    const yao2020_real t297 = t236 * t290;
-    const yao2020_real t298 = t226 * t297;
-    const yao2020_real t299 = t296 - t298;
-    const yao2020_real t300 = t242 * t299;
-    const yao2020_real t301 = t294 - t300;
-    const yao2020_real t302 = t222 * t301;
-    const yao2020_real t303 = t226 * t291;
-    const yao2020_real t304 = t234 * t288;
-    const yao2020_real t305 = t303 + t304;
-    const yao2020_real t306 = t242 * t305;
-    const yao2020_real t307 = t234 * t297;
-    const yao2020_real t308 = t226 * t295;
-    const yao2020_real t309 = t307 + t308;
-    const yao2020_real t310 = t224 * t309;
-    const yao2020_real t311 = t306 + t310;
-    const yao2020_real t312 = t251 * t311;
-    const yao2020_real t313 = t302 + t312;
-    const yao2020_real t314 = w->k[4] * t313;
-    const yao2020_real t315 = t242 * t309;
-    const yao2020_real t316 = t224 * t305;
-    const yao2020_real t317 = t315 - t316;
-    const yao2020_real t318 = t222 * t317;
-    const yao2020_real t319 = t242 * t293;
-    const yao2020_real t320 = t224 * t299;
-    const yao2020_real t321 = t319 + t320;
-    const yao2020_real t322 = t251 * t321;
-    const yao2020_real t323 = t318 + t322;
-    const yao2020_real t324 = w->k[3] * t323;
-    const yao2020_real t325 = t314 - t324;
-    const yao2020_real t326 = t222 * t321;
-    const yao2020_real t327 = t251 * t317;
-    const yao2020_real t328 = t326 - t327;
-    const yao2020_real t329 = w->k[6] * t328;
-    const yao2020_real t330 = t325 - t329;
-    const yao2020_real t331 = t251 * t301;
-    const yao2020_real t332 = t222 * t311;
-    const yao2020_real t333 = t331 - t332;
-    const yao2020_real t334 = w->k[5] * t333;
-    const yao2020_real t335 = t330 + t334;
-    const yao2020_real t336 = t335 + t335;
-    w->a[19] = t336;
-    const yao2020_real t338 = t236 * t228;
-    const yao2020_real t339 = 0.5 * t234;
-    const yao2020_real t340 = t338 * t339;
-    const yao2020_real t341 = t230 * t235;
-    const yao2020_real t342 = 0.5 * t226;
-    const yao2020_real t343 = t341 * t342;
-    const yao2020_real t344 = t340 - t343;
-    const yao2020_real t345 = t224 * t344;
-    const yao2020_real t346 = t236 * t235;
-    const yao2020_real t347 = t346 * t339;
-    const yao2020_real t348 = t230 * t228;
-    const yao2020_real t349 = t348 * t342;
-    const yao2020_real t350 = t347 - t349;
-    const yao2020_real t351 = t242 * t350;
-    const yao2020_real t352 = t345 - t351;
-    const yao2020_real t353 = t222 * t352;
-    const yao2020_real t354 = t341 * t339;
-    const yao2020_real t355 = t338 * t342;
-    const yao2020_real t356 = t354 + t355;
-    const yao2020_real t357 = t242 * t356;
-    const yao2020_real t358 = t346 * t342;
-    const yao2020_real t359 = t348 * t339;
-    const yao2020_real t360 = t358 + t359;
-    const yao2020_real t361 = t224 * t360;
-    const yao2020_real t362 = t357 - t361;
-    const yao2020_real t363 = t251 * t362;
-    const yao2020_real t364 = t353 - t363;
-    const yao2020_real t365 = w->k[4] * t364;
-    const yao2020_real t366 = t224 * t356;
-    const yao2020_real t367 = t242 * t360;
-    const yao2020_real t368 = t366 + t367;
-    const yao2020_real t369 = t222 * t368;
-    const yao2020_real t370 = t242 * t344;
-    const yao2020_real t371 = t224 * t350;
-    const yao2020_real t372 = t370 + t371;
-    const yao2020_real t373 = t251 * t372;
-    const yao2020_real t374 = t369 + t373;
-    const yao2020_real t375 = w->k[3] * t374;
-    const yao2020_real t376 = t365 - t375;
-    const yao2020_real t377 = t222 * t372;
-    const yao2020_real t378 = t251 * t368;
-    const yao2020_real t379 = t377 - t378;
-    const yao2020_real t380 = w->k[6] * t379;
-    const yao2020_real t381 = t376 - t380;
-    const yao2020_real t382 = t251 * t352;
-    const yao2020_real t383 = t222 * t362;
-    const yao2020_real t384 = t382 + t383;
-    const yao2020_real t385 = w->k[5] * t384;
-    const yao2020_real t386 = t381 + t385;
-    const yao2020_real t387 = t386 + t386;
-    w->a[20] = t387;
-    const yao2020_real t389 = t341 * t226;
-    const yao2020_real t390 = t338 * t234;
-    const yao2020_real t391 = t389 - t390;
-    const yao2020_real t392 = 0.5 * t224;
-    const yao2020_real t393 = t391 * t392;
-    const yao2020_real t394 = t346 * t234;
-    const yao2020_real t395 = t348 * t226;
-    const yao2020_real t396 = t394 - t395;
-    const yao2020_real t397 = 0.5 * t242;
-    const yao2020_real t398 = t396 * t397;
-    const yao2020_real t399 = t393 - t398;
-    const yao2020_real t400 = t222 * t399;
-    const yao2020_real t401 = t341 * t234;
-    const yao2020_real t402 = t338 * t226;
-    const yao2020_real t403 = t401 + t402;
-    const yao2020_real t404 = t403 * t397;
-    const yao2020_real t405 = t348 * t234;
-    const yao2020_real t406 = t346 * t226;
-    const yao2020_real t407 = t405 + t406;
-    const yao2020_real t408 = t407 * t392;
-    const yao2020_real t409 = t404 + t408;
-    const yao2020_real t410 = t251 * t409;
-    const yao2020_real t411 = t400 - t410;
-    const yao2020_real t412 = w->k[5] * t411;
-    const yao2020_real t413 = t222 * t409;
-    const yao2020_real t414 = t251 * t399;
-    const yao2020_real t415 = t413 + t414;
-    const yao2020_real t416 = w->k[4] * t415;
-    const yao2020_real t417 = t403 * t392;
-    const yao2020_real t418 = t407 * t397;
-    const yao2020_real t419 = t417 - t418;
-    const yao2020_real t420 = t251 * t419;
-    const yao2020_real t421 = t391 * t397;
-    const yao2020_real t422 = t396 * t392;
-    const yao2020_real t423 = t421 + t422;
-    const yao2020_real t424 = t222 * t423;
-    const yao2020_real t425 = t420 - t424;
-    const yao2020_real t426 = w->k[3] * t425;
-    const yao2020_real t427 = t416 + t426;
-    const yao2020_real t428 = t222 * t419;
-    const yao2020_real t429 = t251 * t423;
-    const yao2020_real t430 = t428 + t429;
-    const yao2020_real t431 = w->k[6] * t430;
-    const yao2020_real t432 = t427 + t431;
-    const yao2020_real t433 = t412 - t432;
-    const yao2020_real t434 = t433 + t433;
-    w->a[21] = t434;
-    const yao2020_real t436 = t403 * t242;
-    const yao2020_real t437 = t407 * t224;
-    const yao2020_real t438 = t436 + t437;
-    const yao2020_real t439 = 0.5 * t251;
-    const yao2020_real t440 = t438 * t439;
-    const yao2020_real t441 = t391 * t224;
-    const yao2020_real t442 = t396 * t242;
-    const yao2020_real t443 = t441 - t442;
-    const yao2020_real t444 = 0.5 * t222;
-    const yao2020_real t445 = t443 * t444;
-    const yao2020_real t446 = t440 + t445;
-    const yao2020_real t447 = w->k[6] * t446;
-    const yao2020_real t448 = t403 * t224;
-    const yao2020_real t449 = t407 * t242;
-    const yao2020_real t450 = t448 - t449;
-    const yao2020_real t451 = t450 * t439;
-    const yao2020_real t452 = t391 * t242;
-    const yao2020_real t453 = t396 * t224;
-    const yao2020_real t454 = t452 + t453;
-    const yao2020_real t455 = t454 * t444;
-    const yao2020_real t456 = t451 + t455;
-    const yao2020_real t457 = w->k[4] * t456;
-    const yao2020_real t458 = t438 * t444;
-    const yao2020_real t459 = t443 * t439;
-    const yao2020_real t460 = t458 - t459;
-    const yao2020_real t461 = w->k[3] * t460;
-    const yao2020_real t462 = t457 + t461;
-    const yao2020_real t463 = t447 - t462;
-    const yao2020_real t464 = t450 * t444;
-    const yao2020_real t465 = t454 * t439;
-    const yao2020_real t466 = t464 - t465;
-    const yao2020_real t467 = w->k[5] * t466;
-    const yao2020_real t468 = t463 + t467;
-    const yao2020_real t469 = t468 + t468;
-    w->a[22] = t469;
+    const yao2020_real t227 = 0.5 * w->x[0];
+    const yao2020_real t228 = cos(t227);
+    const yao2020_real t229 = 0.5 * t228;
+    const yao2020_real t230 = t226 * t229;
+    const yao2020_real t231 = t224 * t230;
+    const yao2020_real t232 = cos(t223);
+    const yao2020_real t233 = cos(t225);
+    const yao2020_real t234 = sin(t227);
+    const yao2020_real t235 = 0.5 * t234;
+    const yao2020_real t236 = t233 * t235;
+    const yao2020_real t237 = t232 * t236;
+    const yao2020_real t238 = t231 - t237;
+    const yao2020_real t239 = t222 * t238;
+    const yao2020_real t240 = sin(t221);
+    const yao2020_real t241 = t233 * t229;
+    const yao2020_real t242 = t224 * t241;
+    const yao2020_real t243 = t226 * t235;
+    const yao2020_real t244 = t232 * t243;
+    const yao2020_real t245 = t242 - t244;
+    const yao2020_real t246 = t240 * t245;
+    const yao2020_real t247 = t239 - t246;
+    const yao2020_real t248 = t220 * t247;
+    const yao2020_real t249 = sin(t219);
+    const yao2020_real t250 = t232 * t241;
+    const yao2020_real t251 = t224 * t243;
+    const yao2020_real t252 = t250 + t251;
+    const yao2020_real t253 = t222 * t252;
+    const yao2020_real t254 = t224 * t236;
+    const yao2020_real t255 = t232 * t230;
+    const yao2020_real t256 = t254 + t255;
+    const yao2020_real t257 = t240 * t256;
+    const yao2020_real t258 = t253 - t257;
+    const yao2020_real t259 = t249 * t258;
+    const yao2020_real t260 = t248 - t259;
+    const yao2020_real t261 = w->k[4] * t260;
+    const yao2020_real t262 = t240 * t238;
+    const yao2020_real t263 = t222 * t245;
+    const yao2020_real t264 = t262 + t263;
+    const yao2020_real t265 = t249 * t264;
+    const yao2020_real t266 = t222 * t256;
+    const yao2020_real t267 = t240 * t252;
+    const yao2020_real t268 = t266 + t267;
+    const yao2020_real t269 = t220 * t268;
+    const yao2020_real t270 = t265 - t269;
+    const yao2020_real t271 = w->k[3] * t270;
+    const yao2020_real t272 = t261 - t271;
+    const yao2020_real t273 = t220 * t264;
+    const yao2020_real t274 = t249 * t268;
+    const yao2020_real t275 = t273 + t274;
+    const yao2020_real t276 = w->k[6] * t275;
+    const yao2020_real t277 = t272 - t276;
+    const yao2020_real t278 = t249 * t247;
+    const yao2020_real t279 = t220 * t258;
+    const yao2020_real t280 = t278 + t279;
+    const yao2020_real t281 = w->k[5] * t280;
+    const yao2020_real t282 = t277 + t281;
+    const yao2020_real t283 = t282 + t282;
+    w->a[18] = t283;
+    const yao2020_real t285 = 0.5 * t233;
+    const yao2020_real t286 = t234 * t285;
+    const yao2020_real t287 = t224 * t286;
+    const yao2020_real t288 = 0.5 * t226;
+    const yao2020_real t289 = t228 * t288;
+    const yao2020_real t290 = t232 * t289;
+    const yao2020_real t291 = t287 - t290;
+    const yao2020_real t292 = t222 * t291;
+    const yao2020_real t293 = t228 * t285;
+    const yao2020_real t294 = t232 * t293;
+    const yao2020_real t295 = t234 * t288;
+    const yao2020_real t296 = t224 * t295;
+    const yao2020_real t297 = t294 - t296;
+    const yao2020_real t298 = t240 * t297;
+    const yao2020_real t299 = t292 - t298;
+    const yao2020_real t300 = t220 * t299;
+    const yao2020_real t301 = t224 * t289;
+    const yao2020_real t302 = t232 * t286;
+    const yao2020_real t303 = t301 + t302;
+    const yao2020_real t304 = t240 * t303;
+    const yao2020_real t305 = t232 * t295;
+    const yao2020_real t306 = t224 * t293;
+    const yao2020_real t307 = t305 + t306;
+    const yao2020_real t308 = t222 * t307;
+    const yao2020_real t309 = t304 + t308;
+    const yao2020_real t310 = t249 * t309;
+    const yao2020_real t311 = t300 + t310;
+    const yao2020_real t312 = w->k[4] * t311;
+    const yao2020_real t313 = t240 * t307;
+    const yao2020_real t314 = t222 * t303;
+    const yao2020_real t315 = t313 - t314;
+    const yao2020_real t316 = t220 * t315;
+    const yao2020_real t317 = t240 * t291;
+    const yao2020_real t318 = t222 * t297;
+    const yao2020_real t319 = t317 + t318;
+    const yao2020_real t320 = t249 * t319;
+    const yao2020_real t321 = t316 + t320;
+    const yao2020_real t322 = w->k[3] * t321;
+    const yao2020_real t323 = t312 - t322;
+    const yao2020_real t324 = t220 * t319;
+    const yao2020_real t325 = t249 * t315;
+    const yao2020_real t326 = t324 - t325;
+    const yao2020_real t327 = w->k[6] * t326;
+    const yao2020_real t328 = t323 - t327;
+    const yao2020_real t329 = t249 * t299;
+    const yao2020_real t330 = t220 * t309;
+    const yao2020_real t331 = t329 - t330;
+    const yao2020_real t332 = w->k[5] * t331;
+    const yao2020_real t333 = t328 + t332;
+    const yao2020_real t334 = t333 + t333;
+    w->a[19] = t334;
+    const yao2020_real t336 = t234 * t226;
+    const yao2020_real t337 = 0.5 * t232;
+    const yao2020_real t338 = t336 * t337;
+    const yao2020_real t339 = t228 * t233;
+    const yao2020_real t340 = 0.5 * t224;
+    const yao2020_real t341 = t339 * t340;
+    const yao2020_real t342 = t338 - t341;
+    const yao2020_real t343 = t222 * t342;
+    const yao2020_real t344 = t234 * t233;
+    const yao2020_real t345 = t344 * t337;
+    const yao2020_real t346 = t228 * t226;
+    const yao2020_real t347 = t346 * t340;
+    const yao2020_real t348 = t345 - t347;
+    const yao2020_real t349 = t240 * t348;
+    const yao2020_real t350 = t343 - t349;
+    const yao2020_real t351 = t220 * t350;
+    const yao2020_real t352 = t339 * t337;
+    const yao2020_real t353 = t336 * t340;
+    const yao2020_real t354 = t352 + t353;
+    const yao2020_real t355 = t240 * t354;
+    const yao2020_real t356 = t344 * t340;
+    const yao2020_real t357 = t346 * t337;
+    const yao2020_real t358 = t356 + t357;
+    const yao2020_real t359 = t222 * t358;
+    const yao2020_real t360 = t355 - t359;
+    const yao2020_real t361 = t249 * t360;
+    const yao2020_real t362 = t351 - t361;
+    const yao2020_real t363 = w->k[4] * t362;
+    const yao2020_real t364 = t222 * t354;
+    const yao2020_real t365 = t240 * t358;
+    const yao2020_real t366 = t364 + t365;
+    const yao2020_real t367 = t220 * t366;
+    const yao2020_real t368 = t240 * t342;
+    const yao2020_real t369 = t222 * t348;
+    const yao2020_real t370 = t368 + t369;
+    const yao2020_real t371 = t249 * t370;
+    const yao2020_real t372 = t367 + t371;
+    const yao2020_real t373 = w->k[3] * t372;
+    const yao2020_real t374 = t363 - t373;
+    const yao2020_real t375 = t220 * t370;
+    const yao2020_real t376 = t249 * t366;
+    const yao2020_real t377 = t375 - t376;
+    const yao2020_real t378 = w->k[6] * t377;
+    const yao2020_real t379 = t374 - t378;
+    const yao2020_real t380 = t249 * t350;
+    const yao2020_real t381 = t220 * t360;
+    const yao2020_real t382 = t380 + t381;
+    const yao2020_real t383 = w->k[5] * t382;
+    const yao2020_real t384 = t379 + t383;
+    const yao2020_real t385 = t384 + t384;
+    w->a[20] = t385;
+    const yao2020_real t387 = t339 * t224;
+    const yao2020_real t388 = t336 * t232;
+    const yao2020_real t389 = t387 - t388;
+    const yao2020_real t390 = 0.5 * t222;
+    const yao2020_real t391 = t389 * t390;
+    const yao2020_real t392 = t344 * t232;
+    const yao2020_real t393 = t346 * t224;
+    const yao2020_real t394 = t392 - t393;
+    const yao2020_real t395 = 0.5 * t240;
+    const yao2020_real t396 = t394 * t395;
+    const yao2020_real t397 = t391 - t396;
+    const yao2020_real t398 = t220 * t397;
+    const yao2020_real t399 = t339 * t232;
+    const yao2020_real t400 = t336 * t224;
+    const yao2020_real t401 = t399 + t400;
+    const yao2020_real t402 = t401 * t395;
+    const yao2020_real t403 = t346 * t232;
+    const yao2020_real t404 = t344 * t224;
+    const yao2020_real t405 = t403 + t404;
+    const yao2020_real t406 = t405 * t390;
+    const yao2020_real t407 = t402 + t406;
+    const yao2020_real t408 = t249 * t407;
+    const yao2020_real t409 = t398 - t408;
+    const yao2020_real t410 = w->k[5] * t409;
+    const yao2020_real t411 = t220 * t407;
+    const yao2020_real t412 = t249 * t397;
+    const yao2020_real t413 = t411 + t412;
+    const yao2020_real t414 = w->k[4] * t413;
+    const yao2020_real t415 = t401 * t390;
+    const yao2020_real t416 = t405 * t395;
+    const yao2020_real t417 = t415 - t416;
+    const yao2020_real t418 = t249 * t417;
+    const yao2020_real t419 = t389 * t395;
+    const yao2020_real t420 = t394 * t390;
+    const yao2020_real t421 = t419 + t420;
+    const yao2020_real t422 = t220 * t421;
+    const yao2020_real t423 = t418 - t422;
+    const yao2020_real t424 = w->k[3] * t423;
+    const yao2020_real t425 = t414 + t424;
+    const yao2020_real t426 = t220 * t417;
+    const yao2020_real t427 = t249 * t421;
+    const yao2020_real t428 = t426 + t427;
+    const yao2020_real t429 = w->k[6] * t428;
+    const yao2020_real t430 = t425 + t429;
+    const yao2020_real t431 = t410 - t430;
+    const yao2020_real t432 = t431 + t431;
+    w->a[21] = t432;
+    const yao2020_real t434 = t401 * t240;
+    const yao2020_real t435 = t405 * t222;
+    const yao2020_real t436 = t434 + t435;
+    const yao2020_real t437 = 0.5 * t249;
+    const yao2020_real t438 = t436 * t437;
+    const yao2020_real t439 = t389 * t222;
+    const yao2020_real t440 = t394 * t240;
+    const yao2020_real t441 = t439 - t440;
+    const yao2020_real t442 = 0.5 * t220;
+    const yao2020_real t443 = t441 * t442;
+    const yao2020_real t444 = t438 + t443;
+    const yao2020_real t445 = w->k[6] * t444;
+    const yao2020_real t446 = t401 * t222;
+    const yao2020_real t447 = t405 * t240;
+    const yao2020_real t448 = t446 - t447;
+    const yao2020_real t449 = t448 * t437;
+    const yao2020_real t450 = t389 * t240;
+    const yao2020_real t451 = t394 * t222;
+    const yao2020_real t452 = t450 + t451;
+    const yao2020_real t453 = t452 * t442;
+    const yao2020_real t454 = t449 + t453;
+    const yao2020_real t455 = w->k[4] * t454;
+    const yao2020_real t456 = t436 * t442;
+    const yao2020_real t457 = t441 * t437;
+    const yao2020_real t458 = t456 - t457;
+    const yao2020_real t459 = w->k[3] * t458;
+    const yao2020_real t460 = t455 + t459;
+    const yao2020_real t461 = t445 - t460;
+    const yao2020_real t462 = t448 * t442;
+    const yao2020_real t463 = t452 * t437;
+    const yao2020_real t464 = t462 - t463;
+    const yao2020_real t465 = w->k[5] * t464;
+    const yao2020_real t466 = t461 + t465;
+    const yao2020_real t467 = t466 + t466;
+    w->a[22] = t467;
     w->a[23] = 0.0;
-    const yao2020_real t472 = w->k[5] * t262;
-    const yao2020_real t473 = w->k[6] * t272;
-    const yao2020_real t474 = t472 + t473;
-    const yao2020_real t475 = w->k[3] * t277;
+    const yao2020_real t470 = w->k[5] * t260;
+    const yao2020_real t471 = w->k[6] * t270;
+    const yao2020_real t472 = t470 + t471;
+    const yao2020_real t473 = w->k[3] * t275;
+    const yao2020_real t474 = t472 - t473;
+    const yao2020_real t475 = w->k[4] * t280;
     const yao2020_real t476 = t474 - t475;
-    const yao2020_real t477 = w->k[4] * t282;
-    const yao2020_real t478 = t476 - t477;
-    const yao2020_real t479 = t478 + t478;
-    w->a[24] = t479;
-    const yao2020_real t481 = w->k[5] * t313;
-    const yao2020_real t482 = w->k[6] * t323;
-    const yao2020_real t483 = t481 + t482;
-    const yao2020_real t484 = w->k[3] * t328;
+    const yao2020_real t477 = t476 + t476;
+    w->a[24] = t477;
+    const yao2020_real t479 = w->k[5] * t311;
+    const yao2020_real t480 = w->k[6] * t321;
+    const yao2020_real t481 = t479 + t480;
+    const yao2020_real t482 = w->k[3] * t326;
+    const yao2020_real t483 = t481 - t482;
+    const yao2020_real t484 = w->k[4] * t331;
     const yao2020_real t485 = t483 - t484;
-    const yao2020_real t486 = w->k[4] * t333;
-    const yao2020_real t487 = t485 - t486;
-    const yao2020_real t488 = t487 + t487;
-    w->a[25] = t488;
-    const yao2020_real t490 = w->k[5] * t364;
-    const yao2020_real t491 = w->k[6] * t374;
-    const yao2020_real t492 = t490 + t491;
-    const yao2020_real t493 = w->k[3] * t379;
+    const yao2020_real t486 = t485 + t485;
+    w->a[25] = t486;
+    const yao2020_real t488 = w->k[5] * t362;
+    const yao2020_real t489 = w->k[6] * t372;
+    const yao2020_real t490 = t488 + t489;
+    const yao2020_real t491 = w->k[3] * t377;
+    const yao2020_real t492 = t490 - t491;
+    const yao2020_real t493 = w->k[4] * t382;
     const yao2020_real t494 = t492 - t493;
-    const yao2020_real t495 = w->k[4] * t384;
-    const yao2020_real t496 = t494 - t495;
-    const yao2020_real t497 = t496 + t496;
-    w->a[26] = t497;
-    const yao2020_real t499 = w->k[6] * t425;
-    const yao2020_real t500 = w->k[5] * t415;
+    const yao2020_real t495 = t494 + t494;
+    w->a[26] = t495;
+    const yao2020_real t497 = w->k[6] * t423;
+    const yao2020_real t498 = w->k[5] * t413;
+    const yao2020_real t499 = t497 - t498;
+    const yao2020_real t500 = w->k[3] * t428;
     const yao2020_real t501 = t499 - t500;
-    const yao2020_real t502 = w->k[3] * t430;
+    const yao2020_real t502 = w->k[4] * t409;
     const yao2020_real t503 = t501 - t502;
-    const yao2020_real t504 = w->k[4] * t411;
-    const yao2020_real t505 = t503 - t504;
-    const yao2020_real t506 = t505 + t505;
-    w->a[27] = t506;
-    const yao2020_real t508 = w->k[6] * t460;
-    const yao2020_real t509 = w->k[5] * t456;
-    const yao2020_real t510 = t508 - t509;
-    const yao2020_real t511 = w->k[3] * t446;
-    const yao2020_real t512 = t510 + t511;
-    const yao2020_real t513 = w->k[4] * t466;
-    const yao2020_real t514 = t512 - t513;
-    const yao2020_real t515 = t514 + t514;
-    w->a[28] = t515;
+    const yao2020_real t504 = t503 + t503;
+    w->a[27] = t504;
+    const yao2020_real t506 = w->k[6] * t458;
+    const yao2020_real t507 = w->k[5] * t454;
+    const yao2020_real t508 = t506 - t507;
+    const yao2020_real t509 = w->k[3] * t444;
+    const yao2020_real t510 = t508 + t509;
+    const yao2020_real t511 = w->k[4] * t464;
+    const yao2020_real t512 = t510 - t511;
+    const yao2020_real t513 = t512 + t512;
+    w->a[28] = t513;
     w->a[29] = 0.0;
-    const yao2020_real t518 = w->k[6] * t262;
-    const yao2020_real t519 = w->k[5] * t272;
-    const yao2020_real t520 = t518 - t519;
-    const yao2020_real t521 = w->k[4] * t277;
-    const yao2020_real t522 = t520 + t521;
-    const yao2020_real t523 = w->k[3] * t282;
-    const yao2020_real t524 = t522 - t523;
-    const yao2020_real t525 = t524 + t524;
-    w->a[30] = t525;
-    const yao2020_real t527 = w->k[6] * t313;
-    const yao2020_real t528 = w->k[5] * t323;
-    const yao2020_real t529 = t527 - t528;
-    const yao2020_real t530 = w->k[4] * t328;
-    const yao2020_real t531 = t529 + t530;
-    const yao2020_real t532 = w->k[3] * t333;
-    const yao2020_real t533 = t531 - t532;
-    const yao2020_real t534 = t533 + t533;
-    w->a[31] = t534;
-    const yao2020_real t536 = w->k[6] * t364;
-    const yao2020_real t537 = w->k[5] * t374;
-    const yao2020_real t538 = t536 - t537;
-    const yao2020_real t539 = w->k[4] * t379;
-    const yao2020_real t540 = t538 + t539;
-    const yao2020_real t541 = w->k[3] * t384;
-    const yao2020_real t542 = t540 - t541;
-    const yao2020_real t543 = t542 + t542;
-    w->a[32] = t543;
-    const yao2020_real t545 = w->k[4] * t430;
-    const yao2020_real t546 = w->k[6] * t415;
-    const yao2020_real t547 = w->k[5] * t425;
-    const yao2020_real t548 = t546 + t547;
-    const yao2020_real t549 = t545 - t548;
-    const yao2020_real t550 = w->k[3] * t411;
-    const yao2020_real t551 = t549 - t550;
-    const yao2020_real t552 = t551 + t551;
-    w->a[33] = t552;
-    const yao2020_real t554 = w->k[6] * t456;
-    const yao2020_real t555 = w->k[5] * t460;
+    const yao2020_real t516 = w->k[6] * t260;
+    const yao2020_real t517 = w->k[5] * t270;
+    const yao2020_real t518 = t516 - t517;
+    const yao2020_real t519 = w->k[4] * t275;
+    const yao2020_real t520 = t518 + t519;
+    const yao2020_real t521 = w->k[3] * t280;
+    const yao2020_real t522 = t520 - t521;
+    const yao2020_real t523 = t522 + t522;
+    w->a[30] = t523;
+    const yao2020_real t525 = w->k[6] * t311;
+    const yao2020_real t526 = w->k[5] * t321;
+    const yao2020_real t527 = t525 - t526;
+    const yao2020_real t528 = w->k[4] * t326;
+    const yao2020_real t529 = t527 + t528;
+    const yao2020_real t530 = w->k[3] * t331;
+    const yao2020_real t531 = t529 - t530;
+    const yao2020_real t532 = t531 + t531;
+    w->a[31] = t532;
+    const yao2020_real t534 = w->k[6] * t362;
+    const yao2020_real t535 = w->k[5] * t372;
+    const yao2020_real t536 = t534 - t535;
+    const yao2020_real t537 = w->k[4] * t377;
+    const yao2020_real t538 = t536 + t537;
+    const yao2020_real t539 = w->k[3] * t382;
+    const yao2020_real t540 = t538 - t539;
+    const yao2020_real t541 = t540 + t540;
+    w->a[32] = t541;
+    const yao2020_real t543 = w->k[4] * t428;
+    const yao2020_real t544 = w->k[6] * t413;
+    const yao2020_real t545 = w->k[5] * t423;
+    const yao2020_real t546 = t544 + t545;
+    const yao2020_real t547 = t543 - t546;
+    const yao2020_real t548 = w->k[3] * t409;
+    const yao2020_real t549 = t547 - t548;
+    const yao2020_real t550 = t549 + t549;
+    w->a[33] = t550;
+    const yao2020_real t552 = w->k[6] * t454;
+    const yao2020_real t553 = w->k[5] * t458;
+    const yao2020_real t554 = t552 + t553;
+    const yao2020_real t555 = w->k[4] * t444;
     const yao2020_real t556 = t554 + t555;
-    const yao2020_real t557 = w->k[4] * t446;
+    const yao2020_real t557 = w->k[3] * t464;
     const yao2020_real t558 = t556 + t557;
-    const yao2020_real t559 = w->k[3] * t466;
-    const yao2020_real t560 = t558 + t559;
-    const yao2020_real t561 = t560 + t560;
-    const yao2020_real t562 = -t561;
-    w->a[34] = t562;
+    const yao2020_real t559 = t558 + t558;
+    const yao2020_real t560 = -t559;
+    w->a[34] = t560;
     w->a[35] = 0.0;
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
+/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
+ * singular. */
 static YAO2020_COLD int yao2020_inverse_pivoted(yao2020_inverse_work *w)
 {
     static const yao2020_real scale[6] = { 0.825, 0.863, 0.793, 0.913, 1.0, 0.819 };
@@ -1125,9 +1140,10 @@ static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
     }
 }
 
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to yao2020_inverse_pivoted. What is added to pivots is below the rounding of any other, and
- * keeps divisions by zero away. */
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
+ * determinant, 0 where a pivot is far below its usual size, which is left to
+ * yao2020_inverse_pivoted. What is added to pivots is below the rounding of any other, and keeps
+ * divisions by zero away. */
 static int yao2020_inverse_factor(yao2020_inverse_work *w)
 {
     yao2020_real det;
@@ -1501,278 +1517,276 @@ static int yao2020_inverse_factor(yao2020_inverse_work *w)
     const yao2020_real t362 = cos(w->x[2]);
     const yao2020_real t363 = cos(w->x[3]);
     const yao2020_real t364 = cos(w->x[4]);
-    const yao2020_real t365 = -545.0 + w->x[5];
-    const yao2020_real t366 = t365 - (-385.0);
-    const yao2020_real t367 = t364 * t366;
-    const yao2020_real t368 = -385.0 + t367;
-    const yao2020_real t369 = t368 - (-300.0);
-    const yao2020_real t370 = sin(w->x[3]);
-    const yao2020_real t371 = 105.0 * t370;
-    const yao2020_real t372 = 1.0 - t362;
-    const yao2020_real t373 = sin(w->x[1]);
-    const yao2020_real t374 = 105.0 * t363;
-    const yao2020_real t375 = sin(w->x[2]);
-    const yao2020_real t376 = sin(w->x[0]);
-    const yao2020_real t377 = 1.0 - t361;
-    const yao2020_real t378 = cos(w->x[0]);
-    const yao2020_real t379 = t369 * t370;
-    const yao2020_real t380 = t374 - t379;
-    const yao2020_real t381 = t362 * t380;
-    const yao2020_real t382 = t372 * t380;
-    const yao2020_real t383 = t381 + t382;
-    const yao2020_real t384 = t361 * t383;
-    const yao2020_real t385 = t369 * t363;
-    const yao2020_real t386 = t371 + t385;
-    const yao2020_real t387 = t362 * t386;
-    const yao2020_real t388 = t373 * t387;
-    const yao2020_real t389 = t384 - t388;
-    const yao2020_real t390 = t375 * t386;
-    const yao2020_real t391 = t361 * t390;
-    const yao2020_real t392 = t377 * t390;
-    const yao2020_real t393 = t391 + t392;
-    const yao2020_real t394 = t378 * t393;
-    const yao2020_real t395 = t376 * t389;
-    const yao2020_real t396 = t394 + t395;
-    const yao2020_real t397 = 0.0018017286871142555 * t396;
-    const yao2020_real t398 = -t397;
-    const yao2020_real t399 = t370 * t369;
-    const yao2020_real t400 = t374 - t399;
-    const yao2020_real t401 = sin(w->x[4]);
-    const yao2020_real t402 = t401 * t366;
-    const yao2020_real t403 = t363 * t402;
-    const yao2020_real t404 = 1.0 - t363;
-    const yao2020_real t405 = t404 * t402;
-    const yao2020_real t406 = t403 + t405;
-    const yao2020_real t407 = t406 * t362;
-    const yao2020_real t408 = t400 * t375;
-    const yao2020_real t409 = t407 - t408;
-    const yao2020_real t410 = t373 * t409;
-    const yao2020_real t411 = t406 * t375;
-    const yao2020_real t412 = t400 * t362;
-    const yao2020_real t413 = t411 + t412;
-    const yao2020_real t414 = t361 * t413;
-    const yao2020_real t415 = t377 * t413;
-    const yao2020_real t416 = t414 + t415;
-    const yao2020_real t417 = t376 * t410;
-    const yao2020_real t418 = t378 * t416;
-    const yao2020_real t419 = t417 - t418;
-    const yao2020_real t420 = 0.0018017286871142555 * t419;
-    const yao2020_real t421 = -t420;
-    const yao2020_real t422 = t366 * t401;
-    const yao2020_real t423 = t370 * t422;
-    const yao2020_real t424 = t362 * t423;
-    const yao2020_real t425 = t366 * t364;
-    const yao2020_real t426 = t363 * t425;
-    const yao2020_real t427 = t404 * t425;
-    const yao2020_real t428 = t426 + t427;
-    const yao2020_real t429 = t375 * t428;
-    const yao2020_real t430 = t424 + t429;
-    const yao2020_real t431 = t373 * t430;
-    const yao2020_real t432 = t363 * t422;
-    const yao2020_real t433 = t362 * t432;
-    const yao2020_real t434 = t372 * t432;
-    const yao2020_real t435 = t433 + t434;
-    const yao2020_real t436 = t361 * t435;
-    const yao2020_real t437 = t431 - t436;
-    const yao2020_real t438 = t362 * t428;
-    const yao2020_real t439 = t375 * t423;
-    const yao2020_real t440 = t438 - t439;
-    const yao2020_real t441 = t361 * t440;
-    const yao2020_real t442 = t377 * t440;
-    const yao2020_real t443 = t441 + t442;
-    const yao2020_real t444 = t378 * t443;
-    const yao2020_real t445 = t376 * t437;
-    const yao2020_real t446 = t444 + t445;
-    const yao2020_real t447 = 0.0018017286871142555 * t446;
-    const yao2020_real t448 = -t447;
-    const yao2020_real t449 = t363 * t369;
-    const yao2020_real t450 = t449 + t371;
-    const yao2020_real t451 = -300.0 + t450;
-    const yao2020_real t452 = t362 * t451;
-    const yao2020_real t453 = t372 * t451;
-    const yao2020_real t454 = t452 + t453;
-    const yao2020_real t455 = t361 * t454;
-    const yao2020_real t456 = t362 * t400;
-    const yao2020_real t457 = t375 * t406;
-    const yao2020_real t458 = t456 + t457;
-    const yao2020_real t459 = t373 * t458;
-    const yao2020_real t460 = t455 + t459;
-    const yao2020_real t461 = t362 * t406;
-    const yao2020_real t462 = t375 * t400;
-    const yao2020_real t463 = t461 - t462;
-    const yao2020_real t464 = t361 * t463;
-    const yao2020_real t465 = t377 * t463;
-    const yao2020_real t466 = t464 + t465;
-    const yao2020_real t467 = t460 * t378;
-    const yao2020_real t468 = t466 * t376;
-    const yao2020_real t469 = t467 - t468;
-    const yao2020_real t470 = 0.0018017286871142555 * t469;
-    const yao2020_real t471 = -t470;
-    const yao2020_real t472 = t458 * t361;
-    const yao2020_real t473 = t454 * t373;
-    const yao2020_real t474 = t472 - t473;
-    const yao2020_real t475 = t376 * t474;
-    const yao2020_real t476 = 0.0018017286871142555 * t475;
-    const yao2020_real t477 = -t476;
-    const yao2020_real t478 = t363 * t364;
-    const yao2020_real t479 = t362 * t478;
-    const yao2020_real t480 = t372 * t478;
-    const yao2020_real t481 = t479 + t480;
-    const yao2020_real t482 = t361 * t481;
-    const yao2020_real t483 = t363 * t401;
-    const yao2020_real t484 = t404 * t401;
-    const yao2020_real t485 = t483 + t484;
-    const yao2020_real t486 = t375 * t485;
-    const yao2020_real t487 = t370 * t364;
-    const yao2020_real t488 = t362 * t487;
-    const yao2020_real t489 = t486 - t488;
-    const yao2020_real t490 = t373 * t489;
-    const yao2020_real t491 = t482 + t490;
-    const yao2020_real t492 = t362 * t485;
-    const yao2020_real t493 = t375 * t487;
-    const yao2020_real t494 = t492 + t493;
-    const yao2020_real t495 = t361 * t494;
-    const yao2020_real t496 = t377 * t494;
-    const yao2020_real t497 = t495 + t496;
-    const yao2020_real t498 = t378 * t497;
-    const yao2020_real t499 = t376 * t491;
-    const yao2020_real t500 = t498 + t499;
-    const yao2020_real t501 = -t500;
-    const yao2020_real t502 = t398 * t245;
-    w->a[18] = t502;
-    const yao2020_real t504 = t421 - t502 * t110;
-    const yao2020_real t505 = t448 - t502 * t144;
-    const yao2020_real t506 = t471 - t502 * t194;
-    const yao2020_real t507 = t477 - t502 * t244;
-    const yao2020_real t508 = t504 * t298;
-    w->a[19] = t508;
-    const yao2020_real t510 = t505 - t508 * t295;
-    const yao2020_real t511 = t506 - t508 * t296;
-    const yao2020_real t512 = t507 - t508 * t297;
-    const yao2020_real t513 = t510 * t356;
-    w->a[20] = t513;
-    const yao2020_real t515 = t511 - t513 * t354;
-    const yao2020_real t516 = t512 - t513 * t355;
-    const yao2020_real t517 = 1.0 / (t515 + 5.27e-20);
-    w->a[21] = t517;
-    const yao2020_real t519 = t517 * 0.9487499999999999;
-    w->a[22] = t516;
-    w->a[23] = t501;
+    const yao2020_real t365 = w->x[5] - 160.0;
+    const yao2020_real t366 = t364 * t365;
+    const yao2020_real t367 = t366 - 85.0;
+    const yao2020_real t368 = sin(w->x[3]);
+    const yao2020_real t369 = 105.0 * t368;
+    const yao2020_real t370 = 1.0 - t362;
+    const yao2020_real t371 = sin(w->x[1]);
+    const yao2020_real t372 = 105.0 * t363;
+    const yao2020_real t373 = sin(w->x[2]);
+    const yao2020_real t374 = sin(w->x[0]);
+    const yao2020_real t375 = 1.0 - t361;
+    const yao2020_real t376 = cos(w->x[0]);
+    const yao2020_real t377 = t367 * t368;
+    const yao2020_real t378 = t372 - t377;
+    const yao2020_real t379 = t362 * t378;
+    const yao2020_real t380 = t370 * t378;
+    const yao2020_real t381 = t379 + t380;
+    const yao2020_real t382 = t361 * t381;
+    const yao2020_real t383 = t367 * t363;
+    const yao2020_real t384 = t369 + t383;
+    const yao2020_real t385 = t362 * t384;
+    const yao2020_real t386 = t371 * t385;
+    const yao2020_real t387 = t382 - t386;
+    const yao2020_real t388 = t373 * t384;
+    const yao2020_real t389 = t361 * t388;
+    const yao2020_real t390 = t375 * t388;
+    const yao2020_real t391 = t389 + t390;
+    const yao2020_real t392 = t376 * t391;
+    const yao2020_real t393 = t374 * t387;
+    const yao2020_real t394 = t392 + t393;
+    const yao2020_real t395 = 0.0018017286871142555 * t394;
+    const yao2020_real t396 = -t395;
+    const yao2020_real t397 = t368 * t367;
+    const yao2020_real t398 = t372 - t397;
+    const yao2020_real t399 = sin(w->x[4]);
+    const yao2020_real t400 = t399 * t365;
+    const yao2020_real t401 = t363 * t400;
+    const yao2020_real t402 = 1.0 - t363;
+    const yao2020_real t403 = t402 * t400;
+    const yao2020_real t404 = t401 + t403;
+    const yao2020_real t405 = t404 * t362;
+    const yao2020_real t406 = t398 * t373;
+    const yao2020_real t407 = t405 - t406;
+    const yao2020_real t408 = t371 * t407;
+    const yao2020_real t409 = t404 * t373;
+    const yao2020_real t410 = t398 * t362;
+    const yao2020_real t411 = t409 + t410;
+    const yao2020_real t412 = t361 * t411;
+    const yao2020_real t413 = t375 * t411;
+    const yao2020_real t414 = t412 + t413;
+    const yao2020_real t415 = t374 * t408;
+    const yao2020_real t416 = t376 * t414;
+    const yao2020_real t417 = t415 - t416;
+    const yao2020_real t418 = 0.0018017286871142555 * t417;
+    const yao2020_real t419 = -t418;
+    const yao2020_real t420 = t365 * t399;
+    const yao2020_real t421 = t368 * t420;
+    const yao2020_real t422 = t362 * t421;
+    const yao2020_real t423 = t365 * t364;
+    const yao2020_real t424 = t363 * t423;
+    const yao2020_real t425 = t402 * t423;
+    const yao2020_real t426 = t424 + t425;
+    const yao2020_real t427 = t373 * t426;
+    const yao2020_real t428 = t422 + t427;
+    const yao2020_real t429 = t371 * t428;
+    const yao2020_real t430 = t363 * t420;
+    const yao2020_real t431 = t362 * t430;
+    const yao2020_real t432 = t370 * t430;
+    const yao2020_real t433 = t431 + t432;
+    const yao2020_real t434 = t361 * t433;
+    const yao2020_real t435 = t429 - t434;
+    const yao2020_real t436 = t362 * t426;
+    const yao2020_real t437 = t373 * t421;
+    const yao2020_real t438 = t436 - t437;
+    const yao2020_real t439 = t361 * t438;
+    const yao2020_real t440 = t375 * t438;
+    const yao2020_real t441 = t439 + t440;
+    const yao2020_real t442 = t376 * t441;
+    const yao2020_real t443 = t374 * t435;
+    const yao2020_real t444 = t442 + t443;
+    const yao2020_real t445 = 0.0018017286871142555 * t444;
+    const yao2020_real t446 = -t445;
+    const yao2020_real t447 = t363 * t367;
+    const yao2020_real t448 = t447 + t369;
+    const yao2020_real t449 = t448 - 300.0;
+    const yao2020_real t450 = t362 * t449;
+    const yao2020_real t451 = t370 * t449;
+    const yao2020_real t452 = t450 + t451;
+    const yao2020_real t453 = t361 * t452;
+    const yao2020_real t454 = t362 * t398;
+    const yao2020_real t455 = t373 * t404;
+    const yao2020_real t456 = t454 + t455;
+    const yao2020_real t457 = t371 * t456;
+    const yao2020_real t458 = t453 + t457;
+    const yao2020_real t459 = t362 * t404;
+    const yao2020_real t460 = t373 * t398;
+    const yao2020_real t461 = t459 - t460;
+    const yao2020_real t462 = t361 * t461;
+    const yao2020_real t463 = t375 * t461;
+    const yao2020_real t464 = t462 + t463;
+    const yao2020_real t465 = t458 * t376;
+    const yao2020_real t466 = t464 * t374;
+    const yao2020_real t467 = t465 - t466;
+    const yao2020_real t468 = 0.0018017286871142555 * t467;
+    const yao2020_real t469 = -t468;
+    const yao2020_real t470 = t456 * t361;
+    const yao2020_real t471 = t452 * t371;
+    const yao2020_real t472 = t470 - t471;
+    const yao2020_real t473 = t374 * t472;
+    const yao2020_real t474 = 0.0018017286871142555 * t473;
+    const yao2020_real t475 = -t474;
+    const yao2020_real t476 = t363 * t364;
+    const yao2020_real t477 = t362 * t476;
+    const yao2020_real t478 = t370 * t476;
+    const yao2020_real t479 = t477 + t478;
+    const yao2020_real t480 = t361 * t479;
+    const yao2020_real t481 = t363 * t399;
+    const yao2020_real t482 = t402 * t399;
+    const yao2020_real t483 = t481 + t482;
+    const yao2020_real t484 = t373 * t483;
+    const yao2020_real t485 = t368 * t364;
+    const yao2020_real t486 = t362 * t485;
+    const yao2020_real t487 = t484 - t486;
+    const yao2020_real t488 = t371 * t487;
+    const yao2020_real t489 = t480 + t488;
+    const yao2020_real t490 = t362 * t483;
+    const yao2020_real t491 = t373 * t485;
+    const yao2020_real t492 = t490 + t491;
+    const yao2020_real t493 = t361 * t492;
+    const yao2020_real t494 = t375 * t492;
+    const yao2020_real t495 = t493 + t494;
+    const yao2020_real t496 = t376 * t495;
+    const yao2020_real t497 = t374 * t489;
+    const yao2020_real t498 = t496 + t497;
+    const yao2020_real t499 = -t498;
+    const yao2020_real t500 = t396 * t245;
+    w->a[18] = t500;
+    const yao2020_real t502 = t419 - t500 * t110;
+    const yao2020_real t503 = t446 - t500 * t144;
+    const yao2020_real t504 = t469 - t500 * t194;
+    const yao2020_real t505 = t475 - t500 * t244;
+    const yao2020_real t506 = t502 * t298;
+    w->a[19] = t506;
+    const yao2020_real t508 = t503 - t506 * t295;
+    const yao2020_real t509 = t504 - t506 * t296;
+    const yao2020_real t510 = t505 - t506 * t297;
+    const yao2020_real t511 = t508 * t356;
+    w->a[20] = t511;
+    const yao2020_real t513 = t509 - t511 * t354;
+    const yao2020_real t514 = t510 - t511 * t355;
+    const yao2020_real t515 = 1.0 / (t513 + 5.27e-20);
+    w->a[21] = t515;
+    const yao2020_real t517 = t515 * 0.9487499999999999;
+    w->a[22] = t514;
+    w->a[23] = t499;
     /* pivot 5: row 3, unknown 2 */
-    const yao2020_real t522 = 1.0 - t378;
-    const yao2020_real t523 = t361 * t387;
-    const yao2020_real t524 = t373 * t383;
-    const yao2020_real t525 = t523 + t524;
-    const yao2020_real t526 = t378 * t525;
-    const yao2020_real t527 = t522 * t525;
-    const yao2020_real t528 = t526 + t527;
-    const yao2020_real t529 = 0.0018017286871142555 * t528;
-    const yao2020_real t530 = t361 * t409;
-    const yao2020_real t531 = t378 * t530;
-    const yao2020_real t532 = t522 * t530;
-    const yao2020_real t533 = t531 + t532;
-    const yao2020_real t534 = 0.0018017286871142555 * t533;
-    const yao2020_real t535 = -t534;
-    const yao2020_real t536 = t361 * t430;
-    const yao2020_real t537 = t373 * t435;
-    const yao2020_real t538 = t536 + t537;
-    const yao2020_real t539 = t378 * t538;
-    const yao2020_real t540 = t522 * t538;
-    const yao2020_real t541 = t539 + t540;
-    const yao2020_real t542 = 0.0018017286871142555 * t541;
-    const yao2020_real t543 = -t542;
-    const yao2020_real t544 = t458 * t373;
-    const yao2020_real t545 = t454 * t361;
-    const yao2020_real t546 = t544 + t545;
-    const yao2020_real t547 = t378 * t546;
-    const yao2020_real t548 = t522 * t546;
-    const yao2020_real t549 = t547 + t548;
-    const yao2020_real t550 = 0.0018017286871142555 * t549;
-    const yao2020_real t551 = t361 * t489;
-    const yao2020_real t552 = t373 * t481;
-    const yao2020_real t553 = t551 - t552;
-    const yao2020_real t554 = t378 * t553;
-    const yao2020_real t555 = t522 * t553;
-    const yao2020_real t556 = t554 + t555;
-    const yao2020_real t557 = -t556;
-    const yao2020_real t558 = t529 * t245;
-    w->a[24] = t558;
-    const yao2020_real t560 = t535 - t558 * t110;
-    const yao2020_real t561 = t543 - t558 * t144;
-    const yao2020_real t562 = -(t558 * t194);
-    const yao2020_real t563 = t550 - t558 * t244;
-    const yao2020_real t564 = t560 * t298;
-    w->a[25] = t564;
-    const yao2020_real t566 = t561 - t564 * t295;
-    const yao2020_real t567 = t562 - t564 * t296;
-    const yao2020_real t568 = t563 - t564 * t297;
-    const yao2020_real t569 = t566 * t356;
-    w->a[26] = t569;
-    const yao2020_real t571 = t567 - t569 * t354;
-    const yao2020_real t572 = t568 - t569 * t355;
-    const yao2020_real t573 = t571 * t517;
-    w->a[27] = t573;
-    const yao2020_real t575 = t572 - t573 * t516;
-    const yao2020_real t576 = t557 - t573 * t501;
-    const yao2020_real t577 = 1.0 / (t575 + 5.27e-20);
-    w->a[28] = t577;
-    const yao2020_real t579 = t577 * 1.0097099999999999;
-    w->a[29] = t576;
+    const yao2020_real t520 = 1.0 - t376;
+    const yao2020_real t521 = t361 * t385;
+    const yao2020_real t522 = t371 * t381;
+    const yao2020_real t523 = t521 + t522;
+    const yao2020_real t524 = t376 * t523;
+    const yao2020_real t525 = t520 * t523;
+    const yao2020_real t526 = t524 + t525;
+    const yao2020_real t527 = 0.0018017286871142555 * t526;
+    const yao2020_real t528 = t361 * t407;
+    const yao2020_real t529 = t376 * t528;
+    const yao2020_real t530 = t520 * t528;
+    const yao2020_real t531 = t529 + t530;
+    const yao2020_real t532 = 0.0018017286871142555 * t531;
+    const yao2020_real t533 = -t532;
+    const yao2020_real t534 = t361 * t428;
+    const yao2020_real t535 = t371 * t433;
+    const yao2020_real t536 = t534 + t535;
+    const yao2020_real t537 = t376 * t536;
+    const yao2020_real t538 = t520 * t536;
+    const yao2020_real t539 = t537 + t538;
+    const yao2020_real t540 = 0.0018017286871142555 * t539;
+    const yao2020_real t541 = -t540;
+    const yao2020_real t542 = t456 * t371;
+    const yao2020_real t543 = t452 * t361;
+    const yao2020_real t544 = t542 + t543;
+    const yao2020_real t545 = t376 * t544;
+    const yao2020_real t546 = t520 * t544;
+    const yao2020_real t547 = t545 + t546;
+    const yao2020_real t548 = 0.0018017286871142555 * t547;
+    const yao2020_real t549 = t361 * t487;
+    const yao2020_real t550 = t371 * t479;
+    const yao2020_real t551 = t549 - t550;
+    const yao2020_real t552 = t376 * t551;
+    const yao2020_real t553 = t520 * t551;
+    const yao2020_real t554 = t552 + t553;
+    const yao2020_real t555 = -t554;
+    const yao2020_real t556 = t527 * t245;
+    w->a[24] = t556;
+    const yao2020_real t558 = t533 - t556 * t110;
+    const yao2020_real t559 = t541 - t556 * t144;
+    const yao2020_real t560 = -(t556 * t194);
+    const yao2020_real t561 = t548 - t556 * t244;
+    const yao2020_real t562 = t558 * t298;
+    w->a[25] = t562;
+    const yao2020_real t564 = t559 - t562 * t295;
+    const yao2020_real t565 = t560 - t562 * t296;
+    const yao2020_real t566 = t561 - t562 * t297;
+    const yao2020_real t567 = t564 * t356;
+    w->a[26] = t567;
+    const yao2020_real t569 = t565 - t567 * t354;
+    const yao2020_real t570 = t566 - t567 * t355;
+    const yao2020_real t571 = t569 * t515;
+    w->a[27] = t571;
+    const yao2020_real t573 = t570 - t571 * t514;
+    const yao2020_real t574 = t555 - t571 * t499;
+    const yao2020_real t575 = 1.0 / (t573 + 5.27e-20);
+    w->a[28] = t575;
+    const yao2020_real t577 = t575 * 1.0097099999999999;
+    w->a[29] = t574;
     /* pivot 6: row 1, unknown 6 */
-    const yao2020_real t581 = t378 * t389;
-    const yao2020_real t582 = t376 * t393;
-    const yao2020_real t583 = t581 - t582;
-    const yao2020_real t584 = 0.0018017286871142555 * t583;
-    const yao2020_real t585 = -t584;
-    const yao2020_real t586 = t378 * t410;
-    const yao2020_real t587 = t376 * t416;
-    const yao2020_real t588 = t586 + t587;
-    const yao2020_real t589 = 0.0018017286871142555 * t588;
-    const yao2020_real t590 = -t589;
-    const yao2020_real t591 = t378 * t437;
-    const yao2020_real t592 = t376 * t443;
-    const yao2020_real t593 = t591 - t592;
-    const yao2020_real t594 = 0.0018017286871142555 * t593;
-    const yao2020_real t595 = -t594;
-    const yao2020_real t596 = t460 * t376;
-    const yao2020_real t597 = t466 * t378;
-    const yao2020_real t598 = t596 + t597;
+    const yao2020_real t579 = t376 * t387;
+    const yao2020_real t580 = t374 * t391;
+    const yao2020_real t581 = t579 - t580;
+    const yao2020_real t582 = 0.0018017286871142555 * t581;
+    const yao2020_real t583 = -t582;
+    const yao2020_real t584 = t376 * t408;
+    const yao2020_real t585 = t374 * t414;
+    const yao2020_real t586 = t584 + t585;
+    const yao2020_real t587 = 0.0018017286871142555 * t586;
+    const yao2020_real t588 = -t587;
+    const yao2020_real t589 = t376 * t435;
+    const yao2020_real t590 = t374 * t441;
+    const yao2020_real t591 = t589 - t590;
+    const yao2020_real t592 = 0.0018017286871142555 * t591;
+    const yao2020_real t593 = -t592;
+    const yao2020_real t594 = t458 * t374;
+    const yao2020_real t595 = t464 * t376;
+    const yao2020_real t596 = t594 + t595;
+    const yao2020_real t597 = 0.0018017286871142555 * t596;
+    const yao2020_real t598 = t376 * t472;
     const yao2020_real t599 = 0.0018017286871142555 * t598;
-    const yao2020_real t600 = t378 * t474;
-    const yao2020_real t601 = 0.0018017286871142555 * t600;
-    const yao2020_real t602 = -t601;
-    const yao2020_real t603 = t378 * t491;
-    const yao2020_real t604 = t376 * t497;
-    const yao2020_real t605 = t603 - t604;
-    const yao2020_real t606 = -t605;
-    const yao2020_real t607 = t585 * t245;
-    w->a[30] = t607;
-    const yao2020_real t609 = t590 - t607 * t110;
-    const yao2020_real t610 = t595 - t607 * t144;
-    const yao2020_real t611 = t599 - t607 * t194;
-    const yao2020_real t612 = t602 - t607 * t244;
-    const yao2020_real t613 = t609 * t298;
-    w->a[31] = t613;
-    const yao2020_real t615 = t610 - t613 * t295;
-    const yao2020_real t616 = t611 - t613 * t296;
-    const yao2020_real t617 = t612 - t613 * t297;
-    const yao2020_real t618 = t615 * t356;
-    w->a[32] = t618;
-    const yao2020_real t620 = t616 - t618 * t354;
-    const yao2020_real t621 = t617 - t618 * t355;
-    const yao2020_real t622 = t620 * t517;
-    w->a[33] = t622;
-    const yao2020_real t624 = t621 - t622 * t516;
-    const yao2020_real t625 = t606 - t622 * t501;
-    const yao2020_real t626 = t624 * t577;
-    w->a[34] = t626;
-    const yao2020_real t628 = t625 - t626 * t576;
-    const yao2020_real t629 = 1.0 / (t628 + 3.69e-20);
-    w->a[35] = t629;
-    const yao2020_real t631 = t629 * 0.9500399999999999;
+    const yao2020_real t600 = -t599;
+    const yao2020_real t601 = t376 * t489;
+    const yao2020_real t602 = t374 * t495;
+    const yao2020_real t603 = t601 - t602;
+    const yao2020_real t604 = -t603;
+    const yao2020_real t605 = t583 * t245;
+    w->a[30] = t605;
+    const yao2020_real t607 = t588 - t605 * t110;
+    const yao2020_real t608 = t593 - t605 * t144;
+    const yao2020_real t609 = t597 - t605 * t194;
+    const yao2020_real t610 = t600 - t605 * t244;
+    const yao2020_real t611 = t607 * t298;
+    w->a[31] = t611;
+    const yao2020_real t613 = t608 - t611 * t295;
+    const yao2020_real t614 = t609 - t611 * t296;
+    const yao2020_real t615 = t610 - t611 * t297;
+    const yao2020_real t616 = t613 * t356;
+    w->a[32] = t616;
+    const yao2020_real t618 = t614 - t616 * t354;
+    const yao2020_real t619 = t615 - t616 * t355;
+    const yao2020_real t620 = t618 * t515;
+    w->a[33] = t620;
+    const yao2020_real t622 = t619 - t620 * t514;
+    const yao2020_real t623 = t604 - t620 * t499;
+    const yao2020_real t624 = t622 * t575;
+    w->a[34] = t624;
+    const yao2020_real t626 = t623 - t624 * t574;
+    const yao2020_real t627 = 1.0 / (t626 + 3.69e-20);
+    w->a[35] = t627;
+    const yao2020_real t629 = t627 * 0.9500399999999999;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t245 * t294 * t356 * t515 * t577 * t628;
-    w->spread = t247 * t247 + t300 * t300 + t358 * t358 + t519 * t519 + t579 * t579 + t631 * t631;
+    det = t245 * t294 * t356 * t513 * t575 * t626;
+    w->spread = t247 * t247 + t300 * t300 + t358 * t358 + t517 * t517 + t577 * t577 + t629 * t629;
     return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
 }
 
@@ -1789,14 +1803,16 @@ static void yao2020_inverse_solve(yao2020_inverse_work *w)
     const yao2020_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
     const yao2020_real y3 = w->f[1] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
     const yao2020_real y4 = w->f[2] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const yao2020_real y5 = w->f[0] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    const yao2020_real y5 = w->f[0] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2
+        - w->a[33] * y3 - w->a[34] * y4;
     /* back substitution */
     const yao2020_real s5 = (y5) * w->a[35];
     const yao2020_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const yao2020_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const yao2020_real s2 = (y2 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
     const yao2020_real s1 = (y1 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
-    const yao2020_real s0 = (y0 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    const yao2020_real s0 = (y0 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2
+        - w->a[1] * s1) * w->a[0];
     /* the step in the order of the unknowns */
     w->f[3] = s0;
     w->f[2] = s1;
@@ -1806,10 +1822,11 @@ static void yao2020_inverse_solve(yao2020_inverse_work *w)
     w->f[5] = s5;
 }
 
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real middle, yao2020_real still2)
+/* Whether the middle of the part that is tried is reached as its end is: three steps from the
+ * part's begin with its factors, each judged by the next. Where known values turn, the rows' change
+ * is bent: both ends of a part may have a configuration, and points between them none. */
+static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w,
+    const yao2020_real to[7], yao2020_real middle, yao2020_real still2)
 {
     yao2020_real end[6];
     yao2020_real size[3];
@@ -1828,17 +1845,22 @@ static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w,
     for (int i = 0; i < 6; ++i) {
         w->x[i] = end[i];
     }
-    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
+    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0])
+        && (size[2] <= 0.140625 * size[1]));
 }
 
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
+/* Newton's method along the straight line from the known values of the guess to the given ones
+ * (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2020_real to[7], const yao2020_config *config, yao2020_info *info)
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
+ * values turn by at most 1 rad is tried first. Where the second step is longer than a quarter of
+ * the first, or a later one than three eighths of the one before, the theorem of Newton and
+ * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
+ * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
+ * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
+ * called OK. */
+static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2020_real to[7],
+    const yao2020_config *config, yao2020_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const yao2020_real tolerance2 = config->tolerance * config->tolerance;
@@ -1861,11 +1883,15 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
+    /* whether the tolerance should be reached: the rows are evaluated once more */
+    bool verify = false;
     w->spread = 0.0;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
+    /* the square of the largest turn of a known value on the line (rad), and what part of the line
+     * is tried first */
     yao2020_real turn2 = 0.0;
-    const yao2020_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
+    /* of half the turn */
+    const yao2020_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5]
+        + w->at[6] * to[6];
     turn2 = 8.0 * (1.0 - fabs(cosine));
     if (turn2 > 1.0) {
         aim = 1.0 / sqrt(turn2);
@@ -1914,9 +1940,11 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 break;
             }
             sign = turn;
-            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0)) ? (2.430086018533327e-25 * w->spread) : 1.5552550518613292e-23;
+            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0))
+                ? (2.430086018533327e-25 * w->spread) : 1.5552550518613292e-23;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
+         * later 3/8 (README.md) */
         yao2020_inverse_solve(w);
         const yao2020_real before = size;
         size = yao2020_inverse_apply_step(w);
@@ -1945,7 +1973,8 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 }
                 gain2 = 4.0 * ((fresh || !(before > 0.0)) ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
+                    && (size <= still2));
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
@@ -1956,7 +1985,8 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
+                /* accepted at a point of the line: go on from here, by twice the part where
+                 * convergence was quick */
                 const yao2020_real part = aim - done;
                 done = aim;
                 aim += (quick && (part * part * turn2 <= 0.25)) ? (2.0 * part) : part;
@@ -1997,7 +2027,8 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
         yao2020_real x[7];
         yao2020_forward(joints, x);
         const yao2020_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
-        const yao2020_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        const yao2020_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+            + x[6] * x[6]);
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -2010,7 +2041,8 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
 }
 
 /* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
-yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6], yao2020_info *info)
+yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose,
+    const yao2020_real guess[6], yao2020_real joints[6], yao2020_info *info)
 {
     static const yao2020_config usual = { YAO2020_TOLERANCE, YAO2020_MAX_STEPS, YAO2020_MAX_STEP };
     yao2020_inverse_work w;
@@ -2064,571 +2096,845 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
         const yao2020_real t1 = cos(joints[2]);
         const yao2020_real t2 = cos(joints[3]);
         const yao2020_real t3 = cos(joints[4]);
-        const yao2020_real t4 = -545.0 + joints[5];
-        const yao2020_real t5 = t4 - (-385.0);
-        const yao2020_real t6 = t3 * t5;
-        const yao2020_real t7 = -385.0 + t6;
-        const yao2020_real t8 = t7 - (-300.0);
-        const yao2020_real t9 = t2 * t8;
-        const yao2020_real t10 = sin(joints[3]);
-        const yao2020_real t11 = 105.0 * t10;
-        const yao2020_real t12 = t9 + t11;
-        const yao2020_real t13 = -300.0 + t12;
-        const yao2020_real t14 = t1 * t13;
-        const yao2020_real t15 = 1.0 - t1;
-        const yao2020_real t16 = t15 * t13;
-        const yao2020_real t17 = t14 + t16;
-        const yao2020_real t18 = t0 * t17;
-        const yao2020_real t19 = sin(joints[1]);
-        const yao2020_real t20 = 105.0 * t2;
-        const yao2020_real t21 = t10 * t8;
-        const yao2020_real t22 = t20 - t21;
-        const yao2020_real t23 = t1 * t22;
-        const yao2020_real t24 = sin(joints[2]);
-        const yao2020_real t25 = sin(joints[4]);
-        const yao2020_real t26 = t25 * t5;
-        const yao2020_real t27 = t2 * t26;
-        const yao2020_real t28 = 1.0 - t2;
-        const yao2020_real t29 = t28 * t26;
-        const yao2020_real t30 = t27 + t29;
-        const yao2020_real t31 = t24 * t30;
-        const yao2020_real t32 = t23 + t31;
-        const yao2020_real t33 = t19 * t32;
-        const yao2020_real t34 = t18 + t33;
-        const yao2020_real t35 = sin(joints[0]);
-        const yao2020_real t36 = t34 * t35;
-        const yao2020_real t37 = t1 * t30;
-        const yao2020_real t38 = t24 * t22;
-        const yao2020_real t39 = t37 - t38;
-        const yao2020_real t40 = t0 * t39;
-        const yao2020_real t41 = 1.0 - t0;
-        const yao2020_real t42 = t41 * t39;
-        const yao2020_real t43 = t40 + t42;
-        const yao2020_real t44 = cos(joints[0]);
-        const yao2020_real t45 = t43 * t44;
-        const yao2020_real t46 = t36 + t45;
-        const yao2020_real t47 = -t46;
-        const yao2020_real t48 = t32 * t0;
-        const yao2020_real t49 = t17 * t19;
-        const yao2020_real t50 = t48 - t49;
-        const yao2020_real t51 = t44 * t50;
-        const yao2020_real t52 = t30 * t1;
-        const yao2020_real t53 = t22 * t24;
-        const yao2020_real t54 = t52 - t53;
-        const yao2020_real t55 = t19 * t54;
-        const yao2020_real t56 = t44 * t55;
-        const yao2020_real t57 = t30 * t24;
-        const yao2020_real t58 = t22 * t1;
-        const yao2020_real t59 = t57 + t58;
-        const yao2020_real t60 = t0 * t59;
-        const yao2020_real t61 = t41 * t59;
-        const yao2020_real t62 = t60 + t61;
-        const yao2020_real t63 = t35 * t62;
-        const yao2020_real t64 = t56 + t63;
-        const yao2020_real t65 = t8 * t10;
-        const yao2020_real t66 = t20 - t65;
-        const yao2020_real t67 = t1 * t66;
-        const yao2020_real t68 = t15 * t66;
-        const yao2020_real t69 = t67 + t68;
-        const yao2020_real t70 = t0 * t69;
-        const yao2020_real t71 = t8 * t2;
-        const yao2020_real t72 = t11 + t71;
-        const yao2020_real t73 = t1 * t72;
-        const yao2020_real t74 = t19 * t73;
-        const yao2020_real t75 = t70 - t74;
-        const yao2020_real t76 = t44 * t75;
-        const yao2020_real t77 = t24 * t72;
-        const yao2020_real t78 = t0 * t77;
-        const yao2020_real t79 = t41 * t77;
-        const yao2020_real t80 = t78 + t79;
-        const yao2020_real t81 = t35 * t80;
-        const yao2020_real t82 = t76 - t81;
-        const yao2020_real t83 = t5 * t25;
-        const yao2020_real t84 = t10 * t83;
-        const yao2020_real t85 = t1 * t84;
-        const yao2020_real t86 = t5 * t3;
-        const yao2020_real t87 = t2 * t86;
-        const yao2020_real t88 = t28 * t86;
-        const yao2020_real t89 = t87 + t88;
-        const yao2020_real t90 = t24 * t89;
-        const yao2020_real t91 = t85 + t90;
-        const yao2020_real t92 = t19 * t91;
-        const yao2020_real t93 = t2 * t83;
-        const yao2020_real t94 = t1 * t93;
-        const yao2020_real t95 = t15 * t93;
-        const yao2020_real t96 = t94 + t95;
-        const yao2020_real t97 = t0 * t96;
-        const yao2020_real t98 = t92 - t97;
-        const yao2020_real t99 = t44 * t98;
-        const yao2020_real t100 = t1 * t89;
-        const yao2020_real t101 = t24 * t84;
-        const yao2020_real t102 = t100 - t101;
-        const yao2020_real t103 = t0 * t102;
-        const yao2020_real t104 = t41 * t102;
-        const yao2020_real t105 = t103 + t104;
-        const yao2020_real t106 = t35 * t105;
-        const yao2020_real t107 = t99 - t106;
-        const yao2020_real t108 = t2 * t3;
-        const yao2020_real t109 = t1 * t108;
-        const yao2020_real t110 = t15 * t108;
-        const yao2020_real t111 = t109 + t110;
-        const yao2020_real t112 = t0 * t111;
-        const yao2020_real t113 = t2 * t25;
-        const yao2020_real t114 = t28 * t25;
-        const yao2020_real t115 = t113 + t114;
-        const yao2020_real t116 = t24 * t115;
-        const yao2020_real t117 = t10 * t3;
-        const yao2020_real t118 = t1 * t117;
-        const yao2020_real t119 = t116 - t118;
-        const yao2020_real t120 = t19 * t119;
-        const yao2020_real t121 = t112 + t120;
-        const yao2020_real t122 = t44 * t121;
-        const yao2020_real t123 = t1 * t115;
-        const yao2020_real t124 = t24 * t117;
-        const yao2020_real t125 = t123 + t124;
-        const yao2020_real t126 = t0 * t125;
-        const yao2020_real t127 = t41 * t125;
-        const yao2020_real t128 = t126 + t127;
-        const yao2020_real t129 = t35 * t128;
-        const yao2020_real t130 = t122 - t129;
-        const yao2020_real t131 = t34 * t44;
-        const yao2020_real t132 = t43 * t35;
-        const yao2020_real t133 = t131 - t132;
-        const yao2020_real t134 = t35 * t50;
-        const yao2020_real t135 = t35 * t55;
-        const yao2020_real t136 = t44 * t62;
-        const yao2020_real t137 = t135 - t136;
-        const yao2020_real t138 = t44 * t80;
-        const yao2020_real t139 = t35 * t75;
-        const yao2020_real t140 = t138 + t139;
-        const yao2020_real t141 = t44 * t105;
-        const yao2020_real t142 = t35 * t98;
-        const yao2020_real t143 = t141 + t142;
-        const yao2020_real t144 = t44 * t128;
-        const yao2020_real t145 = t35 * t121;
-        const yao2020_real t146 = t144 + t145;
-        const yao2020_real t147 = t32 * t19;
-        const yao2020_real t148 = t17 * t0;
-        const yao2020_real t149 = t147 + t148;
-        const yao2020_real t150 = t44 * t149;
-        const yao2020_real t151 = 1.0 - t44;
-        const yao2020_real t152 = t151 * t149;
-        const yao2020_real t153 = t150 + t152;
-        const yao2020_real t154 = -t153;
-        const yao2020_real t155 = t0 * t54;
-        const yao2020_real t156 = t44 * t155;
-        const yao2020_real t157 = t151 * t155;
-        const yao2020_real t158 = t156 + t157;
-        const yao2020_real t159 = t0 * t73;
-        const yao2020_real t160 = t19 * t69;
-        const yao2020_real t161 = t159 + t160;
-        const yao2020_real t162 = t44 * t161;
-        const yao2020_real t163 = t151 * t161;
-        const yao2020_real t164 = t162 + t163;
-        const yao2020_real t165 = -t164;
-        const yao2020_real t166 = t0 * t91;
-        const yao2020_real t167 = t19 * t96;
-        const yao2020_real t168 = t166 + t167;
-        const yao2020_real t169 = t44 * t168;
-        const yao2020_real t170 = t151 * t168;
-        const yao2020_real t171 = t169 + t170;
-        const yao2020_real t172 = t0 * t119;
-        const yao2020_real t173 = t19 * t111;
-        const yao2020_real t174 = t172 - t173;
-        const yao2020_real t175 = t44 * t174;
-        const yao2020_real t176 = t151 * t174;
-        const yao2020_real t177 = t175 + t176;
-        const yao2020_real t178 = 0.5 * joints[4];
+        const yao2020_real t4 = joints[5] - 160.0;
+        const yao2020_real t5 = t3 * t4;
+        const yao2020_real t6 = t5 - 85.0;
+        const yao2020_real t7 = t2 * t6;
+        const yao2020_real t8 = sin(joints[3]);
+        const yao2020_real t9 = 105.0 * t8;
+        const yao2020_real t10 = t7 + t9;
+        const yao2020_real t11 = t10 - 300.0;
+        const yao2020_real t12 = t1 * t11;
+        const yao2020_real t13 = 1.0 - t1;
+        const yao2020_real t14 = t13 * t11;
+        const yao2020_real t15 = t12 + t14;
+        const yao2020_real t16 = t0 * t15;
+        const yao2020_real t17 = sin(joints[1]);
+        const yao2020_real t18 = 105.0 * t2;
+        const yao2020_real t19 = t8 * t6;
+        const yao2020_real t20 = t18 - t19;
+        const yao2020_real t21 = t1 * t20;
+        const yao2020_real t22 = sin(joints[2]);
+        const yao2020_real t23 = sin(joints[4]);
+        const yao2020_real t24 = t23 * t4;
+        const yao2020_real t25 = t2 * t24;
+        const yao2020_real t26 = 1.0 - t2;
+        const yao2020_real t27 = t26 * t24;
+        const yao2020_real t28 = t25 + t27;
+        const yao2020_real t29 = t22 * t28;
+        const yao2020_real t30 = t21 + t29;
+        const yao2020_real t31 = t17 * t30;
+        const yao2020_real t32 = t16 + t31;
+        const yao2020_real t33 = sin(joints[0]);
+        const yao2020_real t34 = t32 * t33;
+        const yao2020_real t35 = t1 * t28;
+        const yao2020_real t36 = t22 * t20;
+        const yao2020_real t37 = t35 - t36;
+        const yao2020_real t38 = t0 * t37;
+        const yao2020_real t39 = 1.0 - t0;
+        const yao2020_real t40 = t39 * t37;
+        const yao2020_real t41 = t38 + t40;
+        const yao2020_real t42 = cos(joints[0]);
+        const yao2020_real t43 = t41 * t42;
+        const yao2020_real t44 = t34 + t43;
+        const yao2020_real t45 = -t44;
+        const yao2020_real t46 = t30 * t0;
+        const yao2020_real t47 = t15 * t17;
+        const yao2020_real t48 = t46 - t47;
+        const yao2020_real t49 = t42 * t48;
+        const yao2020_real t50 = t28 * t1;
+        const yao2020_real t51 = t20 * t22;
+        const yao2020_real t52 = t50 - t51;
+        const yao2020_real t53 = t17 * t52;
+        const yao2020_real t54 = t42 * t53;
+        const yao2020_real t55 = t28 * t22;
+        const yao2020_real t56 = t20 * t1;
+        const yao2020_real t57 = t55 + t56;
+        const yao2020_real t58 = t0 * t57;
+        const yao2020_real t59 = t39 * t57;
+        const yao2020_real t60 = t58 + t59;
+        const yao2020_real t61 = t33 * t60;
+        const yao2020_real t62 = t54 + t61;
+        const yao2020_real t63 = t6 * t8;
+        const yao2020_real t64 = t18 - t63;
+        const yao2020_real t65 = t1 * t64;
+        const yao2020_real t66 = t13 * t64;
+        const yao2020_real t67 = t65 + t66;
+        const yao2020_real t68 = t0 * t67;
+        const yao2020_real t69 = t6 * t2;
+        const yao2020_real t70 = t9 + t69;
+        const yao2020_real t71 = t1 * t70;
+        const yao2020_real t72 = t17 * t71;
+        const yao2020_real t73 = t68 - t72;
+        const yao2020_real t74 = t42 * t73;
+        const yao2020_real t75 = t22 * t70;
+        const yao2020_real t76 = t0 * t75;
+        const yao2020_real t77 = t39 * t75;
+        const yao2020_real t78 = t76 + t77;
+        const yao2020_real t79 = t33 * t78;
+        const yao2020_real t80 = t74 - t79;
+        const yao2020_real t81 = t4 * t23;
+        const yao2020_real t82 = t8 * t81;
+        const yao2020_real t83 = t1 * t82;
+        const yao2020_real t84 = t4 * t3;
+        const yao2020_real t85 = t2 * t84;
+        const yao2020_real t86 = t26 * t84;
+        const yao2020_real t87 = t85 + t86;
+        const yao2020_real t88 = t22 * t87;
+        const yao2020_real t89 = t83 + t88;
+        const yao2020_real t90 = t17 * t89;
+        const yao2020_real t91 = t2 * t81;
+        const yao2020_real t92 = t1 * t91;
+        const yao2020_real t93 = t13 * t91;
+        const yao2020_real t94 = t92 + t93;
+        const yao2020_real t95 = t0 * t94;
+        const yao2020_real t96 = t90 - t95;
+        const yao2020_real t97 = t42 * t96;
+        const yao2020_real t98 = t1 * t87;
+        const yao2020_real t99 = t22 * t82;
+        const yao2020_real t100 = t98 - t99;
+        const yao2020_real t101 = t0 * t100;
+        const yao2020_real t102 = t39 * t100;
+        const yao2020_real t103 = t101 + t102;
+        const yao2020_real t104 = t33 * t103;
+        const yao2020_real t105 = t97 - t104;
+        const yao2020_real t106 = t2 * t3;
+        const yao2020_real t107 = t1 * t106;
+        const yao2020_real t108 = t13 * t106;
+        const yao2020_real t109 = t107 + t108;
+        const yao2020_real t110 = t0 * t109;
+        const yao2020_real t111 = t2 * t23;
+        const yao2020_real t112 = t26 * t23;
+        const yao2020_real t113 = t111 + t112;
+        const yao2020_real t114 = t22 * t113;
+        const yao2020_real t115 = t8 * t3;
+        const yao2020_real t116 = t1 * t115;
+        const yao2020_real t117 = t114 - t116;
+        const yao2020_real t118 = t17 * t117;
+        const yao2020_real t119 = t110 + t118;
+        const yao2020_real t120 = t42 * t119;
+        const yao2020_real t121 = t1 * t113;
+        const yao2020_real t122 = t22 * t115;
+        const yao2020_real t123 = t121 + t122;
+        const yao2020_real t124 = t0 * t123;
+        const yao2020_real t125 = t39 * t123;
+        const yao2020_real t126 = t124 + t125;
+        const yao2020_real t127 = t33 * t126;
+        const yao2020_real t128 = t120 - t127;
+        const yao2020_real t129 = t32 * t42;
+        const yao2020_real t130 = t41 * t33;
+        const yao2020_real t131 = t129 - t130;
+        const yao2020_real t132 = t33 * t48;
+        const yao2020_real t133 = t33 * t53;
+        const yao2020_real t134 = t42 * t60;
+        const yao2020_real t135 = t133 - t134;
+        const yao2020_real t136 = t42 * t78;
+        const yao2020_real t137 = t33 * t73;
+        const yao2020_real t138 = t136 + t137;
+        const yao2020_real t139 = t42 * t103;
+        const yao2020_real t140 = t33 * t96;
+        const yao2020_real t141 = t139 + t140;
+        const yao2020_real t142 = t42 * t126;
+        const yao2020_real t143 = t33 * t119;
+        const yao2020_real t144 = t142 + t143;
+        const yao2020_real t145 = t30 * t17;
+        const yao2020_real t146 = t15 * t0;
+        const yao2020_real t147 = t145 + t146;
+        const yao2020_real t148 = t42 * t147;
+        const yao2020_real t149 = 1.0 - t42;
+        const yao2020_real t150 = t149 * t147;
+        const yao2020_real t151 = t148 + t150;
+        const yao2020_real t152 = -t151;
+        const yao2020_real t153 = t0 * t52;
+        const yao2020_real t154 = t42 * t153;
+        const yao2020_real t155 = t149 * t153;
+        const yao2020_real t156 = t154 + t155;
+        const yao2020_real t157 = t0 * t71;
+        const yao2020_real t158 = t17 * t67;
+        const yao2020_real t159 = t157 + t158;
+        const yao2020_real t160 = t42 * t159;
+        const yao2020_real t161 = t149 * t159;
+        const yao2020_real t162 = t160 + t161;
+        const yao2020_real t163 = -t162;
+        const yao2020_real t164 = t0 * t89;
+        const yao2020_real t165 = t17 * t94;
+        const yao2020_real t166 = t164 + t165;
+        const yao2020_real t167 = t42 * t166;
+        const yao2020_real t168 = t149 * t166;
+        const yao2020_real t169 = t167 + t168;
+        const yao2020_real t170 = t0 * t117;
+        const yao2020_real t171 = t17 * t109;
+        const yao2020_real t172 = t170 - t171;
+        const yao2020_real t173 = t42 * t172;
+        const yao2020_real t174 = t149 * t172;
+        const yao2020_real t175 = t173 + t174;
+        const yao2020_real t176 = 0.5 * joints[4];
+        const yao2020_real t177 = sin(t176);
+        const yao2020_real t178 = 0.5 * joints[3];
         const yao2020_real t179 = sin(t178);
-        const yao2020_real t180 = 0.5 * joints[3];
+        const yao2020_real t180 = 0.5 * joints[2];
         const yao2020_real t181 = sin(t180);
-        const yao2020_real t182 = 0.5 * joints[2];
+        const yao2020_real t182 = 0.5 * joints[1];
         const yao2020_real t183 = sin(t182);
-        const yao2020_real t184 = 0.5 * joints[1];
-        const yao2020_real t185 = sin(t184);
-        const yao2020_real t186 = 0.5 * joints[0];
-        const yao2020_real t187 = cos(t186);
-        const yao2020_real t188 = 0.5 * t187;
-        const yao2020_real t189 = t185 * t188;
-        const yao2020_real t190 = t183 * t189;
-        const yao2020_real t191 = cos(t182);
-        const yao2020_real t192 = cos(t184);
-        const yao2020_real t193 = sin(t186);
-        const yao2020_real t194 = 0.5 * t193;
-        const yao2020_real t195 = t192 * t194;
-        const yao2020_real t196 = t191 * t195;
-        const yao2020_real t197 = t190 - t196;
-        const yao2020_real t198 = t181 * t197;
-        const yao2020_real t199 = cos(t180);
-        const yao2020_real t200 = t192 * t188;
-        const yao2020_real t201 = t183 * t200;
-        const yao2020_real t202 = t185 * t194;
-        const yao2020_real t203 = t191 * t202;
-        const yao2020_real t204 = t201 - t203;
-        const yao2020_real t205 = t199 * t204;
-        const yao2020_real t206 = t198 + t205;
-        const yao2020_real t207 = t179 * t206;
-        const yao2020_real t208 = cos(t178);
-        const yao2020_real t209 = t183 * t195;
-        const yao2020_real t210 = t191 * t189;
-        const yao2020_real t211 = t209 + t210;
-        const yao2020_real t212 = t199 * t211;
-        const yao2020_real t213 = t191 * t200;
-        const yao2020_real t214 = t183 * t202;
-        const yao2020_real t215 = t213 + t214;
-        const yao2020_real t216 = t181 * t215;
-        const yao2020_real t217 = t212 + t216;
-        const yao2020_real t218 = t208 * t217;
-        const yao2020_real t219 = t207 - t218;
-        const yao2020_real t220 = t219 + t219;
-        const yao2020_real t221 = t187 * t192;
-        const yao2020_real t222 = t221 * t191;
-        const yao2020_real t223 = t193 * t185;
-        const yao2020_real t224 = t223 * t183;
-        const yao2020_real t225 = t222 + t224;
-        const yao2020_real t226 = t225 * t199;
-        const yao2020_real t227 = t187 * t185;
-        const yao2020_real t228 = t227 * t191;
-        const yao2020_real t229 = t193 * t192;
-        const yao2020_real t230 = t229 * t183;
-        const yao2020_real t231 = t228 + t230;
-        const yao2020_real t232 = t231 * t181;
-        const yao2020_real t233 = t226 - t232;
-        const yao2020_real t234 = t233 * t208;
-        const yao2020_real t235 = t221 * t183;
-        const yao2020_real t236 = t223 * t191;
-        const yao2020_real t237 = t235 - t236;
-        const yao2020_real t238 = t237 * t181;
-        const yao2020_real t239 = t229 * t191;
-        const yao2020_real t240 = t227 * t183;
-        const yao2020_real t241 = t239 - t240;
-        const yao2020_real t242 = t241 * t199;
-        const yao2020_real t243 = t238 + t242;
-        const yao2020_real t244 = t243 * t179;
-        const yao2020_real t245 = t234 - t244;
-        const yao2020_real t246 = t220 * t245;
-        const yao2020_real t247 = t199 * t197;
-        const yao2020_real t248 = t181 * t204;
-        const yao2020_real t249 = t247 - t248;
-        const yao2020_real t250 = t208 * t249;
-        const yao2020_real t251 = t199 * t215;
-        const yao2020_real t252 = t181 * t211;
-        const yao2020_real t253 = t251 - t252;
-        const yao2020_real t254 = t179 * t253;
-        const yao2020_real t255 = t250 - t254;
-        const yao2020_real t256 = t255 + t255;
-        const yao2020_real t257 = t237 * t199;
-        const yao2020_real t258 = t241 * t181;
-        const yao2020_real t259 = t257 - t258;
-        const yao2020_real t260 = t259 * t208;
-        const yao2020_real t261 = t225 * t181;
-        const yao2020_real t262 = t231 * t199;
-        const yao2020_real t263 = t261 + t262;
-        const yao2020_real t264 = t263 * t179;
-        const yao2020_real t265 = t260 + t264;
-        const yao2020_real t266 = t256 * t265;
-        const yao2020_real t267 = t246 - t266;
-        const yao2020_real t268 = t208 * t206;
-        const yao2020_real t269 = t179 * t217;
-        const yao2020_real t270 = t268 + t269;
-        const yao2020_real t271 = t270 + t270;
-        const yao2020_real t272 = t233 * t179;
-        const yao2020_real t273 = t243 * t208;
-        const yao2020_real t274 = t272 + t273;
-        const yao2020_real t275 = t271 * t274;
-        const yao2020_real t276 = t267 - t275;
-        const yao2020_real t277 = t179 * t249;
-        const yao2020_real t278 = t208 * t253;
-        const yao2020_real t279 = t277 + t278;
-        const yao2020_real t280 = t279 + t279;
-        const yao2020_real t281 = t263 * t208;
-        const yao2020_real t282 = t259 * t179;
-        const yao2020_real t283 = t281 - t282;
-        const yao2020_real t284 = t280 * t283;
-        const yao2020_real t285 = t276 + t284;
-        const yao2020_real t286 = 0.5 * t185;
-        const yao2020_real t287 = t193 * t286;
-        const yao2020_real t288 = t191 * t287;
-        const yao2020_real t289 = 0.5 * t192;
-        const yao2020_real t290 = t187 * t289;
-        const yao2020_real t291 = t183 * t290;
-        const yao2020_real t292 = t288 + t291;
+        const yao2020_real t184 = 0.5 * joints[0];
+        const yao2020_real t185 = cos(t184);
+        const yao2020_real t186 = 0.5 * t185;
+        const yao2020_real t187 = t183 * t186;
+        const yao2020_real t188 = t181 * t187;
+        const yao2020_real t189 = cos(t180);
+        const yao2020_real t190 = cos(t182);
+        const yao2020_real t191 = sin(t184);
+        const yao2020_real t192 = 0.5 * t191;
+        const yao2020_real t193 = t190 * t192;
+        const yao2020_real t194 = t189 * t193;
+        const yao2020_real t195 = t188 - t194;
+        const yao2020_real t196 = t179 * t195;
+        const yao2020_real t197 = cos(t178);
+        const yao2020_real t198 = t190 * t186;
+        const yao2020_real t199 = t181 * t198;
+        const yao2020_real t200 = t183 * t192;
+        const yao2020_real t201 = t189 * t200;
+        const yao2020_real t202 = t199 - t201;
+        const yao2020_real t203 = t197 * t202;
+        const yao2020_real t204 = t196 + t203;
+        const yao2020_real t205 = t177 * t204;
+        const yao2020_real t206 = cos(t176);
+        const yao2020_real t207 = t181 * t193;
+        const yao2020_real t208 = t189 * t187;
+        const yao2020_real t209 = t207 + t208;
+        const yao2020_real t210 = t197 * t209;
+        const yao2020_real t211 = t189 * t198;
+        const yao2020_real t212 = t181 * t200;
+        const yao2020_real t213 = t211 + t212;
+        const yao2020_real t214 = t179 * t213;
+        const yao2020_real t215 = t210 + t214;
+        const yao2020_real t216 = t206 * t215;
+        const yao2020_real t217 = t205 - t216;
+        const yao2020_real t218 = t217 + t217;
+        const yao2020_real t219 = t185 * t190;
+        const yao2020_real t220 = t219 * t189;
+        const yao2020_real t221 = t191 * t183;
+        const yao2020_real t222 = t221 * t181;
+        const yao2020_real t223 = t220 + t222;
+        const yao2020_real t224 = t223 * t197;
+        const yao2020_real t225 = t185 * t183;
+        const yao2020_real t226 = t225 * t189;
+        const yao2020_real t227 = t191 * t190;
+        const yao2020_real t228 = t227 * t181;
+        const yao2020_real t229 = t226 + t228;
+        const yao2020_real t230 = t229 * t179;
+        const yao2020_real t231 = t224 - t230;
+        const yao2020_real t232 = t231 * t206;
+        const yao2020_real t233 = t219 * t181;
+        const yao2020_real t234 = t221 * t189;
+        const yao2020_real t235 = t233 - t234;
+        const yao2020_real t236 = t235 * t179;
+        const yao2020_real t237 = t227 * t189;
+        const yao2020_real t238 = t225 * t181;
+        const yao2020_real t239 = t237 - t238;
+        const yao2020_real t240 = t239 * t197;
+        const yao2020_real t241 = t236 + t240;
+        const yao2020_real t242 = t241 * t177;
+        const yao2020_real t243 = t232 - t242;
+        const yao2020_real t244 = t218 * t243;
+        const yao2020_real t245 = t197 * t195;
+        const yao2020_real t246 = t179 * t202;
+        const yao2020_real t247 = t245 - t246;
+        const yao2020_real t248 = t206 * t247;
+        const yao2020_real t249 = t197 * t213;
+        const yao2020_real t250 = t179 * t209;
+        const yao2020_real t251 = t249 - t250;
+        const yao2020_real t252 = t177 * t251;
+        const yao2020_real t253 = t248 - t252;
+        const yao2020_real t254 = t253 + t253;
+        const yao2020_real t255 = t235 * t197;
+        const yao2020_real t256 = t239 * t179;
+        const yao2020_real t257 = t255 - t256;
+        const yao2020_real t258 = t257 * t206;
+        const yao2020_real t259 = t223 * t179;
+        const yao2020_real t260 = t229 * t197;
+        const yao2020_real t261 = t259 + t260;
+        const yao2020_real t262 = t261 * t177;
+        const yao2020_real t263 = t258 + t262;
+        const yao2020_real t264 = t254 * t263;
+        const yao2020_real t265 = t244 - t264;
+        const yao2020_real t266 = t206 * t204;
+        const yao2020_real t267 = t177 * t215;
+        const yao2020_real t268 = t266 + t267;
+        const yao2020_real t269 = t268 + t268;
+        const yao2020_real t270 = t231 * t177;
+        const yao2020_real t271 = t241 * t206;
+        const yao2020_real t272 = t270 + t271;
+        const yao2020_real t273 = t269 * t272;
+        const yao2020_real t274 = t265 - t273;
+        const yao2020_real t275 = t177 * t247;
+        const yao2020_real t276 = t206 * t251;
+        const yao2020_real t277 = t275 + t276;
+        const yao2020_real t278 = t277 + t277;
+        const yao2020_real t279 = t261 * t206;
+        const yao2020_real t280 = t257 * t177;
+        const yao2020_real t281 = t279 - t280;
+        const yao2020_real t282 = t278 * t281;
+        const yao2020_real t283 = t274 + t282;
+        const yao2020_real t284 = 0.5 * t183;
+        const yao2020_real t285 = t191 * t284;
+        const yao2020_real t286 = t189 * t285;
+        const yao2020_real t287 = 0.5 * t190;
+        const yao2020_real t288 = t185 * t287;
+        const yao2020_real t289 = t181 * t288;
+        const yao2020_real t290 = t286 + t289;
+        const yao2020_real t291 = t179 * t290;
+        const yao2020_real t292 = t185 * t284;
         const yao2020_real t293 = t181 * t292;
-        const yao2020_real t294 = t187 * t286;
-        const yao2020_real t295 = t183 * t294;
-        const yao2020_real t296 = t193 * t289;
-        const yao2020_real t297 = t191 * t296;
-        const yao2020_real t298 = t295 + t297;
-        const yao2020_real t299 = t199 * t298;
-        const yao2020_real t300 = t293 - t299;
-        const yao2020_real t301 = t208 * t300;
-        const yao2020_real t302 = t183 * t296;
-        const yao2020_real t303 = t191 * t294;
-        const yao2020_real t304 = t302 - t303;
-        const yao2020_real t305 = t181 * t304;
-        const yao2020_real t306 = t191 * t290;
-        const yao2020_real t307 = t183 * t287;
-        const yao2020_real t308 = t306 - t307;
-        const yao2020_real t309 = t199 * t308;
-        const yao2020_real t310 = t305 + t309;
-        const yao2020_real t311 = t179 * t310;
-        const yao2020_real t312 = t301 + t311;
-        const yao2020_real t313 = t312 + t312;
-        const yao2020_real t314 = t313 * t245;
-        const yao2020_real t315 = t199 * t304;
-        const yao2020_real t316 = t181 * t308;
-        const yao2020_real t317 = t315 - t316;
-        const yao2020_real t318 = t208 * t317;
-        const yao2020_real t319 = t181 * t298;
-        const yao2020_real t320 = t199 * t292;
-        const yao2020_real t321 = t319 + t320;
-        const yao2020_real t322 = t179 * t321;
-        const yao2020_real t323 = t318 + t322;
-        const yao2020_real t324 = t323 + t323;
-        const yao2020_real t325 = t324 * t265;
-        const yao2020_real t326 = t314 - t325;
-        const yao2020_real t327 = t208 * t310;
-        const yao2020_real t328 = t179 * t300;
-        const yao2020_real t329 = t327 - t328;
-        const yao2020_real t330 = t329 + t329;
-        const yao2020_real t331 = t330 * t274;
-        const yao2020_real t332 = t326 - t331;
-        const yao2020_real t333 = t179 * t317;
-        const yao2020_real t334 = t208 * t321;
-        const yao2020_real t335 = t333 - t334;
-        const yao2020_real t336 = t335 + t335;
-        const yao2020_real t337 = t336 * t283;
-        const yao2020_real t338 = t332 + t337;
-        const yao2020_real t339 = 0.5 * t191;
+        const yao2020_real t294 = t191 * t287;
+        const yao2020_real t295 = t189 * t294;
+        const yao2020_real t296 = t293 + t295;
+        const yao2020_real t297 = t197 * t296;
+        const yao2020_real t298 = t291 - t297;
+        const yao2020_real t299 = t206 * t298;
+        const yao2020_real t300 = t181 * t294;
+        const yao2020_real t301 = t189 * t292;
+        const yao2020_real t302 = t300 - t301;
+        const yao2020_real t303 = t179 * t302;
+        const yao2020_real t304 = t189 * t288;
+        const yao2020_real t305 = t181 * t285;
+        const yao2020_real t306 = t304 - t305;
+        const yao2020_real t307 = t197 * t306;
+        const yao2020_real t308 = t303 + t307;
+        const yao2020_real t309 = t177 * t308;
+        const yao2020_real t310 = t299 + t309;
+        const yao2020_real t311 = t310 + t310;
+        const yao2020_real t312 = t311 * t243;
+        const yao2020_real t313 = t197 * t302;
+        const yao2020_real t314 = t179 * t306;
+        const yao2020_real t315 = t313 - t314;
+        const yao2020_real t316 = t206 * t315;
+        const yao2020_real t317 = t179 * t296;
+        const yao2020_real t318 = t197 * t290;
+        const yao2020_real t319 = t317 + t318;
+        const yao2020_real t320 = t177 * t319;
+        const yao2020_real t321 = t316 + t320;
+        const yao2020_real t322 = t321 + t321;
+        const yao2020_real t323 = t322 * t263;
+        const yao2020_real t324 = t312 - t323;
+        const yao2020_real t325 = t206 * t308;
+        const yao2020_real t326 = t177 * t298;
+        const yao2020_real t327 = t325 - t326;
+        const yao2020_real t328 = t327 + t327;
+        const yao2020_real t329 = t328 * t272;
+        const yao2020_real t330 = t324 - t329;
+        const yao2020_real t331 = t177 * t315;
+        const yao2020_real t332 = t206 * t319;
+        const yao2020_real t333 = t331 - t332;
+        const yao2020_real t334 = t333 + t333;
+        const yao2020_real t335 = t334 * t281;
+        const yao2020_real t336 = t330 + t335;
+        const yao2020_real t337 = 0.5 * t189;
+        const yao2020_real t338 = t219 * t337;
+        const yao2020_real t339 = 0.5 * t181;
         const yao2020_real t340 = t221 * t339;
-        const yao2020_real t341 = 0.5 * t183;
-        const yao2020_real t342 = t223 * t341;
-        const yao2020_real t343 = t340 + t342;
-        const yao2020_real t344 = t199 * t343;
-        const yao2020_real t345 = t229 * t341;
-        const yao2020_real t346 = t227 * t339;
-        const yao2020_real t347 = t345 + t346;
-        const yao2020_real t348 = t181 * t347;
-        const yao2020_real t349 = t344 + t348;
-        const yao2020_real t350 = t208 * t349;
-        const yao2020_real t351 = t223 * t339;
-        const yao2020_real t352 = t221 * t341;
-        const yao2020_real t353 = t351 - t352;
-        const yao2020_real t354 = t181 * t353;
-        const yao2020_real t355 = t229 * t339;
-        const yao2020_real t356 = t227 * t341;
-        const yao2020_real t357 = t355 - t356;
-        const yao2020_real t358 = t199 * t357;
-        const yao2020_real t359 = t354 + t358;
-        const yao2020_real t360 = t179 * t359;
-        const yao2020_real t361 = t350 + t360;
-        const yao2020_real t362 = t361 + t361;
-        const yao2020_real t363 = t362 * t245;
-        const yao2020_real t364 = t199 * t353;
-        const yao2020_real t365 = t181 * t357;
-        const yao2020_real t366 = t364 - t365;
-        const yao2020_real t367 = t208 * t366;
-        const yao2020_real t368 = t181 * t343;
-        const yao2020_real t369 = t199 * t347;
-        const yao2020_real t370 = t368 - t369;
-        const yao2020_real t371 = t179 * t370;
-        const yao2020_real t372 = t367 - t371;
-        const yao2020_real t373 = t372 + t372;
-        const yao2020_real t374 = t373 * t265;
-        const yao2020_real t375 = t363 - t374;
-        const yao2020_real t376 = t208 * t359;
-        const yao2020_real t377 = t179 * t349;
-        const yao2020_real t378 = t376 - t377;
-        const yao2020_real t379 = t378 + t378;
-        const yao2020_real t380 = t379 * t274;
-        const yao2020_real t381 = t375 - t380;
-        const yao2020_real t382 = t179 * t366;
-        const yao2020_real t383 = t208 * t370;
-        const yao2020_real t384 = t382 + t383;
-        const yao2020_real t385 = t384 + t384;
-        const yao2020_real t386 = t385 * t283;
-        const yao2020_real t387 = t381 + t386;
-        const yao2020_real t388 = 0.5 * t199;
-        const yao2020_real t389 = t225 * t388;
-        const yao2020_real t390 = 0.5 * t181;
-        const yao2020_real t391 = t231 * t390;
-        const yao2020_real t392 = t389 - t391;
-        const yao2020_real t393 = t179 * t392;
-        const yao2020_real t394 = t237 * t390;
-        const yao2020_real t395 = t241 * t388;
-        const yao2020_real t396 = t394 + t395;
-        const yao2020_real t397 = t208 * t396;
-        const yao2020_real t398 = t393 - t397;
-        const yao2020_real t399 = t398 + t398;
-        const yao2020_real t400 = t399 * t245;
-        const yao2020_real t401 = t225 * t390;
-        const yao2020_real t402 = t231 * t388;
-        const yao2020_real t403 = t401 + t402;
-        const yao2020_real t404 = t208 * t403;
-        const yao2020_real t405 = t237 * t388;
-        const yao2020_real t406 = t241 * t390;
-        const yao2020_real t407 = t405 - t406;
-        const yao2020_real t408 = t179 * t407;
-        const yao2020_real t409 = t404 + t408;
-        const yao2020_real t410 = -t409;
-        const yao2020_real t411 = t410 + t410;
-        const yao2020_real t412 = t411 * t265;
-        const yao2020_real t413 = t400 - t412;
-        const yao2020_real t414 = t208 * t392;
-        const yao2020_real t415 = t179 * t396;
-        const yao2020_real t416 = t414 + t415;
-        const yao2020_real t417 = t416 + t416;
-        const yao2020_real t418 = t417 * t274;
-        const yao2020_real t419 = t413 - t418;
-        const yao2020_real t420 = t208 * t407;
-        const yao2020_real t421 = t179 * t403;
-        const yao2020_real t422 = t420 - t421;
-        const yao2020_real t423 = t422 + t422;
-        const yao2020_real t424 = t423 * t283;
-        const yao2020_real t425 = t419 + t424;
-        const yao2020_real t426 = 0.5 * t208;
-        const yao2020_real t427 = t263 * t426;
-        const yao2020_real t428 = 0.5 * t179;
-        const yao2020_real t429 = t259 * t428;
-        const yao2020_real t430 = t427 - t429;
-        const yao2020_real t431 = t430 + t430;
-        const yao2020_real t432 = t431 * t245;
-        const yao2020_real t433 = t233 * t428;
-        const yao2020_real t434 = t243 * t426;
-        const yao2020_real t435 = t433 + t434;
-        const yao2020_real t436 = -t435;
-        const yao2020_real t437 = t436 + t436;
-        const yao2020_real t438 = t437 * t265;
-        const yao2020_real t439 = t432 - t438;
-        const yao2020_real t440 = t263 * t428;
-        const yao2020_real t441 = t259 * t426;
-        const yao2020_real t442 = t440 + t441;
-        const yao2020_real t443 = -t442;
-        const yao2020_real t444 = t443 + t443;
-        const yao2020_real t445 = t444 * t274;
-        const yao2020_real t446 = t439 - t445;
-        const yao2020_real t447 = t233 * t426;
-        const yao2020_real t448 = t243 * t428;
-        const yao2020_real t449 = t447 - t448;
-        const yao2020_real t450 = t449 + t449;
-        const yao2020_real t451 = t450 * t283;
-        const yao2020_real t452 = t446 + t451;
-        const yao2020_real t453 = t220 * t274;
-        const yao2020_real t454 = t256 * t283;
-        const yao2020_real t455 = t453 - t454;
-        const yao2020_real t456 = t271 * t245;
-        const yao2020_real t457 = t455 + t456;
-        const yao2020_real t458 = t280 * t265;
-        const yao2020_real t459 = t457 - t458;
-        const yao2020_real t460 = t313 * t274;
-        const yao2020_real t461 = t324 * t283;
-        const yao2020_real t462 = t460 - t461;
-        const yao2020_real t463 = t330 * t245;
-        const yao2020_real t464 = t462 + t463;
-        const yao2020_real t465 = t336 * t265;
-        const yao2020_real t466 = t464 - t465;
-        const yao2020_real t467 = t362 * t274;
-        const yao2020_real t468 = t373 * t283;
-        const yao2020_real t469 = t467 - t468;
-        const yao2020_real t470 = t379 * t245;
-        const yao2020_real t471 = t469 + t470;
-        const yao2020_real t472 = t385 * t265;
-        const yao2020_real t473 = t471 - t472;
-        const yao2020_real t474 = t399 * t274;
-        const yao2020_real t475 = t411 * t283;
-        const yao2020_real t476 = t474 - t475;
-        const yao2020_real t477 = t417 * t245;
-        const yao2020_real t478 = t476 + t477;
-        const yao2020_real t479 = t423 * t265;
-        const yao2020_real t480 = t478 - t479;
-        const yao2020_real t481 = t431 * t274;
-        const yao2020_real t482 = t437 * t283;
-        const yao2020_real t483 = t481 - t482;
-        const yao2020_real t484 = t444 * t245;
-        const yao2020_real t485 = t483 + t484;
-        const yao2020_real t486 = t450 * t265;
-        const yao2020_real t487 = t485 - t486;
-        const yao2020_real t488 = t271 * t265;
-        const yao2020_real t489 = t256 * t274;
-        const yao2020_real t490 = t220 * t283;
-        const yao2020_real t491 = t489 + t490;
-        const yao2020_real t492 = t488 - t491;
-        const yao2020_real t493 = t280 * t245;
-        const yao2020_real t494 = t492 + t493;
-        const yao2020_real t495 = t330 * t265;
-        const yao2020_real t496 = t324 * t274;
-        const yao2020_real t497 = t313 * t283;
-        const yao2020_real t498 = t496 + t497;
-        const yao2020_real t499 = t495 - t498;
-        const yao2020_real t500 = t336 * t245;
-        const yao2020_real t501 = t499 + t500;
-        const yao2020_real t502 = t379 * t265;
-        const yao2020_real t503 = t373 * t274;
-        const yao2020_real t504 = t362 * t283;
-        const yao2020_real t505 = t503 + t504;
-        const yao2020_real t506 = t502 - t505;
-        const yao2020_real t507 = t385 * t245;
-        const yao2020_real t508 = t506 + t507;
-        const yao2020_real t509 = t417 * t265;
-        const yao2020_real t510 = t411 * t274;
-        const yao2020_real t511 = t399 * t283;
-        const yao2020_real t512 = t510 + t511;
-        const yao2020_real t513 = t509 - t512;
-        const yao2020_real t514 = t423 * t245;
-        const yao2020_real t515 = t513 + t514;
-        const yao2020_real t516 = t444 * t265;
-        const yao2020_real t517 = t437 * t274;
-        const yao2020_real t518 = t431 * t283;
-        const yao2020_real t519 = t517 + t518;
-        const yao2020_real t520 = t516 - t519;
-        const yao2020_real t521 = t450 * t245;
-        const yao2020_real t522 = t520 + t521;
-        jacobian[0] = t47;
-        jacobian[1] = t51;
-        jacobian[2] = t64;
-        jacobian[3] = t82;
-        jacobian[4] = t107;
-        jacobian[5] = t130;
-        jacobian[6] = t133;
-        jacobian[7] = t134;
-        jacobian[8] = t137;
-        jacobian[9] = t140;
-        jacobian[10] = t143;
-        jacobian[11] = t146;
+        const yao2020_real t341 = t338 + t340;
+        const yao2020_real t342 = t197 * t341;
+        const yao2020_real t343 = t227 * t339;
+        const yao2020_real t344 = t225 * t337;
+        const yao2020_real t345 = t343 + t344;
+        const yao2020_real t346 = t179 * t345;
+        const yao2020_real t347 = t342 + t346;
+        const yao2020_real t348 = t206 * t347;
+        const yao2020_real t349 = t221 * t337;
+        const yao2020_real t350 = t219 * t339;
+        const yao2020_real t351 = t349 - t350;
+        const yao2020_real t352 = t179 * t351;
+        const yao2020_real t353 = t227 * t337;
+        const yao2020_real t354 = t225 * t339;
+        const yao2020_real t355 = t353 - t354;
+        const yao2020_real t356 = t197 * t355;
+        const yao2020_real t357 = t352 + t356;
+        const yao2020_real t358 = t177 * t357;
+        const yao2020_real t359 = t348 + t358;
+        const yao2020_real t360 = t359 + t359;
+        const yao2020_real t361 = t360 * t243;
+        const yao2020_real t362 = t197 * t351;
+        const yao2020_real t363 = t179 * t355;
+        const yao2020_real t364 = t362 - t363;
+        const yao2020_real t365 = t206 * t364;
+        const yao2020_real t366 = t179 * t341;
+        const yao2020_real t367 = t197 * t345;
+        const yao2020_real t368 = t366 - t367;
+        const yao2020_real t369 = t177 * t368;
+        const yao2020_real t370 = t365 - t369;
+        const yao2020_real t371 = t370 + t370;
+        const yao2020_real t372 = t371 * t263;
+        const yao2020_real t373 = t361 - t372;
+        const yao2020_real t374 = t206 * t357;
+        const yao2020_real t375 = t177 * t347;
+        const yao2020_real t376 = t374 - t375;
+        const yao2020_real t377 = t376 + t376;
+        const yao2020_real t378 = t377 * t272;
+        const yao2020_real t379 = t373 - t378;
+        const yao2020_real t380 = t177 * t364;
+        const yao2020_real t381 = t206 * t368;
+        const yao2020_real t382 = t380 + t381;
+        const yao2020_real t383 = t382 + t382;
+        const yao2020_real t384 = t383 * t281;
+        const yao2020_real t385 = t379 + t384;
+        const yao2020_real t386 = 0.5 * t197;
+        const yao2020_real t387 = t223 * t386;
+        const yao2020_real t388 = 0.5 * t179;
+        const yao2020_real t389 = t229 * t388;
+        const yao2020_real t390 = t387 - t389;
+        const yao2020_real t391 = t177 * t390;
+        const yao2020_real t392 = t235 * t388;
+        const yao2020_real t393 = t239 * t386;
+        const yao2020_real t394 = t392 + t393;
+        const yao2020_real t395 = t206 * t394;
+        const yao2020_real t396 = t391 - t395;
+        const yao2020_real t397 = t396 + t396;
+        const yao2020_real t398 = t397 * t243;
+        const yao2020_real t399 = t223 * t388;
+        const yao2020_real t400 = t229 * t386;
+        const yao2020_real t401 = t399 + t400;
+        const yao2020_real t402 = t206 * t401;
+        const yao2020_real t403 = t235 * t386;
+        const yao2020_real t404 = t239 * t388;
+        const yao2020_real t405 = t403 - t404;
+        const yao2020_real t406 = t177 * t405;
+        const yao2020_real t407 = t402 + t406;
+        const yao2020_real t408 = -t407;
+        const yao2020_real t409 = t408 + t408;
+        const yao2020_real t410 = t409 * t263;
+        const yao2020_real t411 = t398 - t410;
+        const yao2020_real t412 = t206 * t390;
+        const yao2020_real t413 = t177 * t394;
+        const yao2020_real t414 = t412 + t413;
+        const yao2020_real t415 = t414 + t414;
+        const yao2020_real t416 = t415 * t272;
+        const yao2020_real t417 = t411 - t416;
+        const yao2020_real t418 = t206 * t405;
+        const yao2020_real t419 = t177 * t401;
+        const yao2020_real t420 = t418 - t419;
+        const yao2020_real t421 = t420 + t420;
+        const yao2020_real t422 = t421 * t281;
+        const yao2020_real t423 = t417 + t422;
+        const yao2020_real t424 = 0.5 * t206;
+        const yao2020_real t425 = t261 * t424;
+        const yao2020_real t426 = 0.5 * t177;
+        const yao2020_real t427 = t257 * t426;
+        const yao2020_real t428 = t425 - t427;
+        const yao2020_real t429 = t428 + t428;
+        const yao2020_real t430 = t429 * t243;
+        const yao2020_real t431 = t231 * t426;
+        const yao2020_real t432 = t241 * t424;
+        const yao2020_real t433 = t431 + t432;
+        const yao2020_real t434 = -t433;
+        const yao2020_real t435 = t434 + t434;
+        const yao2020_real t436 = t435 * t263;
+        const yao2020_real t437 = t430 - t436;
+        const yao2020_real t438 = t261 * t426;
+        const yao2020_real t439 = t257 * t424;
+        const yao2020_real t440 = t438 + t439;
+        const yao2020_real t441 = -t440;
+        const yao2020_real t442 = t441 + t441;
+        const yao2020_real t443 = t442 * t272;
+        const yao2020_real t444 = t437 - t443;
+        const yao2020_real t445 = t231 * t424;
+        const yao2020_real t446 = t241 * t426;
+        const yao2020_real t447 = t445 - t446;
+        const yao2020_real t448 = t447 + t447;
+        const yao2020_real t449 = t448 * t281;
+        const yao2020_real t450 = t444 + t449;
+        const yao2020_real t451 = t218 * t272;
+        const yao2020_real t452 = t254 * t281;
+        const yao2020_real t453 = t451 - t452;
+        const yao2020_real t454 = t269 * t243;
+        const yao2020_real t455 = t453 + t454;
+        const yao2020_real t456 = t278 * t263;
+        const yao2020_real t457 = t455 - t456;
+        const yao2020_real t458 = t311 * t272;
+        const yao2020_real t459 = t322 * t281;
+        const yao2020_real t460 = t458 - t459;
+        const yao2020_real t461 = t328 * t243;
+        const yao2020_real t462 = t460 + t461;
+        const yao2020_real t463 = t334 * t263;
+        const yao2020_real t464 = t462 - t463;
+        const yao2020_real t465 = t360 * t272;
+        const yao2020_real t466 = t371 * t281;
+        const yao2020_real t467 = t465 - t466;
+        const yao2020_real t468 = t377 * t243;
+        const yao2020_real t469 = t467 + t468;
+        const yao2020_real t470 = t383 * t263;
+        const yao2020_real t471 = t469 - t470;
+        const yao2020_real t472 = t397 * t272;
+        const yao2020_real t473 = t409 * t281;
+        const yao2020_real t474 = t472 - t473;
+        const yao2020_real t475 = t415 * t243;
+        const yao2020_real t476 = t474 + t475;
+        const yao2020_real t477 = t421 * t263;
+        const yao2020_real t478 = t476 - t477;
+        const yao2020_real t479 = t429 * t272;
+        const yao2020_real t480 = t435 * t281;
+        const yao2020_real t481 = t479 - t480;
+        const yao2020_real t482 = t442 * t243;
+        const yao2020_real t483 = t481 + t482;
+        const yao2020_real t484 = t448 * t263;
+        const yao2020_real t485 = t483 - t484;
+        const yao2020_real t486 = t269 * t263;
+        const yao2020_real t487 = t254 * t272;
+        const yao2020_real t488 = t218 * t281;
+        const yao2020_real t489 = t487 + t488;
+        const yao2020_real t490 = t486 - t489;
+        const yao2020_real t491 = t278 * t243;
+        const yao2020_real t492 = t490 + t491;
+        const yao2020_real t493 = t328 * t263;
+        const yao2020_real t494 = t322 * t272;
+        const yao2020_real t495 = t311 * t281;
+        const yao2020_real t496 = t494 + t495;
+        const yao2020_real t497 = t493 - t496;
+        const yao2020_real t498 = t334 * t243;
+        const yao2020_real t499 = t497 + t498;
+        const yao2020_real t500 = t377 * t263;
+        const yao2020_real t501 = t371 * t272;
+        const yao2020_real t502 = t360 * t281;
+        const yao2020_real t503 = t501 + t502;
+        const yao2020_real t504 = t500 - t503;
+        const yao2020_real t505 = t383 * t243;
+        const yao2020_real t506 = t504 + t505;
+        const yao2020_real t507 = t415 * t263;
+        const yao2020_real t508 = t409 * t272;
+        const yao2020_real t509 = t397 * t281;
+        const yao2020_real t510 = t508 + t509;
+        const yao2020_real t511 = t507 - t510;
+        const yao2020_real t512 = t421 * t243;
+        const yao2020_real t513 = t511 + t512;
+        const yao2020_real t514 = t442 * t263;
+        const yao2020_real t515 = t435 * t272;
+        const yao2020_real t516 = t429 * t281;
+        const yao2020_real t517 = t515 + t516;
+        const yao2020_real t518 = t514 - t517;
+        const yao2020_real t519 = t448 * t243;
+        const yao2020_real t520 = t518 + t519;
+        jacobian[0] = t45;
+        jacobian[1] = t49;
+        jacobian[2] = t62;
+        jacobian[3] = t80;
+        jacobian[4] = t105;
+        jacobian[5] = t128;
+        jacobian[6] = t131;
+        jacobian[7] = t132;
+        jacobian[8] = t135;
+        jacobian[9] = t138;
+        jacobian[10] = t141;
+        jacobian[11] = t144;
         jacobian[12] = 0.0;
-        jacobian[13] = t154;
-        jacobian[14] = t158;
-        jacobian[15] = t165;
-        jacobian[16] = t171;
-        jacobian[17] = t177;
-        jacobian[18] = t285;
-        jacobian[19] = t338;
-        jacobian[20] = t387;
-        jacobian[21] = t425;
-        jacobian[22] = t452;
+        jacobian[13] = t152;
+        jacobian[14] = t156;
+        jacobian[15] = t163;
+        jacobian[16] = t169;
+        jacobian[17] = t175;
+        jacobian[18] = t283;
+        jacobian[19] = t336;
+        jacobian[20] = t385;
+        jacobian[21] = t423;
+        jacobian[22] = t450;
         jacobian[23] = 0.0;
-        jacobian[24] = t459;
-        jacobian[25] = t466;
-        jacobian[26] = t473;
-        jacobian[27] = t480;
-        jacobian[28] = t487;
+        jacobian[24] = t457;
+        jacobian[25] = t464;
+        jacobian[26] = t471;
+        jacobian[27] = t478;
+        jacobian[28] = t485;
         jacobian[29] = 0.0;
-        jacobian[30] = t494;
-        jacobian[31] = t501;
-        jacobian[32] = t508;
-        jacobian[33] = t515;
-        jacobian[34] = t522;
+        jacobian[30] = t492;
+        jacobian[31] = t499;
+        jacobian[32] = t506;
+        jacobian[33] = t513;
+        jacobian[34] = t520;
         jacobian[35] = 0.0;
     }
     return status;
 }
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int count,
+    yao2020_status status)
+{
+    yao2020_status found = yao2020_check_finite(speeds, count, status);
+    for (int i = 0; i < count; ++i) {
+        if ((found == YAO2020_OK) && (fabs(speeds[i]) > 600000000.0)) {
+            found = YAO2020_OUT_OF_RANGE;
+        }
+    }
+    return found;
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao2020_real e[6],
+    yao2020_real y[6])
+{
+    static const yao2020_real row_scale[6] = { 0.0018017286871142555, 0.0018017286871142555,
+        0.0018017286871142555, 1.0, 1.0, 1.0 };
+    static const yao2020_real column_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 555.0225220655465 };
+    yao2020_real a[6][6];
+    yao2020_real g[6][6];
+    yao2020_real r[6];
+    yao2020_real smallest = 0.0;
+    yao2020_real mean = 0.0;
+    yao2020_real raised = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.16666666666666666;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
+        uint8_t order[6];
+        /* the normal equations */
+        for (int i = 0; i < 6; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = e[i];
+            for (int j = 0; j < 6; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[i][k] * a[j][k];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 6) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const yao2020_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 6; ++j) {
+                const yao2020_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 6; ++i) {
+                const yao2020_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 1.7763568394002505e-15 * mean;
+            for (int i = c + 1; (i < 6) && whole; ++i) {
+                const yao2020_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 6; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[5][5] / mean) : 0.0;
+            raised = mean * (0.0004 - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 5; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 6; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            y[i] = 0.0;
+        }
+        for (int i = 0; (i < 6) && whole; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                y[j] += a[order[i]][j] * r[i];
+            }
+        }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static yao2020_real yao2020_length_of(const yao2020_real e[6])
+{
+    yao2020_real sum = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrt(sum) * YAO2020_SIZE;
+}
+
+/* The twist of joint rates: the Jacobian times the rates. */
+yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6],
+    yao2020_real twist[6])
+{
+    yao2020_real jacobian[36];
+    const yao2020_status status = yao2020_check_speeds(rates, 6, yao2020_jacobian(joints,
+        jacobian));
+    if (status == YAO2020_OK) {
+        for (int i = 0; i < 6; ++i) {
+            yao2020_real sum = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                sum += jacobian[6 * i + j] * rates[j];
+            }
+            twist[i] = sum;
+        }
+    }
+    return status;
+}
+
+/* Joint rates next to a twist, damped near singularities. */
+yao2020_status yao2020_rates(const yao2020_real joints[6], const yao2020_real twist[6],
+    yao2020_real rates[6], yao2020_info *info)
+{
+    yao2020_real jacobian[36];
+    const yao2020_status status = yao2020_check_speeds(twist, 6, yao2020_jacobian(joints,
+        jacobian));
+    yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if (status == YAO2020_OK) {
+        yao2020_real e[6];
+        yao2020_real found[6];
+        for (int i = 0; i < 6; ++i) {
+            e[i] = twist[i] * ((i < 3) ? 0.0018017286871142555 : 1.0);
+        }
+        const yao2020_real pivot = yao2020_damped(jacobian, e, found);
+        /* what is missing of the twist */
+        for (int i = 0; i < 6; ++i) {
+            yao2020_real sum = twist[i];
+            for (int j = 0; j < 6; ++j) {
+                sum -= jacobian[6 * i + j] * found[j];
+            }
+            e[i] = sum * ((i < 3) ? 0.0018017286871142555 : 1.0);
+        }
+        for (int i = 0; i < 6; ++i) {
+            rates[i] = found[i];
+        }
+        yao2020_write_info(info, 1U, yao2020_length_of(e), 0.0,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+    }
+    return status;
+}
+
+/* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
+yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twist[6],
+    const yao2020_real rate_limits[6], yao2020_real *feed)
+{
+    yao2020_real rates[6];
+    yao2020_status status = yao2020_check_finite(rate_limits, 6, yao2020_rates(joints, twist,
+        rates, NULL));
+    yao2020_real most = 1.0;
+    for (int i = 0; (i < 6) && (status == YAO2020_OK); ++i) {
+        const yao2020_real rate = fabs(rates[i]);
+        if (rate_limits[i] < 0.0) {
+            status = YAO2020_OUT_OF_RANGE;
+        } else if (rate * most > rate_limits[i]) {
+            most = rate_limits[i] / rate;
+        } else {
+            /* within its limit */
+        }
+    }
+    if (status == YAO2020_OK) {
+        *feed = most;
+    }
+    return status;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static yao2020_real yao2020_pose_error(const yao2020_real q[6], const yao2020_real to[7],
+    yao2020_real e[6])
+{
+    yao2020_real x[7];
+    yao2020_forward(q, x);
+    const yao2020_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const yao2020_real twice = (w < 0.0) ? -2.0 : 2.0;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0018017286871142555;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return yao2020_length_of(e);
+}
+
+/* One damped step towards a pose, shortened where the error would grow. */
+yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], yao2020_info *info)
+{
+    static const yao2020_real per_turn[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 0.0018017286871142555 };
+    yao2020_real to[7];
+    yao2020_real jacobian[36];
+    yao2020_status status = yao2020_normalise_pose(pose, to);
+    const yao2020_status started = yao2020_jacobian(joints, jacobian);
+    yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    if ((started != YAO2020_OK) && (status != YAO2020_NONFINITE)) {
+        status = started;
+        if (info != NULL) {
+            info->joint = yao2020_first_beyond(joints);
+        }
+    }
+    if (status == YAO2020_OK) {
+        yao2020_real e[6];
+        yao2020_real step[6];
+        yao2020_real moved[6];
+        const yao2020_real before = yao2020_pose_error(joints, to, e);
+        const yao2020_real pivot = yao2020_damped(jacobian, e, step);
+        yao2020_real after = HUGE_VAL;
+        yao2020_real part = 1.0;
+        yao2020_real longest = 0.0;
+        yao2020_real size = 0.0;
+        for (int i = 0; i < 6; ++i) {
+            const yao2020_real turn = fabs(step[i]) * per_turn[i];
+            longest = (turn > longest) ? turn : longest;
+            size += turn * turn;
+        }
+        if (longest > 0.2) {
+            part = 0.2 / longest;
+        }
+        for (int round = 0; (round < 4) && !(after <= before + 3.9436722123692396e-12); ++round) {
+            part *= (round == 0) ? 1.0 : 0.25;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i] + part * step[i];
+            }
+            after = yao2020_pose_error(moved, to, e);
+        }
+        if (!(after <= before + 3.9436722123692396e-12)) {
+            /* nothing is nearer: the joints stay */
+            part = 0.0;
+            after = before;
+            for (int i = 0; i < 6; ++i) {
+                moved[i] = joints[i];
+            }
+        }
+        status = yao2020_check_limits(moved);
+        yao2020_write_info(info, 1U, after, part * part * size * YAO2020_SIZE * YAO2020_SIZE,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        if (status == YAO2020_OK) {
+            for (int i = 0; i < 6; ++i) {
+                joints[i] = moved[i];
+            }
+        } else if (info != NULL) {
+            info->joint = yao2020_first_beyond(moved);
+        } else {
+            /* nobody asks which joint */
+        }
+    }
+    return status;
+}
+
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
 static yao2020_real yao2020_sine(yao2020_real angle)
 {
     const yao2020_real number = angle * 0.15915494309189535;
     yao2020_real sine = 0.0;
     if (fabs(number) < 10000.0) {
-        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0)
+            ? -0.5 : 0.5));
         if (x > 1.5707963267948966) {
             x = 3.141592653589793 - x;
         } else if (x < -1.5707963267948966) {
@@ -2637,20 +2943,24 @@ static yao2020_real yao2020_sine(yao2020_real angle)
             /* within a quarter turn */
         }
         const yao2020_real square = x * x;
-        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243
+            + square * (0.008306323850167805 + square * -0.00018363616794956467)));
     }
     return sine;
 }
 
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint. */
-static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6], unsigned int wanted, yao2020_real found[][6], bool *undecided)
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint. */
+static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
+    unsigned int wanted, yao2020_real found[][6], bool *undecided)
 {
     int count = 0;
     (void)near;
     (void)wanted;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
     const yao2020_real t0 = x[4] * x[6];
     const yao2020_real t1 = x[3] * x[5];
     const yao2020_real t2 = t0 + t1;
@@ -2690,9 +3000,10 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                 const yao2020_real t36 = 0.0033333333333333335 * t18;
                 const yao2020_real t37 = -t35;
                 const yao2020_real t38 = atan2(t36, t37);
-                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6
+                 * tells theta5 */
                 const yao2020_real t39 = -300.0 - t34;
-                const yao2020_real t40 = t39 - (-385.0);
+                const yao2020_real t40 = t39 + 385.0;
                 const yao2020_real t41 = t40 * t40;
                 const yao2020_real t42 = t41 * 3.2462262619704594e-06;
                 if (t42 > 2.842170943040401e-14) {
@@ -2732,7 +3043,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                 const yao2020_real t77 = t40 * t76;
                                 const yao2020_real t78 = t77 * t70;
                                 const yao2020_real t79 = atan2(t71, t78);
-                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be */
+                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet
+                                 * to where it must be */
                                 const yao2020_real t80 = t0 - t1;
                                 const yao2020_real t81 = t80 + t80;
                                 const yao2020_real t82 = t12 + t49;
@@ -2747,10 +3059,11 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                 const yao2020_real t91 = t89 + t90;
                                 const yao2020_real t92 = -545.0 - t91;
                                 const yao2020_real t93 = t78 * t40;
-                                const yao2020_real t94 = -385.0 + t93;
+                                const yao2020_real t94 = t93 - 385.0;
                                 const yao2020_real t95 = t92 - t94;
                                 const yao2020_real t96 = -t95;
-                                /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+                                /* the axis of theta3: its level along the axis of theta1 tells
+                                 * theta2 */
                                 const yao2020_real t97 = t71 * t35;
                                 const yao2020_real t98 = t56 * t97;
                                 const yao2020_real t99 = t78 * t35;
@@ -2773,7 +3086,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             const yao2020_real t116 = sign2 * t115;
                                             const yao2020_real t117 = -t103;
                                             const yao2020_real t118 = atan2(t117, t116);
-                                            /* theta1 turns the axis of theta3 to where it must be */
+                                            /* theta1 turns the axis of theta3 to where it must
+                                             * be */
                                             const yao2020_real t119 = t47 * t97;
                                             const yao2020_real t120 = t84 * t99;
                                             const yao2020_real t121 = t119 - t120;
@@ -2792,7 +3106,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             const yao2020_real t134 = sqrt(t133);
                                             if (t134 > 2.842170943040401e-14) {
                                                 const yao2020_real t136 = atan2(t131, t124);
-                                                /* theta3 turns a direction of the tool to where it must be */
+                                                /* theta3 turns a direction of the tool to where it
+                                                 * must be */
                                                 const yao2020_real t137 = 1.0 / t134;
                                                 const yao2020_real t138 = t124 * t137;
                                                 const yao2020_real t139 = t86 * t71;
@@ -2860,7 +3175,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
     return count;
 }
 
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
 static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_real joints[6])
 {
     static const bool angular[6] = { true, true, true, true, true, false };
@@ -2881,7 +3197,8 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
 }
 
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6], unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
+static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6],
+    unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
 {
     yao2020_real x[7];
     yao2020_real found[1][6];
@@ -2926,7 +3243,8 @@ int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
 }
 
 /* The branch named by the choices' bits. */
-yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch, yao2020_real joints[6])
+yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch,
+    yao2020_real joints[6])
 {
     static const yao2020_real near[6] = { 0.0 };
     static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
@@ -2942,7 +3260,8 @@ yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int bra
 }
 
 /* The branch nearest to the guess, choice by choice. */
-yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6])
+yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6],
+    yao2020_real joints[6])
 {
     yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
     if (status == YAO2020_OK) {

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import common_values, copy, farthest, fill
+from symkin.codegen.c_templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
 from symkin.codegen.joint_ranges import range_functions, ranges_of
@@ -57,7 +57,7 @@ class LimbPlatformSource:
         made, real, values = self.made, self.real, self.values
         ranges = ranges_of(made.actuated, real, made.closure.characteristic_length)
         return "".join([
-            fill("pose.c", values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values),
+            normalise_pose(values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values),
             "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
             range_functions(ranges, real, values), *(self._limb_text(block) for block in made.blocks),
             self._solve_limbs, *self._direct, "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,

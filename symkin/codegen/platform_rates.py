@@ -28,7 +28,8 @@ def fastest(size: float) -> float:
 
 def rates_functions(mechanism: Mechanism, real: Real, values: Mapping[str, object]) -> str:
     """NAME_rates and NAME_feed."""
-    return fill("platform_rates.c", {**values, "fastest": real.literal(fastest(mechanism.characteristic_length))})
+    shown = {**values, "fastest": real.literal(fastest(mechanism.characteristic_length))}
+    return fill("check_speeds.c", shown) + fill("platform_rates.c", shown)
 
 
 def decides_twist(mechanism: Mechanism) -> bool:

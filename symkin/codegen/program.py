@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
 
+from symkin.codegen.arm_speeds import arm_speeds_header
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.c_templates import fill
 from symkin.codegen.home_pose import home_pose
@@ -69,7 +70,9 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
     values = source.values | _header_values(kind, source.code)
-    if not mechanism.serial:
+    if mechanism.serial:
+        values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
+    else:
         values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(

@@ -139,10 +139,10 @@ $$|g''(t)| \le \sum_a |a| \Big(\sum_i k_i |d_i|\Big)^2 \le \sum_i W_i \, d_i^2 =
 
 $k_i$ the order of the wave (of a Chebyshev polynomial its largest derivatives). So $g(t) \ge (1 - t) g_0 + t g_1 - K t (1 - t)$, which
 is above zero for all $t$ where $K < (\sqrt{g_0} + \sqrt{g_1})^2$. **Proved**: the part is accepted where $K < g_0 + g_1 + 2 \min(g_0, g_1)$,
-which is not more; the whole line is tried first, what is refused is halved. A point at which some $g$ is not above its rounding is a point
+which is not more; the whole line is tried first, what is refused is cut to nine tenths of what $K$ lets pass. A point at which some $g$ is not above its rounding is a point
 without a configuration or a singular one, and parts shorter than 1/4096 pass too near to one: the status is then `WRONG_BRANCH`.
-(An angle between two unit vectors is at most $\pi / \sqrt 8$ times their distance, up to a right angle: no angle is formed before a
-line has to be cut.) Slides without limits are looked at within two sizes of the machine about the reference; beyond them nothing is assured. Lines within
+(Of an angle up to a right one with the chord $c$ the square is at most $c^2 + 0.117 c^4$: no angle is formed before a line has to
+be cut.) Slides without limits are looked at within two sizes of the machine about the reference; beyond them nothing is assured. Lines within
 a sixteenth or a quarter of the slides' ranges have bounds of their own, which are smaller.
 
 A discriminant that holds the root $r$ of another one, $D$, is $P + Q r$ with polynomials $P$ and $Q$; where $D \ge m$ on a part of the

@@ -14,8 +14,9 @@ import numpy as np
 
 from symkin.closed.plan import Plan, plan_of
 from symkin.closure.snapping import snapped_expression
+from symkin.codegen.arm_speeds import arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
+from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_functions, ranges_of
@@ -219,10 +220,17 @@ class ArmSource:
             "out": indent(copy("joints", "w.x", nq), 3),
         })  # fmt: skip
         return "".join([
-            fill("pose.c", values), fill("info.c", values), range_functions(ranges, arm.real, values),
+            normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
             fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
-            "" if self.closed is None else self.closed.text,
+            self._speeds, "" if self.closed is None else self.closed.text,
         ])  # fmt: skip
+
+    @property
+    def _speeds(self) -> str:
+        """Rates, twist, feed and the step of a control loop."""
+        arm = self.arm
+        size = arm.mechanism.characteristic_length
+        return arm_speeds(arm.actuated, arm.real, size, self.code.tuning.rounding, self.values)
 
     def _emitter(self, expression: ca.SX, joints: str) -> Emitter:
         """Emitter of a dense function of the joints, whose C name is given."""

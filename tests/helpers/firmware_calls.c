@@ -64,7 +64,9 @@ static void call_all(const real in[COUNT], int status[4])
     status[1] = ((status[1] == 0) && !all_finite(joints, N)) ? -1 : status[1];
     status[2] = (int)F(jacobian)(FIRST in, matrix);
     status[2] = ((status[2] == 0) && !all_finite(matrix, 6 * N)) ? -1 : status[2];
-    status[3] = 1;
+    memcpy(joints, in + GUESS, sizeof joints);
+    status[3] = (int)F(track)(FIRST &pose, joints, &info);
+    status[3] = ((status[3] == 0) && !(all_finite(joints, N) && isfinite(info.residual))) ? -1 : status[3];
 #else
     status[0] = (int)F(direct)(FIRST NULL, in, &pose, &out, &info);
     status[0] = ((status[0] == 0) && !pose_finite(&out)) ? -1 : status[0];
@@ -83,7 +85,7 @@ static int reads(int function, int slot)
 {
     const int of_joints = slot < N;
 #ifdef SERIAL
-    return (function < 3) && ((function == 1) ? !of_joints : of_joints);
+    return ((function == 1) || (function == 3)) ? !of_joints : of_joints;
 #else
     return (slot < GUESS) && ((function < 2) || !of_joints);
 #endif

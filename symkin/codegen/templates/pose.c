@@ -3,7 +3,7 @@
 static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
 {
     const @{real} *const q = pose->quaternion;
-    const @{real} squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+@{squared}
     @{p}_status status = @{P}_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];

@@ -14,3 +14,4 @@
 @{closed}
 /* Row-major 6 x @{nq}: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 @{p}_status @{p}_jacobian(@{gpd}const @{p}_real joints[@{P}_JOINTS], @{p}_real jacobian[6 * @{P}_JOINTS]);
+@{speeds}

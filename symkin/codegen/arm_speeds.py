@@ -1,0 +1,51 @@
+"""Write the C of an arm's speeds and of its control loop: joint rates of a twist, the twist of joint rates, feed, and one damped step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from symkin.codegen.c_emitter import Real, indent
+from symkin.codegen.c_templates import fill
+from symkin.codegen.platform_rates import fastest
+from symkin.model.joint import Coordinate
+
+_DAMPED_BELOW = 0.02
+"""Root of the smallest pivot of the normal equations over their mean diagonal entry below which rates are damped: a 50th of the
+usual speed for a joint's rate."""
+_MOST_TURN = 0.2
+"""Longest step of a joint in one call of NAME_track (rad, or of the size)."""
+_SHORTER, _ROUNDS = 0.25, 4
+"""By which a step that does not come nearer is shortened, and how often it is tried."""
+
+
+def arm_speeds(coordinates: Sequence[Coordinate], real: Real, size: float, rounding: float, values: Mapping[str, object]) -> str:
+    """NAME_rates, NAME_twist, NAME_feed and NAME_track of an arm; `rounding`: error of a pose that rounding makes, as a length."""
+    count, literal = len(coordinates), real.literal
+    wide = count >= 6
+    per_size = literal(1.0 / size)
+    own = {
+        "nm": min(count, 6), "last": min(count, 6) - 1, "per_count": literal(1.0 / min(count, 6)), "per_size": per_size,
+        "row_scales": ", ".join([per_size] * 3 + [literal(1.0)] * 3),
+        "column_scales": ", ".join(literal(1.0 if c.is_angular else size) for c in coordinates),
+        "per_turns": ", ".join(literal(1.0) if c.is_angular else per_size for c in coordinates),
+        "damped_pivot": literal(_DAMPED_BELOW**2), "least_pivot": literal(16.0 * real.epsilon),
+        # of six joints or more J J^T z = e and y = J^T z, of fewer J^T J y = J^T e
+        "right_start": "e[i]" if wide else literal(0.0), "right_count": 0 if wide else 6, "right_term": "a[j][i] * e[j]",
+        "inner": count if wide else 6, "product": "a[i][k] * a[j][k]" if wide else "a[k][i] * a[k][j]",
+        "back": indent([f"for (int j = 0; j < {count}; ++j) {{", "    y[j] += a[order[i]][j] * r[i];", "}"] if wide else ["y[order[i]] = r[i];"], 3),
+        "most_turn_literal": literal(_MOST_TURN), "quarter_part": literal(_SHORTER), "rounds": _ROUNDS, "rounding": literal(rounding),
+        "fastest": literal(fastest(size)),
+    }  # fmt: skip
+    text = fill("arm_rates.c", {**values, **own})
+    if wide:
+        text = text.replace(
+            "            for (int j = 0; j < 0; ++j) {\n                r[i] += a[j][i] * e[j];\n            }\n", ""
+        )
+    return fill("check_speeds.c", {**values, **own}) + text
+
+
+def arm_speeds_header(size: float, values: Mapping[str, object]) -> str:
+    """The declarations."""
+    return fill(
+        "arm_rates.h", {**values, "fastest": f"{fastest(size):g}", "damped_below": _DAMPED_BELOW, "most_turn": _MOST_TURN}
+    )
