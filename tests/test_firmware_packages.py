@@ -15,9 +15,9 @@ from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 
 CODEGEN = Path(__file__).parent.parent / "codegen"
-FOLDERS = sorted(path.parent.name for path in CODEGEN.glob("*/manifest.json"))
-POSES = [folder for folder in FOLDERS if "find" not in json.loads((CODEGEN / folder / "manifest.json").read_text())["options"]]
-"""Folders that solve for poses, not maps between joints."""
+MANIFESTS = [(path.parent.name, json.loads(path.read_text())) for path in CODEGEN.glob("*/manifest.json")]
+FOLDERS = sorted(name for name, manifest in MANIFESTS if "given" not in manifest["options"])
+"""Folders of machines with a pose: maps between joints have an example of their own."""
 USER = """#include <NAME.h>
 int main(void) { NAME_pose pose = { { 0, 0, 0 }, { 2, 0, 0, 0 } }; NAME_real joints[NAME_COUNT]; return NAME_inverse(&pose, joints) == OUTSIDE ? 0 : 1; }
 """
@@ -169,7 +169,7 @@ def test_cpp_header(name, tmp_path):
             tools.passed(tmp_path / "user")
 
 
-@pytest.mark.parametrize("folder", POSES)
+@pytest.mark.parametrize("folder", FOLDERS)
 def test_the_example_loses_nothing(folder, tmp_path):
     """The loop answers every cycle but those it must hold: readings that are not numbers; a gap is bridged by the whole line."""
     name = json.loads((CODEGEN / folder / "manifest.json").read_text())["mechanism"]

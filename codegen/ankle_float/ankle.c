@@ -475,7 +475,7 @@ static ANKLE_COLD void ankle_direct_pivoted_solve(ankle_direct_work *w)
         }
     }
     /* back substitution */
-    for (int c = 2 - 1; c >= 0; --c) {
+    for (int c = 1; c >= 0; --c) {
         const ankle_real t = w->f[c] * w->a[2 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -1143,7 +1143,7 @@ static ANKLE_COLD void ankle_inverse_pivoted_solve(ankle_inverse_work *w)
         }
     }
     /* back substitution */
-    for (int c = 2 - 1; c >= 0; --c) {
+    for (int c = 1; c >= 0; --c) {
         const ankle_real t = w->f[c] * w->a[2 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {

@@ -315,7 +315,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
 {
-    /* row 1 */
+    /* row 1: q1, q2, q3, q4, q5, q6 */
     const gluon_6l3_real t0 = cos(w->x[0]);
     const gluon_6l3_real t1 = cos(w->x[1]);
     const gluon_6l3_real t2 = cos(w->x[2]);
@@ -386,14 +386,14 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t67 = w->k[0] - t66;
     const gluon_6l3_real t68 = -t67;
     w->f[0] = t68;
-    /* row 2 */
+    /* row 2: q1, q2, q3, q4, q5, q6 */
     const gluon_6l3_real t70 = t0 * t64;
     const gluon_6l3_real t71 = t46 * t44;
     const gluon_6l3_real t72 = t70 + t71;
     const gluon_6l3_real t73 = w->k[1] - t72;
     const gluon_6l3_real t74 = -t73;
     w->f[1] = t74;
-    /* row 3 */
+    /* row 3: q1, q2, q3, q4, q5, q6 */
     const gluon_6l3_real t76 = t1 * t42;
     const gluon_6l3_real t77 = t38 * t36;
     const gluon_6l3_real t78 = t76 + t77;
@@ -405,7 +405,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t84 = w->k[2] - t83;
     const gluon_6l3_real t85 = -t84;
     w->f[2] = t85;
-    /* row 4 */
+    /* row 4: q1, q2, q3, q4, q5, q6 */
     const gluon_6l3_real t87 = 0.5 * w->x[0];
     const gluon_6l3_real t88 = cos(t87);
     const gluon_6l3_real t89 = 0.5 * w->x[1];
@@ -498,7 +498,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t176 = 1078.5874414251261 * t175;
     const gluon_6l3_real t177 = -t176;
     w->f[3] = t177;
-    /* row 5 */
+    /* row 5: q1, q2, q3, q4, q5, q6 */
     const gluon_6l3_real t179 = t141 * t173;
     const gluon_6l3_real t180 = t154 * t165;
     const gluon_6l3_real t181 = t179 - t180;
@@ -509,7 +509,7 @@ static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
     const gluon_6l3_real t186 = 1078.5874414251261 * t185;
     const gluon_6l3_real t187 = -t186;
     w->f[4] = t187;
-    /* row 6 */
+    /* row 6: q1, q2, q3, q4, q5, q6 */
     const gluon_6l3_real t189 = t141 * t165;
     const gluon_6l3_real t190 = t154 * t173;
     const gluon_6l3_real t191 = t189 + t190;
@@ -1390,7 +1390,7 @@ static GLUON_6L3_COLD void gluon_6l3_inverse_pivoted_solve(gluon_6l3_inverse_wor
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const gluon_6l3_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -2487,7 +2487,7 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
     gluon_6l3_real to[7];
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, gluon_6l3_normalise_pose(pose, to));
     gluon_6l3_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    for (int i = 6 - 1; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i) {
         if (!(fabs(guess[i]) <= 539293.720712563)) {
             status = (status == GLUON_6L3_OK) ? GLUON_6L3_OUT_OF_RANGE : status;
             if (info != NULL) {

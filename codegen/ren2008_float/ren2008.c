@@ -132,7 +132,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void ren2008_direct_rows(ren2008_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const ren2008_real t0 = w->x[0] * w->x[0];
     const ren2008_real t1 = w->x[1] * w->x[1];
     const ren2008_real t2 = t0 + t1;
@@ -143,7 +143,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[0] = w->x[0];
     w->d[1] = w->x[1];
     w->d[2] = w->x[2];
-    /* rod 2 */
+    /* row 2: leg2 */
     const ren2008_real t10 = w->x[5] + w->x[5];
     const ren2008_real t11 = t10 * w->x[5];
     const ren2008_real t12 = w->x[6] + w->x[6];
@@ -174,7 +174,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[3] = t18;
     w->d[4] = t25;
     w->d[5] = t32;
-    /* rod 3 */
+    /* row 3: leg3 */
     const ren2008_real t40 = t21 - t22;
     const ren2008_real t41 = 0.0984f * t40;
     const ren2008_real t42 = w->x[0] + t41;
@@ -206,7 +206,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[6] = t45;
     w->d[7] = t54;
     w->d[8] = t63;
-    /* rod 4 */
+    /* row 4: leg4 */
     const ren2008_real t71 = 0.7642f * t40;
     const ren2008_real t72 = w->x[0] + t71;
     const ren2008_real t73 = 0.4412f * t15;
@@ -231,7 +231,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[9] = t75;
     w->d[10] = t81;
     w->d[11] = t87;
-    /* rod 5 */
+    /* row 5: leg5 */
     const ren2008_real t95 = 0.3275f * t15;
     const ren2008_real t96 = t72 + t95;
     const ren2008_real t97 = t96 + 0.4027f;
@@ -250,7 +250,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[12] = t97;
     w->d[13] = t101;
     w->d[14] = t105;
-    /* rod 6 */
+    /* row 6: leg6 */
     const ren2008_real t113 = 0.0568f * t15;
     const ren2008_real t114 = t42 - t113;
     const ren2008_real t115 = t114 + 0.4779f;
@@ -472,7 +472,7 @@ static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const ren2008_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {

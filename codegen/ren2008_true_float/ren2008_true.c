@@ -135,7 +135,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const ren2008_true_real t0 = w->x[0] * w->x[0];
     const ren2008_true_real t1 = w->x[1] * w->x[1];
     const ren2008_true_real t2 = t0 + t1;
@@ -146,7 +146,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[0] = w->x[0];
     w->d[1] = w->x[1];
     w->d[2] = w->x[2];
-    /* rod 2 */
+    /* row 2: leg2 */
     const ren2008_true_real t10 = w->x[5] + w->x[5];
     const ren2008_true_real t11 = t10 * w->x[5];
     const ren2008_true_real t12 = w->x[6] + w->x[6];
@@ -178,7 +178,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[3] = t18;
     w->d[4] = t25;
     w->d[5] = t33;
-    /* rod 3 */
+    /* row 3: leg3 */
     const ren2008_true_real t41 = 0.8295f * t15;
     const ren2008_true_real t42 = w->x[0] + t41;
     const ren2008_true_real t43 = t21 - t22;
@@ -221,7 +221,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[6] = t49;
     w->d[7] = t63;
     w->d[8] = t75;
-    /* rod 4 */
+    /* row 4: leg4 */
     const ren2008_true_real t83 = 0.4436f * t15;
     const ren2008_true_real t84 = w->x[0] + t83;
     const ren2008_true_real t85 = 0.7672f * t43;
@@ -253,7 +253,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[9] = t89;
     w->d[10] = t97;
     w->d[11] = t106;
-    /* rod 5 */
+    /* row 5: leg5 */
     const ren2008_true_real t114 = 0.3233f * t15;
     const ren2008_true_real t115 = w->x[0] + t114;
     const ren2008_true_real t116 = 0.7612f * t43;
@@ -285,7 +285,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[12] = t120;
     w->d[13] = t128;
     w->d[14] = t137;
-    /* rod 6 */
+    /* row 6: leg6 */
     const ren2008_true_real t145 = 0.0587f * t15;
     const ren2008_true_real t146 = w->x[0] - t145;
     const ren2008_true_real t147 = 0.0964f * t43;
@@ -547,7 +547,7 @@ static REN2008_TRUE_COLD void ren2008_true_direct_pivoted_solve(ren2008_true_dir
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const ren2008_true_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {

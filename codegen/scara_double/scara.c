@@ -202,7 +202,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void scara_inverse_rows(scara_inverse_work *w)
 {
-    /* row 1 */
+    /* row 1: shoulder, elbow */
     const scara_real t0 = cos(w->x[0]);
     const scara_real t1 = cos(w->x[1]);
     const scara_real t2 = 175.0 * t1;
@@ -216,14 +216,14 @@ static void scara_inverse_rows(scara_inverse_work *w)
     const scara_real t10 = w->k[0] - t9;
     const scara_real t11 = -t10;
     w->f[0] = t11;
-    /* row 2 */
+    /* row 2: shoulder, elbow */
     const scara_real t13 = t0 * t7;
     const scara_real t14 = t5 * t3;
     const scara_real t15 = t13 + t14;
     const scara_real t16 = w->k[1] - t15;
     const scara_real t17 = -t16;
     w->f[1] = t17;
-    /* row 3 */
+    /* row 3: shoulder, elbow, turn, slide */
     const scara_real t19 = cos(w->x[2]);
     const scara_real t20 = t19 * w->x[3];
     const scara_real t21 = 1.0 - t19;
@@ -240,7 +240,7 @@ static void scara_inverse_rows(scara_inverse_work *w)
     const scara_real t32 = w->k[2] - t31;
     const scara_real t33 = -t32;
     w->f[2] = t33;
-    /* row 4 */
+    /* row 4: shoulder, elbow, turn */
     const scara_real t35 = 0.5 * w->x[0];
     const scara_real t36 = cos(t35);
     const scara_real t37 = 0.5 * w->x[1];
@@ -268,14 +268,14 @@ static void scara_inverse_rows(scara_inverse_work *w)
     const scara_real t59 = 800.0 * t58;
     const scara_real t60 = -t59;
     w->f[3] = t60;
-    /* row 5 */
+    /* row 5: shoulder, elbow, turn */
     const scara_real t62 = t52 * w->k[5];
     const scara_real t63 = t56 * w->k[4];
     const scara_real t64 = t62 - t63;
     const scara_real t65 = 800.0 * t64;
     const scara_real t66 = -t65;
     w->f[4] = t66;
-    /* row 6 */
+    /* row 6: shoulder, elbow, turn */
     const scara_real t68 = t52 * w->k[6];
     const scara_real t69 = t56 * w->k[3];
     const scara_real t70 = t68 - t69;
@@ -546,7 +546,7 @@ static void scara_inverse_solve(scara_inverse_work *w)
         }
     }
     /* back substitution with R */
-    for (int c = 4 - 1; c >= 0; --c) {
+    for (int c = 3; c >= 0; --c) {
         for (int j = c + 1; j < 4; ++j) {
             y[c] -= w->r[4 * c + j] * w->f[j];
         }
@@ -776,7 +776,7 @@ scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
     scara_real to[7];
     scara_status status = scara_check_finite(guess, 4, scara_normalise_pose(pose, to));
     scara_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    for (int i = 4 - 1; i >= 0; --i) {
+    for (int i = 3; i >= 0; --i) {
         if (!(fabs(guess[i]) <= 400000.0)) {
             status = (status == SCARA_OK) ? SCARA_OUT_OF_RANGE : status;
             if (info != NULL) {

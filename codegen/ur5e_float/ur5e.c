@@ -303,7 +303,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void ur5e_inverse_rows(ur5e_inverse_work *w)
 {
-    /* row 1 */
+    /* row 1: q1, q2, q3, q4, q5, q6 */
     const ur5e_real t0 = cosf(w->x[0]);
     const ur5e_real t1 = cosf(w->x[1]);
     const ur5e_real t2 = cosf(w->x[2]);
@@ -371,14 +371,14 @@ static void ur5e_inverse_rows(ur5e_inverse_work *w)
     const ur5e_real t64 = w->k[0] - t63;
     const ur5e_real t65 = -t64;
     w->f[0] = t65;
-    /* row 2 */
+    /* row 2: q1, q2, q3, q4, q5, q6 */
     const ur5e_real t67 = t0 * t61;
     const ur5e_real t68 = t45 * t43;
     const ur5e_real t69 = t67 + t68;
     const ur5e_real t70 = w->k[1] - t69;
     const ur5e_real t71 = -t70;
     w->f[1] = t71;
-    /* row 3 */
+    /* row 3: q1, q2, q3, q4, q5, q6 */
     const ur5e_real t73 = t1 * t41;
     const ur5e_real t74 = t38 * t36;
     const ur5e_real t75 = t73 + t74;
@@ -390,7 +390,7 @@ static void ur5e_inverse_rows(ur5e_inverse_work *w)
     const ur5e_real t81 = w->k[2] - t80;
     const ur5e_real t82 = -t81;
     w->f[2] = t82;
-    /* row 4 */
+    /* row 4: q1, q2, q3, q4, q5, q6 */
     const ur5e_real t84 = 0.5f * w->x[0];
     const ur5e_real t85 = cosf(t84);
     const ur5e_real t86 = 0.5f * w->x[1];
@@ -483,7 +483,7 @@ static void ur5e_inverse_rows(ur5e_inverse_work *w)
     const ur5e_real t173 = 1687.5912f * t172;
     const ur5e_real t174 = -t173;
     w->f[3] = t174;
-    /* row 5 */
+    /* row 5: q1, q2, q3, q4, q5, q6 */
     const ur5e_real t176 = t138 * t170;
     const ur5e_real t177 = t151 * t162;
     const ur5e_real t178 = t176 + t177;
@@ -494,7 +494,7 @@ static void ur5e_inverse_rows(ur5e_inverse_work *w)
     const ur5e_real t183 = 1687.5912f * t182;
     const ur5e_real t184 = -t183;
     w->f[4] = t184;
-    /* row 6 */
+    /* row 6: q1, q2, q3, q4, q5, q6 */
     const ur5e_real t186 = t138 * t162;
     const ur5e_real t187 = t151 * t170;
     const ur5e_real t188 = t186 - t187;
@@ -1372,7 +1372,7 @@ static UR5E_COLD void ur5e_inverse_pivoted_solve(ur5e_inverse_work *w)
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const ur5e_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -2458,7 +2458,7 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
     ur5e_real to[7];
     ur5e_status status = ur5e_check_finite(guess, 6, ur5e_normalise_pose(pose, to));
     ur5e_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-    for (int i = 6 - 1; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i) {
         if (!(fabsf(guess[i]) <= 843795.56f)) {
             status = (status == UR5E_OK) ? UR5E_OUT_OF_RANGE : status;
             if (info != NULL) {

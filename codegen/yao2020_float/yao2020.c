@@ -266,7 +266,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void yao2020_inverse_rows(yao2020_inverse_work *w)
 {
-    /* row 1 */
+    /* row 1: theta1, theta2, theta3, theta4, theta5, L6 */
     const yao2020_real t0 = cosf(w->x[0]);
     const yao2020_real t1 = cosf(w->x[1]);
     const yao2020_real t2 = cosf(w->x[2]);
@@ -315,14 +315,14 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t45 = w->k[0] - t44;
     const yao2020_real t46 = -t45;
     w->f[0] = t46;
-    /* row 2 */
+    /* row 2: theta1, theta2, theta3, theta4, theta5, L6 */
     const yao2020_real t48 = t0 * t42;
     const yao2020_real t49 = t35 * t33;
     const yao2020_real t50 = t48 + t49;
     const yao2020_real t51 = w->k[1] - t50;
     const yao2020_real t52 = -t51;
     w->f[1] = t52;
-    /* row 3 */
+    /* row 3: theta1, theta2, theta3, theta4, theta5, L6 */
     const yao2020_real t54 = t1 * t31;
     const yao2020_real t55 = t18 * t16;
     const yao2020_real t56 = t54 - t55;
@@ -333,7 +333,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t61 = w->k[2] - t60;
     const yao2020_real t62 = -t61;
     w->f[2] = t62;
-    /* row 4 */
+    /* row 4: theta1, theta2, theta3, theta4, theta5 */
     const yao2020_real t64 = 0.5f * w->x[0];
     const yao2020_real t65 = cosf(t64);
     const yao2020_real t66 = 0.5f * w->x[1];
@@ -399,7 +399,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t126 = 1110.045f * t125;
     const yao2020_real t127 = -t126;
     w->f[3] = t127;
-    /* row 5 */
+    /* row 5: theta1, theta2, theta3, theta4, theta5 */
     const yao2020_real t129 = t103 * w->k[5];
     const yao2020_real t130 = t113 * w->k[6];
     const yao2020_real t131 = t129 + t130;
@@ -410,7 +410,7 @@ static void yao2020_inverse_rows(yao2020_inverse_work *w)
     const yao2020_real t136 = 1110.045f * t135;
     const yao2020_real t137 = -t136;
     w->f[4] = t137;
-    /* row 6 */
+    /* row 6: theta1, theta2, theta3, theta4, theta5 */
     const yao2020_real t139 = t103 * w->k[6];
     const yao2020_real t140 = t113 * w->k[5];
     const yao2020_real t141 = t139 - t140;
@@ -1128,7 +1128,7 @@ static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const yao2020_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -2047,7 +2047,7 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
     yao2020_real to[7];
     yao2020_status status = yao2020_check_finite(guess, 6, yao2020_normalise_pose(pose, to));
     yao2020_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-    for (int i = 6 - 1; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i) {
         if (!(fabsf(guess[i]) <= 555022.5f)) {
             status = (status == YAO2020_OK) ? YAO2020_OUT_OF_RANGE : status;
             if (info != NULL) {

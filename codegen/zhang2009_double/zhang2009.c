@@ -138,7 +138,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhang2009_direct_rows(zhang2009_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const zhang2009_real t0 = w->x[5] + w->x[5];
     const zhang2009_real t1 = t0 * w->x[5];
     const zhang2009_real t2 = w->x[6] + w->x[6];
@@ -182,7 +182,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[0] = t13;
     w->d[1] = t23;
     w->d[2] = t35;
-    /* rod 2 */
+    /* row 2: leg2 */
     const zhang2009_real t43 = 125.0 * t11;
     const zhang2009_real t44 = w->x[0] - t43;
     const zhang2009_real t45 = 216.50635094610965 * t5;
@@ -207,7 +207,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[3] = t47;
     w->d[4] = t53;
     w->d[5] = t59;
-    /* rod 3 */
+    /* row 3: leg3 */
     const zhang2009_real t67 = 250.0 * t5;
     const zhang2009_real t68 = w->x[0] + t67;
     const zhang2009_real t69 = t68 - 238.15698604072062;
@@ -226,7 +226,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[6] = t69;
     w->d[7] = t73;
     w->d[8] = t77;
-    /* rod 4 */
+    /* row 4: leg4 */
     const zhang2009_real t85 = 250.0 * t11;
     const zhang2009_real t86 = w->x[0] + t85;
     const zhang2009_real t87 = t86 - 137.5;
@@ -245,7 +245,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[9] = t87;
     w->d[10] = t91;
     w->d[11] = t95;
-    /* rod 5 */
+    /* row 5: leg5 */
     const zhang2009_real t103 = t7 + t12;
     const zhang2009_real t104 = t103 + 238.15698604072062;
     const zhang2009_real t105 = t104 * t104;
@@ -261,7 +261,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[12] = t104;
     w->d[13] = t107;
     w->d[14] = t110;
-    /* rod 6 */
+    /* row 6: leg6 */
     const zhang2009_real t118 = t44 - t45;
     const zhang2009_real t119 = t118 + 275.0;
     const zhang2009_real t120 = t119 * t119;
@@ -480,7 +480,7 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const zhang2009_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {

@@ -150,7 +150,7 @@ typedef struct {
 static void zhang2009_direct_rows(const zhang2009_geometry *geometry, zhang2009_direct_work *w)
 {
     (void)geometry;
-    /* rod 1 */
+    /* row 1: leg1 */
     const zhang2009_real t0 = w->x[5] + w->x[5];
     const zhang2009_real t1 = t0 * w->x[5];
     const zhang2009_real t2 = w->x[6] + w->x[6];
@@ -206,7 +206,7 @@ static void zhang2009_direct_rows(const zhang2009_geometry *geometry, zhang2009_
     w->d[0] = t19;
     w->d[1] = t34;
     w->d[2] = t47;
-    /* rod 2 */
+    /* row 2: leg2 */
     const zhang2009_real t55 = geometry->platform[1][0] * t5;
     const zhang2009_real t56 = w->x[0] + t55;
     const zhang2009_real t57 = geometry->platform[1][1] * t11;
@@ -238,7 +238,7 @@ static void zhang2009_direct_rows(const zhang2009_geometry *geometry, zhang2009_
     w->d[3] = t61;
     w->d[4] = t69;
     w->d[5] = t78;
-    /* rod 3 */
+    /* row 3: leg3 */
     const zhang2009_real t86 = geometry->platform[2][0] * t5;
     const zhang2009_real t87 = w->x[0] + t86;
     const zhang2009_real t88 = geometry->platform[2][1] * t11;
@@ -270,7 +270,7 @@ static void zhang2009_direct_rows(const zhang2009_geometry *geometry, zhang2009_
     w->d[6] = t92;
     w->d[7] = t100;
     w->d[8] = t109;
-    /* rod 4 */
+    /* row 4: leg4 */
     const zhang2009_real t117 = geometry->platform[3][0] * t5;
     const zhang2009_real t118 = w->x[0] + t117;
     const zhang2009_real t119 = geometry->platform[3][1] * t11;
@@ -302,7 +302,7 @@ static void zhang2009_direct_rows(const zhang2009_geometry *geometry, zhang2009_
     w->d[9] = t123;
     w->d[10] = t131;
     w->d[11] = t140;
-    /* rod 5 */
+    /* row 5: leg5 */
     const zhang2009_real t148 = geometry->platform[4][0] * t5;
     const zhang2009_real t149 = w->x[0] + t148;
     const zhang2009_real t150 = geometry->platform[4][1] * t11;
@@ -334,7 +334,7 @@ static void zhang2009_direct_rows(const zhang2009_geometry *geometry, zhang2009_
     w->d[12] = t154;
     w->d[13] = t162;
     w->d[14] = t171;
-    /* rod 6 */
+    /* row 6: leg6 */
     const zhang2009_real t179 = geometry->platform[5][0] * t5;
     const zhang2009_real t180 = w->x[0] + t179;
     const zhang2009_real t181 = geometry->platform[5][1] * t11;
@@ -574,7 +574,7 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const zhang2009_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {

@@ -132,7 +132,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhang2009_direct_rows(zhang2009_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const zhang2009_real t0 = w->x[5] + w->x[5];
     const zhang2009_real t1 = t0 * w->x[5];
     const zhang2009_real t2 = w->x[6] + w->x[6];
@@ -179,7 +179,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[1] = t42;
     const zhang2009_real t44 = t34 + 420.0f;
     w->d[2] = t44;
-    /* rod 2 */
+    /* row 2: leg2 */
     const zhang2009_real t46 = 125.0f * t10;
     const zhang2009_real t47 = w->x[0] - t46;
     const zhang2009_real t48 = 216.50635f * t4;
@@ -208,7 +208,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[4] = t70;
     const zhang2009_real t72 = t62 + 420.0f;
     w->d[5] = t72;
-    /* rod 3 */
+    /* row 3: leg3 */
     const zhang2009_real t74 = 250.0f * t4;
     const zhang2009_real t75 = w->x[0] - t74;
     const zhang2009_real t76 = t75 + 23.686028f;
@@ -231,7 +231,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[7] = t92;
     const zhang2009_real t94 = t84 + 420.0f;
     w->d[8] = t94;
-    /* rod 4 */
+    /* row 4: leg4 */
     const zhang2009_real t96 = 250.0f * t10;
     const zhang2009_real t97 = w->x[0] + t96;
     const zhang2009_real t98 = t97 - 275.0f;
@@ -254,7 +254,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[10] = t114;
     const zhang2009_real t116 = t106 + 420.0f;
     w->d[11] = t116;
-    /* rod 5 */
+    /* row 5: leg5 */
     const zhang2009_real t118 = t6 + t11;
     const zhang2009_real t119 = t118 + 226.31396f;
     const zhang2009_real t120 = t119 * t118;
@@ -274,7 +274,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[13] = t133;
     const zhang2009_real t135 = t125 + 420.0f;
     w->d[14] = t135;
-    /* rod 6 */
+    /* row 6: leg6 */
     const zhang2009_real t137 = t47 + t48;
     const zhang2009_real t138 = t137 + 116.9873f;
     const zhang2009_real t139 = t138 * t137;
@@ -501,7 +501,7 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const zhang2009_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {

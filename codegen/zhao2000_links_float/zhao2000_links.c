@@ -630,7 +630,7 @@ static void zhao2000_links_limb1_solve(zhao2000_links_limb1_work *w)
         }
     }
     /* back substitution with R */
-    for (int c = 4 - 1; c >= 0; --c) {
+    for (int c = 3; c >= 0; --c) {
         for (int j = c + 1; j < 4; ++j) {
             y[c] -= w->r[4 * c + j] * w->f[j];
         }
@@ -1481,7 +1481,7 @@ static void zhao2000_links_limb2_solve(zhao2000_links_limb2_work *w)
         }
     }
     /* back substitution with R */
-    for (int c = 4 - 1; c >= 0; --c) {
+    for (int c = 3; c >= 0; --c) {
         for (int j = c + 1; j < 4; ++j) {
             y[c] -= w->r[4 * c + j] * w->f[j];
         }
@@ -2398,7 +2398,7 @@ static void zhao2000_links_limb3_solve(zhao2000_links_limb3_work *w)
         }
     }
     /* back substitution with R */
-    for (int c = 4 - 1; c >= 0; --c) {
+    for (int c = 3; c >= 0; --c) {
         for (int j = c + 1; j < 4; ++j) {
             y[c] -= w->r[4 * c + j] * w->f[j];
         }
@@ -2751,7 +2751,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
 {
-    /* row 1 */
+    /* row 1: hip1, elbow1, x, quaternion (w, x, y, z) */
     const zhao2000_links_real t0 = -69.282036f * w->x[13];
     const zhao2000_links_real t1 = w->x[14] * t0;
     const zhao2000_links_real t2 = -69.282036f * w->x[15];
@@ -2780,7 +2780,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t25 = t6 + t24;
     const zhao2000_links_real t26 = -t25;
     w->f[0] = t26;
-    /* row 2 */
+    /* row 2: hip1, elbow1, y, quaternion (w, x, y, z) */
     const zhao2000_links_real t28 = w->x[15] * t2;
     const zhao2000_links_real t29 = w->x[13] * t0;
     const zhao2000_links_real t30 = t28 + t29;
@@ -2794,7 +2794,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t38 = t34 - t37;
     const zhao2000_links_real t39 = -t38;
     w->f[1] = t39;
-    /* row 3 */
+    /* row 3: hip1, elbow1, z, quaternion (w, x, y, z) */
     const zhao2000_links_real t41 = w->x[12] * t0;
     const zhao2000_links_real t42 = w->x[14] * t2;
     const zhao2000_links_real t43 = t41 + t42;
@@ -2810,7 +2810,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t53 = t45 - t52;
     const zhao2000_links_real t54 = -t53;
     w->f[2] = t54;
-    /* row 4 */
+    /* row 4: hip1, elbow1, wrist1, quaternion (w, x, y, z) */
     const zhao2000_links_real t56 = 0.5f * t7;
     const zhao2000_links_real t57 = cosf(t56);
     const zhao2000_links_real t58 = 0.5f * w->x[0];
@@ -2860,7 +2860,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t102 = t97 - t101;
     const zhao2000_links_real t103 = 489.63956f * t102;
     w->f[3] = t103;
-    /* row 5 */
+    /* row 5: hip1, elbow1, wrist1, quaternion (w, x, y, z) */
     const zhao2000_links_real t105 = t77 * w->x[13];
     const zhao2000_links_real t106 = t81 * w->x[12];
     const zhao2000_links_real t107 = t105 - t106;
@@ -2871,7 +2871,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t112 = 489.63956f * t111;
     const zhao2000_links_real t113 = -t112;
     w->f[4] = t113;
-    /* row 6 */
+    /* row 6: hip2, elbow2, x, quaternion (w, x, y, z) */
     const zhao2000_links_real t115 = 34.641018f * w->x[13];
     const zhao2000_links_real t116 = 60.0f * w->x[14];
     const zhao2000_links_real t117 = t115 - t116;
@@ -2928,7 +2928,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t168 = t127 - t167;
     const zhao2000_links_real t169 = -t168;
     w->f[5] = t169;
-    /* row 7 */
+    /* row 7: hip2, elbow2, y, quaternion (w, x, y, z) */
     const zhao2000_links_real t171 = w->x[12] * t119;
     const zhao2000_links_real t172 = w->x[15] * t122;
     const zhao2000_links_real t173 = w->x[13] * t117;
@@ -2944,7 +2944,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t183 = t178 - t182;
     const zhao2000_links_real t184 = -t183;
     w->f[6] = t184;
-    /* row 8 */
+    /* row 8: hip2, elbow2, z, quaternion (w, x, y, z) */
     const zhao2000_links_real t186 = w->x[12] * t117;
     const zhao2000_links_real t187 = w->x[13] * t119;
     const zhao2000_links_real t188 = w->x[14] * t122;
@@ -2965,7 +2965,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t203 = t192 - t202;
     const zhao2000_links_real t204 = -t203;
     w->f[7] = t204;
-    /* row 9 */
+    /* row 9: hip2, elbow2, wrist2, quaternion (w, x, y, z) */
     const zhao2000_links_real t206 = 0.5f * t128;
     const zhao2000_links_real t207 = cosf(t206);
     const zhao2000_links_real t208 = 0.5f * w->x[3];
@@ -3041,7 +3041,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t278 = t271 - t277;
     const zhao2000_links_real t279 = 489.63956f * t278;
     w->f[8] = t279;
-    /* row 10 */
+    /* row 10: hip2, elbow2, wrist2, quaternion (w, x, y, z) */
     const zhao2000_links_real t281 = t251 * w->x[13];
     const zhao2000_links_real t282 = t262 * w->x[12];
     const zhao2000_links_real t283 = t281 - t282;
@@ -3052,7 +3052,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t288 = 489.63956f * t287;
     const zhao2000_links_real t289 = -t288;
     w->f[9] = t289;
-    /* row 11 */
+    /* row 11: hip3, elbow3, x, quaternion (w, x, y, z) */
     const zhao2000_links_real t291 = -60.0f * w->x[14];
     const zhao2000_links_real t292 = t115 - t291;
     const zhao2000_links_real t293 = w->x[14] * t292;
@@ -3106,7 +3106,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t341 = t300 - t340;
     const zhao2000_links_real t342 = -t341;
     w->f[10] = t342;
-    /* row 12 */
+    /* row 12: hip3, elbow3, y, quaternion (w, x, y, z) */
     const zhao2000_links_real t344 = w->x[12] * t294;
     const zhao2000_links_real t345 = w->x[13] * t292;
     const zhao2000_links_real t346 = t172 + t345;
@@ -3121,7 +3121,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t355 = t350 - t354;
     const zhao2000_links_real t356 = -t355;
     w->f[11] = t356;
-    /* row 13 */
+    /* row 13: hip3, elbow3, z, quaternion (w, x, y, z) */
     const zhao2000_links_real t358 = w->x[12] * t292;
     const zhao2000_links_real t359 = w->x[13] * t294;
     const zhao2000_links_real t360 = t359 + t188;
@@ -3141,7 +3141,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t374 = t363 - t373;
     const zhao2000_links_real t375 = -t374;
     w->f[12] = t375;
-    /* row 14 */
+    /* row 14: hip3, elbow3, wrist3, quaternion (w, x, y, z) */
     const zhao2000_links_real t377 = 0.5f * t301;
     const zhao2000_links_real t378 = cosf(t377);
     const zhao2000_links_real t379 = 0.5f * w->x[6];
@@ -3217,7 +3217,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t449 = t442 - t448;
     const zhao2000_links_real t450 = 489.63956f * t449;
     w->f[13] = t450;
-    /* row 15 */
+    /* row 15: hip3, elbow3, wrist3, quaternion (w, x, y, z) */
     const zhao2000_links_real t452 = t422 * w->x[13];
     const zhao2000_links_real t453 = t433 * w->x[12];
     const zhao2000_links_real t454 = t452 - t453;
@@ -3228,7 +3228,7 @@ static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
     const zhao2000_links_real t459 = 489.63956f * t458;
     const zhao2000_links_real t460 = -t459;
     w->f[14] = t460;
-    /* row 16 */
+    /* row 16: x, y, z */
     const zhao2000_links_real t462 = w->x[9] * w->x[9];
     const zhao2000_links_real t463 = w->x[10] * w->x[10];
     const zhao2000_links_real t464 = t462 + t463;
@@ -4927,7 +4927,7 @@ static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
         }
     }
     /* back substitution with R */
-    for (int c = 15 - 1; c >= 0; --c) {
+    for (int c = 14; c >= 0; --c) {
         for (int j = c + 1; j < 15; ++j) {
             y[c] -= w->r[15 * c + j] * w->f[j];
         }

@@ -43,9 +43,8 @@ def _is_open_comment(line: str) -> bool:
 
 def _star(line: str) -> str:
     """What a line of a comment below this one begins with."""
-    stripped = line.lstrip()
-    begin = next((mark for mark in ("///", "/*") if stripped.startswith(mark)), "*")
-    return line[: len(line) - len(stripped)] + {"///": "/// ", "/*": " * ", "*": "* "}[begin]
+    begin = line.lstrip().split(" ")[0]
+    return line[: len(line) - len(line.lstrip())] + {"/*": " *"}.get(begin, begin) + " "
 
 
 def _broken(line: str, width: int) -> list[str]:
@@ -56,7 +55,7 @@ def _broken(line: str, width: int) -> list[str]:
         return [f"{part} \\" for part in _code(line[:-1].rstrip(), indent + "    ", width - 2)]
     if trailing:
         return [*narrowed(f"{indent}/* {trailing[3]} */", width).split("\n"), *narrowed(indent + trailing[2], width).split("\n")]
-    if line.lstrip().startswith(("/* ", "* ", "/// ")):
+    if line.lstrip().startswith(("/* ", "* ", "// ", "/// ")):
         return _comment(line, width)
     return [line] if line.lstrip().startswith("#") else _code(line, indent + "    ", width)
 

@@ -158,7 +158,8 @@ class NewtonCode:
         each = int(kernel.shared_symbols.shape[0]) // max(kernel.m, 1)
         for row in range(kernel.m):
             if kernel.m > 1:
-                emitter.comment(kernel.meaning.row.format(i=row + 1))
+                about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
+                emitter.comment(c_comment(f"row {row + 1}: {about}" if about else f"row {row + 1}"))
             text = emitter.value(0, row)
             emitter.lines.append(f"w->f[{row}] = {text};")
             for shared in range(each * row, each * (row + 1)):
@@ -211,7 +212,7 @@ class NewtonCode:
         kernel = self.kernel
         n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
         return {
-            "n": n, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
+            "n": n, "last": n - 1, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
             "na": m * n, "most": max(m, n),
         }  # fmt: skip
 
