@@ -2415,7 +2415,7 @@ static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w,
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const gluon_6l3_real part = aim - done;
                 done = aim;

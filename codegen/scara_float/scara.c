@@ -709,7 +709,7 @@ static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const scara_real part = aim - done;
                 done = aim;

@@ -2394,7 +2394,7 @@ static ur5e_status ur5e_inverse_newton(ur5e_inverse_work *w, const ur5e_real to[
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const ur5e_real part = aim - done;
                 done = aim;

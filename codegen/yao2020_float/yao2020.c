@@ -1983,7 +1983,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const yao2020_real part = aim - done;
                 done = aim;
