@@ -33,7 +33,9 @@ static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int
 static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7])
 {
     const delta_real *const q = pose->quaternion;
-    const delta_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 443000.0) && (fabs(pose->position[1]) <= 443000.0) && (fabs(pose->position[2]) <= 443000.0);
+    const delta_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
     delta_status status = DELTA_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];

@@ -33,7 +33,9 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_re
 static gluon_6l3_status gluon_6l3_normalise_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
 {
     const gluon_6l3_real *const q = pose->quaternion;
-    const gluon_6l3_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f) && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 540000.0f) && (fabsf(pose->position[1]) <= 540000.0f) && (fabsf(pose->position[2]) <= 540000.0f);
+    const gluon_6l3_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0f;
     gluon_6l3_status status = GLUON_6L3_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -279,2165 +281,890 @@ static void gluon_6l3_forward(const gluon_6l3_real q[6], gluon_6l3_real x[7])
     x[6] = t167;
 }
 
-/* Work space of gluon_6l3_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: q1, q2, q3, q4, q5, q6
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    gluon_6l3_real x[6]; /* state */
-    gluon_6l3_real x0[6]; /* state at the part of the line that is done, to which a failed try returns */
-    gluon_6l3_real at[7]; /* known values at the guess, where the line begins */
-    gluon_6l3_real k[7]; /* known values aimed at */
-    gluon_6l3_real f[6]; /* rows; the linear solver leaves the step in their place */
-    gluon_6l3_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    gluon_6l3_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} gluon_6l3_inverse_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
+static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
 {
-    /* row 1 */
-    const gluon_6l3_real t0 = cosf(w->x[0]);
-    const gluon_6l3_real t1 = cosf(w->x[1]);
-    const gluon_6l3_real t2 = cosf(w->x[2]);
-    const gluon_6l3_real t3 = cosf(w->x[3]);
-    const gluon_6l3_real t4 = cosf(w->x[4]);
-    const gluon_6l3_real t5 = sinf(w->x[5]);
-    const gluon_6l3_real t6 = 9.849899e-15f * t5;
-    const gluon_6l3_real t7 = -8.199316e-14f + t6;
-    const gluon_6l3_real t8 = t7 - (-5.684342e-14f);
-    const gluon_6l3_real t9 = t4 * t8;
-    const gluon_6l3_real t10 = sinf(w->x[4]);
-    const gluon_6l3_real t11 = cosf(w->x[5]);
-    const gluon_6l3_real t12 = -44.36f * t11;
-    const gluon_6l3_real t13 = 1.0f - t11;
-    const gluon_6l3_real t14 = 44.36f * t13;
-    const gluon_6l3_real t15 = t12 - t14;
-    const gluon_6l3_real t16 = t10 * t15;
-    const gluon_6l3_real t17 = t9 - t16;
-    const gluon_6l3_real t18 = t3 * t17;
-    const gluon_6l3_real t19 = sinf(w->x[3]);
-    const gluon_6l3_real t20 = 9.849899e-15f * t13;
-    const gluon_6l3_real t21 = 533.96f + t20;
-    const gluon_6l3_real t22 = t21 - 453.87f;
-    const gluon_6l3_real t23 = t4 * t22;
-    const gluon_6l3_real t24 = 1.0f - t4;
-    const gluon_6l3_real t25 = t24 * t22;
-    const gluon_6l3_real t26 = t23 + t25;
-    const gluon_6l3_real t27 = t19 * t26;
-    const gluon_6l3_real t28 = t18 - t27;
-    const gluon_6l3_real t29 = -5.684342e-14f + t28;
-    const gluon_6l3_real t30 = t29 - (-2.842171e-14f);
-    const gluon_6l3_real t31 = t2 * t30;
-    const gluon_6l3_real t32 = sinf(w->x[2]);
-    const gluon_6l3_real t33 = t3 * t26;
-    const gluon_6l3_real t34 = t19 * t17;
-    const gluon_6l3_real t35 = t33 + t34;
-    const gluon_6l3_real t36 = 453.87f + t35;
-    const gluon_6l3_real t37 = t36 - 279.45f;
-    const gluon_6l3_real t38 = t32 * t37;
-    const gluon_6l3_real t39 = t31 - t38;
-    const gluon_6l3_real t40 = -2.842171e-14f + t39;
-    const gluon_6l3_real t41 = t1 * t40;
-    const gluon_6l3_real t42 = sinf(w->x[1]);
-    const gluon_6l3_real t43 = t2 * t37;
-    const gluon_6l3_real t44 = t32 * t30;
-    const gluon_6l3_real t45 = t43 + t44;
-    const gluon_6l3_real t46 = 279.45f + t45;
-    const gluon_6l3_real t47 = t46 - 105.03f;
-    const gluon_6l3_real t48 = t42 * t47;
-    const gluon_6l3_real t49 = t41 - t48;
-    const gluon_6l3_real t50 = t0 * t49;
-    const gluon_6l3_real t51 = sinf(w->x[0]);
-    const gluon_6l3_real t52 = t4 * t15;
-    const gluon_6l3_real t53 = t10 * t8;
-    const gluon_6l3_real t54 = t52 + t53;
-    const gluon_6l3_real t55 = -75.66f + t54;
-    const gluon_6l3_real t56 = t55 - 5.684342e-14f;
-    const gluon_6l3_real t57 = t3 * t56;
-    const gluon_6l3_real t58 = 1.0f - t3;
-    const gluon_6l3_real t59 = t58 * t56;
-    const gluon_6l3_real t60 = t57 + t59;
-    const gluon_6l3_real t61 = 5.684342e-14f + t60;
-    const gluon_6l3_real t62 = t61 - 2.842171e-14f;
-    const gluon_6l3_real t63 = t2 * t62;
-    const gluon_6l3_real t64 = 1.0f - t2;
-    const gluon_6l3_real t65 = t64 * t62;
-    const gluon_6l3_real t66 = t63 + t65;
-    const gluon_6l3_real t67 = 2.842171e-14f + t66;
-    const gluon_6l3_real t68 = t1 * t67;
-    const gluon_6l3_real t69 = 1.0f - t1;
-    const gluon_6l3_real t70 = t69 * t67;
-    const gluon_6l3_real t71 = t68 + t70;
-    const gluon_6l3_real t72 = t51 * t71;
-    const gluon_6l3_real t73 = t50 - t72;
-    const gluon_6l3_real t74 = w->k[0] - t73;
-    const gluon_6l3_real t75 = -t74;
-    w->f[0] = t75;
-    /* row 2 */
-    const gluon_6l3_real t77 = t0 * t71;
-    const gluon_6l3_real t78 = t51 * t49;
-    const gluon_6l3_real t79 = t77 + t78;
-    const gluon_6l3_real t80 = w->k[1] - t79;
-    const gluon_6l3_real t81 = -t80;
-    w->f[1] = t81;
-    /* row 3 */
-    const gluon_6l3_real t83 = t1 * t47;
-    const gluon_6l3_real t84 = t42 * t40;
-    const gluon_6l3_real t85 = t83 + t84;
-    const gluon_6l3_real t86 = 105.03f + t85;
-    const gluon_6l3_real t87 = t0 * t86;
-    const gluon_6l3_real t88 = 1.0f - t0;
-    const gluon_6l3_real t89 = t88 * t86;
-    const gluon_6l3_real t90 = t87 + t89;
-    const gluon_6l3_real t91 = w->k[2] - t90;
-    const gluon_6l3_real t92 = -t91;
-    w->f[2] = t92;
-    /* row 4 */
-    const gluon_6l3_real t94 = 0.5f * w->x[0];
-    const gluon_6l3_real t95 = cosf(t94);
-    const gluon_6l3_real t96 = 0.5f * w->x[1];
-    const gluon_6l3_real t97 = cosf(t96);
-    const gluon_6l3_real t98 = t95 * t97;
-    const gluon_6l3_real t99 = 0.5f * w->x[2];
-    const gluon_6l3_real t100 = cosf(t99);
-    const gluon_6l3_real t101 = t98 * t100;
-    const gluon_6l3_real t102 = sinf(t96);
-    const gluon_6l3_real t103 = t95 * t102;
-    const gluon_6l3_real t104 = sinf(t99);
-    const gluon_6l3_real t105 = t103 * t104;
-    const gluon_6l3_real t106 = t101 - t105;
-    const gluon_6l3_real t107 = 0.5f * w->x[3];
-    const gluon_6l3_real t108 = cosf(t107);
-    const gluon_6l3_real t109 = t106 * t108;
-    const gluon_6l3_real t110 = t98 * t104;
-    const gluon_6l3_real t111 = t103 * t100;
-    const gluon_6l3_real t112 = t110 + t111;
-    const gluon_6l3_real t113 = sinf(t107);
-    const gluon_6l3_real t114 = t112 * t113;
-    const gluon_6l3_real t115 = t109 - t114;
-    const gluon_6l3_real t116 = 0.5f * w->x[4];
-    const gluon_6l3_real t117 = cosf(t116);
-    const gluon_6l3_real t118 = t115 * t117;
-    const gluon_6l3_real t119 = sinf(t94);
-    const gluon_6l3_real t120 = t119 * t97;
-    const gluon_6l3_real t121 = t120 * t100;
-    const gluon_6l3_real t122 = t119 * t102;
-    const gluon_6l3_real t123 = t122 * t104;
-    const gluon_6l3_real t124 = t121 - t123;
-    const gluon_6l3_real t125 = t124 * t108;
-    const gluon_6l3_real t126 = t122 * t100;
-    const gluon_6l3_real t127 = t120 * t104;
-    const gluon_6l3_real t128 = t126 + t127;
-    const gluon_6l3_real t129 = t128 * t113;
-    const gluon_6l3_real t130 = t125 - t129;
-    const gluon_6l3_real t131 = sinf(t116);
-    const gluon_6l3_real t132 = t130 * t131;
-    const gluon_6l3_real t133 = t118 - t132;
-    const gluon_6l3_real t134 = 0.5f * w->x[5];
-    const gluon_6l3_real t135 = cosf(t134);
-    const gluon_6l3_real t136 = t133 * t135;
-    const gluon_6l3_real t137 = t128 * t108;
-    const gluon_6l3_real t138 = t124 * t113;
-    const gluon_6l3_real t139 = t137 + t138;
-    const gluon_6l3_real t140 = t139 * t131;
-    const gluon_6l3_real t141 = t106 * t113;
-    const gluon_6l3_real t142 = t112 * t108;
-    const gluon_6l3_real t143 = t141 + t142;
-    const gluon_6l3_real t144 = t143 * t117;
-    const gluon_6l3_real t145 = t140 + t144;
-    const gluon_6l3_real t146 = sinf(t134);
-    const gluon_6l3_real t147 = t145 * t146;
-    const gluon_6l3_real t148 = t136 - t147;
-    const gluon_6l3_real t149 = 0.70710677f * w->k[6];
-    const gluon_6l3_real t150 = -0.70710677f * w->k[5];
-    const gluon_6l3_real t151 = t149 - t150;
-    const gluon_6l3_real t152 = t148 * t151;
-    const gluon_6l3_real t153 = t139 * t117;
-    const gluon_6l3_real t154 = t143 * t131;
-    const gluon_6l3_real t155 = t153 - t154;
-    const gluon_6l3_real t156 = t155 * t135;
-    const gluon_6l3_real t157 = t115 * t131;
-    const gluon_6l3_real t158 = t130 * t117;
-    const gluon_6l3_real t159 = t157 + t158;
-    const gluon_6l3_real t160 = t159 * t146;
-    const gluon_6l3_real t161 = t156 + t160;
-    const gluon_6l3_real t162 = 0.70710677f * w->k[5];
-    const gluon_6l3_real t163 = -0.70710677f * w->k[6];
-    const gluon_6l3_real t164 = t162 + t163;
-    const gluon_6l3_real t165 = t161 * t164;
-    const gluon_6l3_real t166 = t152 - t165;
-    const gluon_6l3_real t167 = t145 * t135;
-    const gluon_6l3_real t168 = t133 * t146;
-    const gluon_6l3_real t169 = t167 + t168;
-    const gluon_6l3_real t170 = -0.70710677f * w->k[3];
-    const gluon_6l3_real t171 = 0.70710677f * w->k[4];
-    const gluon_6l3_real t172 = t170 + t171;
-    const gluon_6l3_real t173 = t169 * t172;
-    const gluon_6l3_real t174 = t166 - t173;
-    const gluon_6l3_real t175 = t159 * t135;
-    const gluon_6l3_real t176 = t155 * t146;
-    const gluon_6l3_real t177 = t175 - t176;
-    const gluon_6l3_real t178 = -0.70710677f * w->k[4];
-    const gluon_6l3_real t179 = 0.70710677f * w->k[3];
-    const gluon_6l3_real t180 = t178 - t179;
-    const gluon_6l3_real t181 = t177 * t180;
-    const gluon_6l3_real t182 = t174 + t181;
-    const gluon_6l3_real t183 = 1078.5874f * t182;
-    const gluon_6l3_real t184 = -t183;
-    w->f[3] = t184;
-    /* row 5 */
-    const gluon_6l3_real t186 = t148 * t180;
-    const gluon_6l3_real t187 = t161 * t172;
-    const gluon_6l3_real t188 = t186 - t187;
-    const gluon_6l3_real t189 = t169 * t164;
-    const gluon_6l3_real t190 = t188 + t189;
-    const gluon_6l3_real t191 = t177 * t151;
-    const gluon_6l3_real t192 = t190 - t191;
-    const gluon_6l3_real t193 = 1078.5874f * t192;
-    const gluon_6l3_real t194 = -t193;
-    w->f[4] = t194;
-    /* row 6 */
-    const gluon_6l3_real t196 = t148 * t172;
-    const gluon_6l3_real t197 = t161 * t180;
-    const gluon_6l3_real t198 = t196 + t197;
-    const gluon_6l3_real t199 = t169 * t151;
-    const gluon_6l3_real t200 = t198 + t199;
-    const gluon_6l3_real t201 = t177 * t164;
-    const gluon_6l3_real t202 = t200 + t201;
-    const gluon_6l3_real t203 = 1078.5874f * t202;
-    w->f[5] = t203;
+    const gluon_6l3_real x = fabsf(c);
+    const gluon_6l3_real y = fabsf(s);
+    const bool steep = y > x;
+    const gluon_6l3_real ratio = steep ? (x / y) : (y / x);
+    const gluon_6l3_real square = ratio * ratio;
+    gluon_6l3_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
 }
 
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static GLUON_6L3_SHARED gluon_6l3_real gluon_6l3_inverse_residual(const gluon_6l3_inverse_work *w)
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
 {
-    gluon_6l3_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 6; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static gluon_6l3_real gluon_6l3_inverse_apply_step(gluon_6l3_inverse_work *w)
-{
-    const gluon_6l3_real t0 = 0.0018542771f * w->f[0];
-    const gluon_6l3_real t1 = w->x[0] + t0;
-    const gluon_6l3_real t2 = 0.0018542771f * w->f[1];
-    const gluon_6l3_real t3 = w->x[1] + t2;
-    const gluon_6l3_real t4 = 0.0018542771f * w->f[2];
-    const gluon_6l3_real t5 = w->x[2] + t4;
-    const gluon_6l3_real t6 = 0.0018542771f * w->f[3];
-    const gluon_6l3_real t7 = w->x[3] + t6;
-    const gluon_6l3_real t8 = 0.0018542771f * w->f[4];
-    const gluon_6l3_real t9 = w->x[4] + t8;
-    const gluon_6l3_real t10 = 0.0018542771f * w->f[5];
-    const gluon_6l3_real t11 = w->x[5] + t10;
-    const gluon_6l3_real t12 = w->f[0] * w->f[0];
-    const gluon_6l3_real t13 = w->f[1] * w->f[1];
-    const gluon_6l3_real t14 = t12 + t13;
-    const gluon_6l3_real t15 = w->f[2] * w->f[2];
-    const gluon_6l3_real t16 = t14 + t15;
-    const gluon_6l3_real t17 = w->f[3] * w->f[3];
-    const gluon_6l3_real t18 = t16 + t17;
-    const gluon_6l3_real t19 = w->f[4] * w->f[4];
-    const gluon_6l3_real t20 = t18 + t19;
-    const gluon_6l3_real t21 = w->f[5] * w->f[5];
-    const gluon_6l3_real t22 = t20 + t21;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    w->x[4] = t9;
-    w->x[5] = t11;
-    return t22;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static GLUON_6L3_SHARED void gluon_6l3_inverse_set_target(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const gluon_6l3_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void gluon_6l3_inverse_matrix(gluon_6l3_inverse_work *w)
-{
-    const gluon_6l3_real t0 = cosf(w->x[1]);
-    const gluon_6l3_real t1 = cosf(w->x[2]);
-    const gluon_6l3_real t2 = cosf(w->x[3]);
-    const gluon_6l3_real t3 = cosf(w->x[4]);
-    const gluon_6l3_real t4 = sinf(w->x[5]);
-    const gluon_6l3_real t5 = 9.849899e-15f * t4;
-    const gluon_6l3_real t6 = -8.199316e-14f + t5;
-    const gluon_6l3_real t7 = t6 - (-5.684342e-14f);
-    const gluon_6l3_real t8 = t3 * t7;
-    const gluon_6l3_real t9 = sinf(w->x[4]);
-    const gluon_6l3_real t10 = cosf(w->x[5]);
-    const gluon_6l3_real t11 = -44.36f * t10;
-    const gluon_6l3_real t12 = 1.0f - t10;
-    const gluon_6l3_real t13 = 44.36f * t12;
-    const gluon_6l3_real t14 = t11 - t13;
-    const gluon_6l3_real t15 = t9 * t14;
-    const gluon_6l3_real t16 = t8 - t15;
-    const gluon_6l3_real t17 = t2 * t16;
-    const gluon_6l3_real t18 = sinf(w->x[3]);
-    const gluon_6l3_real t19 = 9.849899e-15f * t12;
-    const gluon_6l3_real t20 = 533.96f + t19;
-    const gluon_6l3_real t21 = t20 - 453.87f;
-    const gluon_6l3_real t22 = t3 * t21;
-    const gluon_6l3_real t23 = 1.0f - t3;
-    const gluon_6l3_real t24 = t23 * t21;
-    const gluon_6l3_real t25 = t22 + t24;
-    const gluon_6l3_real t26 = t18 * t25;
-    const gluon_6l3_real t27 = t17 - t26;
-    const gluon_6l3_real t28 = -5.684342e-14f + t27;
-    const gluon_6l3_real t29 = t28 - (-2.842171e-14f);
-    const gluon_6l3_real t30 = t1 * t29;
-    const gluon_6l3_real t31 = sinf(w->x[2]);
-    const gluon_6l3_real t32 = t2 * t25;
-    const gluon_6l3_real t33 = t18 * t16;
-    const gluon_6l3_real t34 = t32 + t33;
-    const gluon_6l3_real t35 = 453.87f + t34;
-    const gluon_6l3_real t36 = t35 - 279.45f;
-    const gluon_6l3_real t37 = t31 * t36;
-    const gluon_6l3_real t38 = t30 - t37;
-    const gluon_6l3_real t39 = -2.842171e-14f + t38;
-    const gluon_6l3_real t40 = t0 * t39;
-    const gluon_6l3_real t41 = sinf(w->x[1]);
-    const gluon_6l3_real t42 = t1 * t36;
-    const gluon_6l3_real t43 = t31 * t29;
-    const gluon_6l3_real t44 = t42 + t43;
-    const gluon_6l3_real t45 = 279.45f + t44;
-    const gluon_6l3_real t46 = t45 - 105.03f;
-    const gluon_6l3_real t47 = t41 * t46;
-    const gluon_6l3_real t48 = t40 - t47;
-    const gluon_6l3_real t49 = sinf(w->x[0]);
-    const gluon_6l3_real t50 = t48 * t49;
-    const gluon_6l3_real t51 = t3 * t14;
-    const gluon_6l3_real t52 = t9 * t7;
-    const gluon_6l3_real t53 = t51 + t52;
-    const gluon_6l3_real t54 = -75.66f + t53;
-    const gluon_6l3_real t55 = t54 - 5.684342e-14f;
-    const gluon_6l3_real t56 = t2 * t55;
-    const gluon_6l3_real t57 = 1.0f - t2;
-    const gluon_6l3_real t58 = t57 * t55;
-    const gluon_6l3_real t59 = t56 + t58;
-    const gluon_6l3_real t60 = 5.684342e-14f + t59;
-    const gluon_6l3_real t61 = t60 - 2.842171e-14f;
-    const gluon_6l3_real t62 = t1 * t61;
-    const gluon_6l3_real t63 = 1.0f - t1;
-    const gluon_6l3_real t64 = t63 * t61;
-    const gluon_6l3_real t65 = t62 + t64;
-    const gluon_6l3_real t66 = 2.842171e-14f + t65;
-    const gluon_6l3_real t67 = t0 * t66;
-    const gluon_6l3_real t68 = 1.0f - t0;
-    const gluon_6l3_real t69 = t68 * t66;
-    const gluon_6l3_real t70 = t67 + t69;
-    const gluon_6l3_real t71 = cosf(w->x[0]);
-    const gluon_6l3_real t72 = t70 * t71;
-    const gluon_6l3_real t73 = t50 + t72;
-    const gluon_6l3_real t74 = 0.0018542771f * t73;
-    w->a[0] = t74;
-    const gluon_6l3_real t76 = t39 * t41;
-    const gluon_6l3_real t77 = t46 * t0;
-    const gluon_6l3_real t78 = t76 + t77;
-    const gluon_6l3_real t79 = t71 * t78;
-    const gluon_6l3_real t80 = 0.0018542771f * t79;
-    w->a[1] = t80;
-    const gluon_6l3_real t82 = t29 * t31;
-    const gluon_6l3_real t83 = t36 * t1;
-    const gluon_6l3_real t84 = t82 + t83;
-    const gluon_6l3_real t85 = t0 * t84;
-    const gluon_6l3_real t86 = t29 * t1;
-    const gluon_6l3_real t87 = t36 * t31;
-    const gluon_6l3_real t88 = t86 - t87;
-    const gluon_6l3_real t89 = t41 * t88;
-    const gluon_6l3_real t90 = t85 + t89;
-    const gluon_6l3_real t91 = t71 * t90;
-    const gluon_6l3_real t92 = 0.0018542771f * t91;
-    w->a[2] = t92;
-    const gluon_6l3_real t94 = t16 * t18;
-    const gluon_6l3_real t95 = t25 * t2;
-    const gluon_6l3_real t96 = t94 + t95;
-    const gluon_6l3_real t97 = t1 * t96;
-    const gluon_6l3_real t98 = t16 * t2;
-    const gluon_6l3_real t99 = t25 * t18;
-    const gluon_6l3_real t100 = t98 - t99;
-    const gluon_6l3_real t101 = t31 * t100;
-    const gluon_6l3_real t102 = t97 + t101;
-    const gluon_6l3_real t103 = t0 * t102;
-    const gluon_6l3_real t104 = t1 * t100;
-    const gluon_6l3_real t105 = t31 * t96;
-    const gluon_6l3_real t106 = t104 - t105;
-    const gluon_6l3_real t107 = t41 * t106;
-    const gluon_6l3_real t108 = t103 + t107;
-    const gluon_6l3_real t109 = t71 * t108;
-    const gluon_6l3_real t110 = 0.0018542771f * t109;
-    w->a[3] = t110;
-    const gluon_6l3_real t112 = t14 * t3;
-    const gluon_6l3_real t113 = t7 * t9;
-    const gluon_6l3_real t114 = t112 + t113;
-    const gluon_6l3_real t115 = t18 * t114;
-    const gluon_6l3_real t116 = t31 * t115;
-    const gluon_6l3_real t117 = t2 * t114;
-    const gluon_6l3_real t118 = t1 * t117;
-    const gluon_6l3_real t119 = t116 - t118;
-    const gluon_6l3_real t120 = t0 * t119;
-    const gluon_6l3_real t121 = t1 * t115;
-    const gluon_6l3_real t122 = t31 * t117;
-    const gluon_6l3_real t123 = t121 + t122;
-    const gluon_6l3_real t124 = t41 * t123;
-    const gluon_6l3_real t125 = t120 + t124;
-    const gluon_6l3_real t126 = t71 * t125;
-    const gluon_6l3_real t127 = t7 * t3;
-    const gluon_6l3_real t128 = t14 * t9;
-    const gluon_6l3_real t129 = t127 - t128;
-    const gluon_6l3_real t130 = t2 * t129;
-    const gluon_6l3_real t131 = t57 * t129;
-    const gluon_6l3_real t132 = t130 + t131;
-    const gluon_6l3_real t133 = t1 * t132;
-    const gluon_6l3_real t134 = t63 * t132;
-    const gluon_6l3_real t135 = t133 + t134;
-    const gluon_6l3_real t136 = t0 * t135;
-    const gluon_6l3_real t137 = t68 * t135;
-    const gluon_6l3_real t138 = t136 + t137;
-    const gluon_6l3_real t139 = t49 * t138;
-    const gluon_6l3_real t140 = t126 - t139;
-    const gluon_6l3_real t141 = 0.0018542771f * t140;
-    const gluon_6l3_real t142 = -t141;
-    w->a[4] = t142;
-    const gluon_6l3_real t144 = 9.849899e-15f * t10;
-    const gluon_6l3_real t145 = t3 * t144;
-    const gluon_6l3_real t146 = -44.36f * t4;
-    const gluon_6l3_real t147 = 44.36f * t4;
-    const gluon_6l3_real t148 = t146 + t147;
-    const gluon_6l3_real t149 = t9 * t148;
-    const gluon_6l3_real t150 = t145 + t149;
-    const gluon_6l3_real t151 = t2 * t150;
-    const gluon_6l3_real t152 = t3 * t5;
-    const gluon_6l3_real t153 = t23 * t5;
-    const gluon_6l3_real t154 = t152 + t153;
-    const gluon_6l3_real t155 = t18 * t154;
-    const gluon_6l3_real t156 = t151 - t155;
-    const gluon_6l3_real t157 = t1 * t156;
-    const gluon_6l3_real t158 = t2 * t154;
-    const gluon_6l3_real t159 = t18 * t150;
-    const gluon_6l3_real t160 = t158 + t159;
-    const gluon_6l3_real t161 = t31 * t160;
-    const gluon_6l3_real t162 = t157 - t161;
-    const gluon_6l3_real t163 = t0 * t162;
-    const gluon_6l3_real t164 = t1 * t160;
-    const gluon_6l3_real t165 = t31 * t156;
-    const gluon_6l3_real t166 = t164 + t165;
-    const gluon_6l3_real t167 = t41 * t166;
-    const gluon_6l3_real t168 = t163 - t167;
-    const gluon_6l3_real t169 = t71 * t168;
-    const gluon_6l3_real t170 = t9 * t144;
-    const gluon_6l3_real t171 = t3 * t148;
-    const gluon_6l3_real t172 = t170 - t171;
-    const gluon_6l3_real t173 = t2 * t172;
-    const gluon_6l3_real t174 = t57 * t172;
-    const gluon_6l3_real t175 = t173 + t174;
-    const gluon_6l3_real t176 = t1 * t175;
-    const gluon_6l3_real t177 = t63 * t175;
-    const gluon_6l3_real t178 = t176 + t177;
-    const gluon_6l3_real t179 = t0 * t178;
-    const gluon_6l3_real t180 = t68 * t178;
-    const gluon_6l3_real t181 = t179 + t180;
-    const gluon_6l3_real t182 = t49 * t181;
-    const gluon_6l3_real t183 = t169 - t182;
-    const gluon_6l3_real t184 = 0.0018542771f * t183;
-    const gluon_6l3_real t185 = -t184;
-    w->a[5] = t185;
-    const gluon_6l3_real t187 = t48 * t71;
-    const gluon_6l3_real t188 = t70 * t49;
-    const gluon_6l3_real t189 = t187 - t188;
-    const gluon_6l3_real t190 = 0.0018542771f * t189;
-    const gluon_6l3_real t191 = -t190;
-    w->a[6] = t191;
-    const gluon_6l3_real t193 = t49 * t78;
-    const gluon_6l3_real t194 = 0.0018542771f * t193;
-    w->a[7] = t194;
-    const gluon_6l3_real t196 = t49 * t90;
-    const gluon_6l3_real t197 = 0.0018542771f * t196;
-    w->a[8] = t197;
-    const gluon_6l3_real t199 = t49 * t108;
-    const gluon_6l3_real t200 = 0.0018542771f * t199;
-    w->a[9] = t200;
-    const gluon_6l3_real t202 = t71 * t138;
-    const gluon_6l3_real t203 = t49 * t125;
-    const gluon_6l3_real t204 = t202 + t203;
-    const gluon_6l3_real t205 = 0.0018542771f * t204;
-    const gluon_6l3_real t206 = -t205;
-    w->a[10] = t206;
-    const gluon_6l3_real t208 = t71 * t181;
-    const gluon_6l3_real t209 = t49 * t168;
-    const gluon_6l3_real t210 = t208 + t209;
-    const gluon_6l3_real t211 = 0.0018542771f * t210;
-    const gluon_6l3_real t212 = -t211;
-    w->a[11] = t212;
-    w->a[12] = 0.0f;
-    const gluon_6l3_real t215 = t39 * t0;
-    const gluon_6l3_real t216 = t46 * t41;
-    const gluon_6l3_real t217 = t215 - t216;
-    const gluon_6l3_real t218 = t71 * t217;
-    const gluon_6l3_real t219 = 1.0f - t71;
-    const gluon_6l3_real t220 = t219 * t217;
-    const gluon_6l3_real t221 = t218 + t220;
-    const gluon_6l3_real t222 = 0.0018542771f * t221;
-    const gluon_6l3_real t223 = -t222;
-    w->a[13] = t223;
-    const gluon_6l3_real t225 = t0 * t88;
-    const gluon_6l3_real t226 = t41 * t84;
-    const gluon_6l3_real t227 = t225 - t226;
-    const gluon_6l3_real t228 = t71 * t227;
-    const gluon_6l3_real t229 = t219 * t227;
-    const gluon_6l3_real t230 = t228 + t229;
-    const gluon_6l3_real t231 = 0.0018542771f * t230;
-    const gluon_6l3_real t232 = -t231;
-    w->a[14] = t232;
-    const gluon_6l3_real t234 = t0 * t106;
-    const gluon_6l3_real t235 = t41 * t102;
-    const gluon_6l3_real t236 = t234 - t235;
-    const gluon_6l3_real t237 = t71 * t236;
-    const gluon_6l3_real t238 = t219 * t236;
-    const gluon_6l3_real t239 = t237 + t238;
-    const gluon_6l3_real t240 = 0.0018542771f * t239;
-    const gluon_6l3_real t241 = -t240;
-    w->a[15] = t241;
-    const gluon_6l3_real t243 = t41 * t119;
-    const gluon_6l3_real t244 = t0 * t123;
-    const gluon_6l3_real t245 = t243 - t244;
-    const gluon_6l3_real t246 = t71 * t245;
-    const gluon_6l3_real t247 = t219 * t245;
-    const gluon_6l3_real t248 = t246 + t247;
-    const gluon_6l3_real t249 = 0.0018542771f * t248;
-    const gluon_6l3_real t250 = -t249;
-    w->a[16] = t250;
-    const gluon_6l3_real t252 = t0 * t166;
-    const gluon_6l3_real t253 = t41 * t162;
-    const gluon_6l3_real t254 = t252 + t253;
-    const gluon_6l3_real t255 = t71 * t254;
-    const gluon_6l3_real t256 = t219 * t254;
-    const gluon_6l3_real t257 = t255 + t256;
-    const gluon_6l3_real t258 = 0.0018542771f * t257;
-    const gluon_6l3_real t259 = -t258;
-    w->a[17] = t259;
-    const gluon_6l3_real t261 = 0.70710677f * w->k[6];
-    const gluon_6l3_real t262 = -0.70710677f * w->k[5];
-    const gluon_6l3_real t263 = t261 - t262;
-    const gluon_6l3_real t264 = 0.5f * w->x[5];
-    const gluon_6l3_real t265 = cosf(t264);
-    const gluon_6l3_real t266 = 0.5f * w->x[4];
-    const gluon_6l3_real t267 = cosf(t266);
-    const gluon_6l3_real t268 = 0.5f * w->x[3];
-    const gluon_6l3_real t269 = cosf(t268);
-    const gluon_6l3_real t270 = 0.5f * w->x[2];
-    const gluon_6l3_real t271 = sinf(t270);
-    const gluon_6l3_real t272 = 0.5f * w->x[1];
-    const gluon_6l3_real t273 = sinf(t272);
-    const gluon_6l3_real t274 = 0.5f * w->x[0];
-    const gluon_6l3_real t275 = sinf(t274);
-    const gluon_6l3_real t276 = 0.5f * t275;
-    const gluon_6l3_real t277 = t273 * t276;
-    const gluon_6l3_real t278 = t271 * t277;
-    const gluon_6l3_real t279 = cosf(t270);
-    const gluon_6l3_real t280 = cosf(t272);
-    const gluon_6l3_real t281 = t280 * t276;
-    const gluon_6l3_real t282 = t279 * t281;
-    const gluon_6l3_real t283 = t278 - t282;
-    const gluon_6l3_real t284 = t269 * t283;
-    const gluon_6l3_real t285 = sinf(t268);
-    const gluon_6l3_real t286 = t271 * t281;
-    const gluon_6l3_real t287 = t279 * t277;
-    const gluon_6l3_real t288 = t286 + t287;
-    const gluon_6l3_real t289 = t285 * t288;
-    const gluon_6l3_real t290 = t284 + t289;
-    const gluon_6l3_real t291 = t267 * t290;
-    const gluon_6l3_real t292 = sinf(t266);
-    const gluon_6l3_real t293 = cosf(t274);
-    const gluon_6l3_real t294 = 0.5f * t293;
-    const gluon_6l3_real t295 = t280 * t294;
-    const gluon_6l3_real t296 = t279 * t295;
-    const gluon_6l3_real t297 = t273 * t294;
-    const gluon_6l3_real t298 = t271 * t297;
-    const gluon_6l3_real t299 = t296 - t298;
-    const gluon_6l3_real t300 = t269 * t299;
-    const gluon_6l3_real t301 = t279 * t297;
-    const gluon_6l3_real t302 = t271 * t295;
-    const gluon_6l3_real t303 = t301 + t302;
-    const gluon_6l3_real t304 = t285 * t303;
-    const gluon_6l3_real t305 = t300 - t304;
-    const gluon_6l3_real t306 = t292 * t305;
-    const gluon_6l3_real t307 = t291 - t306;
-    const gluon_6l3_real t308 = t265 * t307;
-    const gluon_6l3_real t309 = sinf(t264);
-    const gluon_6l3_real t310 = t269 * t303;
-    const gluon_6l3_real t311 = t285 * t299;
-    const gluon_6l3_real t312 = t310 + t311;
-    const gluon_6l3_real t313 = t292 * t312;
-    const gluon_6l3_real t314 = t285 * t283;
-    const gluon_6l3_real t315 = t269 * t288;
-    const gluon_6l3_real t316 = t314 - t315;
-    const gluon_6l3_real t317 = t267 * t316;
-    const gluon_6l3_real t318 = t313 + t317;
-    const gluon_6l3_real t319 = t309 * t318;
-    const gluon_6l3_real t320 = t308 - t319;
-    const gluon_6l3_real t321 = t263 * t320;
-    const gluon_6l3_real t322 = 0.70710677f * w->k[5];
-    const gluon_6l3_real t323 = -0.70710677f * w->k[6];
-    const gluon_6l3_real t324 = t322 + t323;
-    const gluon_6l3_real t325 = t267 * t312;
-    const gluon_6l3_real t326 = t292 * t316;
-    const gluon_6l3_real t327 = t325 - t326;
-    const gluon_6l3_real t328 = t265 * t327;
-    const gluon_6l3_real t329 = t292 * t290;
-    const gluon_6l3_real t330 = t267 * t305;
-    const gluon_6l3_real t331 = t329 + t330;
-    const gluon_6l3_real t332 = t309 * t331;
-    const gluon_6l3_real t333 = t328 + t332;
-    const gluon_6l3_real t334 = t324 * t333;
-    const gluon_6l3_real t335 = t321 - t334;
-    const gluon_6l3_real t336 = -0.70710677f * w->k[3];
-    const gluon_6l3_real t337 = 0.70710677f * w->k[4];
-    const gluon_6l3_real t338 = t336 + t337;
-    const gluon_6l3_real t339 = t265 * t318;
-    const gluon_6l3_real t340 = t309 * t307;
-    const gluon_6l3_real t341 = t339 + t340;
-    const gluon_6l3_real t342 = t338 * t341;
-    const gluon_6l3_real t343 = t335 - t342;
-    const gluon_6l3_real t344 = -0.70710677f * w->k[4];
-    const gluon_6l3_real t345 = 0.70710677f * w->k[3];
-    const gluon_6l3_real t346 = t344 - t345;
-    const gluon_6l3_real t347 = t265 * t331;
-    const gluon_6l3_real t348 = t309 * t327;
-    const gluon_6l3_real t349 = t347 - t348;
-    const gluon_6l3_real t350 = t346 * t349;
-    const gluon_6l3_real t351 = t343 + t350;
-    const gluon_6l3_real t352 = t351 + t351;
-    w->a[18] = t352;
-    const gluon_6l3_real t354 = 0.5f * t273;
-    const gluon_6l3_real t355 = t275 * t354;
-    const gluon_6l3_real t356 = t279 * t355;
-    const gluon_6l3_real t357 = 0.5f * t280;
-    const gluon_6l3_real t358 = t275 * t357;
-    const gluon_6l3_real t359 = t271 * t358;
-    const gluon_6l3_real t360 = t356 + t359;
-    const gluon_6l3_real t361 = t269 * t360;
-    const gluon_6l3_real t362 = t279 * t358;
-    const gluon_6l3_real t363 = t271 * t355;
-    const gluon_6l3_real t364 = t362 - t363;
-    const gluon_6l3_real t365 = t285 * t364;
-    const gluon_6l3_real t366 = t361 + t365;
-    const gluon_6l3_real t367 = t292 * t366;
-    const gluon_6l3_real t368 = t293 * t354;
-    const gluon_6l3_real t369 = t279 * t368;
-    const gluon_6l3_real t370 = t293 * t357;
-    const gluon_6l3_real t371 = t271 * t370;
-    const gluon_6l3_real t372 = t369 + t371;
-    const gluon_6l3_real t373 = t269 * t372;
-    const gluon_6l3_real t374 = t279 * t370;
-    const gluon_6l3_real t375 = t271 * t368;
-    const gluon_6l3_real t376 = t374 - t375;
-    const gluon_6l3_real t377 = t285 * t376;
-    const gluon_6l3_real t378 = t373 + t377;
-    const gluon_6l3_real t379 = t267 * t378;
-    const gluon_6l3_real t380 = t367 - t379;
-    const gluon_6l3_real t381 = t265 * t380;
-    const gluon_6l3_real t382 = t269 * t364;
-    const gluon_6l3_real t383 = t285 * t360;
-    const gluon_6l3_real t384 = t382 - t383;
-    const gluon_6l3_real t385 = t292 * t384;
-    const gluon_6l3_real t386 = t269 * t376;
-    const gluon_6l3_real t387 = t285 * t372;
-    const gluon_6l3_real t388 = t386 - t387;
-    const gluon_6l3_real t389 = t267 * t388;
-    const gluon_6l3_real t390 = t385 + t389;
-    const gluon_6l3_real t391 = t309 * t390;
-    const gluon_6l3_real t392 = t381 - t391;
-    const gluon_6l3_real t393 = t263 * t392;
-    const gluon_6l3_real t394 = t267 * t384;
-    const gluon_6l3_real t395 = t292 * t388;
-    const gluon_6l3_real t396 = t394 - t395;
-    const gluon_6l3_real t397 = t265 * t396;
-    const gluon_6l3_real t398 = t292 * t378;
-    const gluon_6l3_real t399 = t267 * t366;
-    const gluon_6l3_real t400 = t398 + t399;
-    const gluon_6l3_real t401 = t309 * t400;
-    const gluon_6l3_real t402 = t397 - t401;
-    const gluon_6l3_real t403 = t324 * t402;
-    const gluon_6l3_real t404 = t393 - t403;
-    const gluon_6l3_real t405 = t265 * t390;
-    const gluon_6l3_real t406 = t309 * t380;
-    const gluon_6l3_real t407 = t405 + t406;
-    const gluon_6l3_real t408 = t338 * t407;
-    const gluon_6l3_real t409 = t404 - t408;
-    const gluon_6l3_real t410 = t309 * t396;
-    const gluon_6l3_real t411 = t265 * t400;
-    const gluon_6l3_real t412 = t410 + t411;
-    const gluon_6l3_real t413 = t346 * t412;
-    const gluon_6l3_real t414 = t409 - t413;
-    const gluon_6l3_real t415 = t414 + t414;
-    w->a[19] = t415;
-    const gluon_6l3_real t417 = t275 * t273;
-    const gluon_6l3_real t418 = 0.5f * t279;
-    const gluon_6l3_real t419 = t417 * t418;
-    const gluon_6l3_real t420 = t275 * t280;
-    const gluon_6l3_real t421 = 0.5f * t271;
-    const gluon_6l3_real t422 = t420 * t421;
-    const gluon_6l3_real t423 = t419 + t422;
-    const gluon_6l3_real t424 = t269 * t423;
-    const gluon_6l3_real t425 = t420 * t418;
-    const gluon_6l3_real t426 = t417 * t421;
-    const gluon_6l3_real t427 = t425 - t426;
-    const gluon_6l3_real t428 = t285 * t427;
-    const gluon_6l3_real t429 = t424 + t428;
-    const gluon_6l3_real t430 = t292 * t429;
-    const gluon_6l3_real t431 = t293 * t280;
-    const gluon_6l3_real t432 = t431 * t421;
-    const gluon_6l3_real t433 = t293 * t273;
-    const gluon_6l3_real t434 = t433 * t418;
-    const gluon_6l3_real t435 = t432 + t434;
-    const gluon_6l3_real t436 = t269 * t435;
-    const gluon_6l3_real t437 = t431 * t418;
-    const gluon_6l3_real t438 = t433 * t421;
-    const gluon_6l3_real t439 = t437 - t438;
-    const gluon_6l3_real t440 = t285 * t439;
-    const gluon_6l3_real t441 = t436 + t440;
-    const gluon_6l3_real t442 = t267 * t441;
-    const gluon_6l3_real t443 = t430 - t442;
-    const gluon_6l3_real t444 = t265 * t443;
-    const gluon_6l3_real t445 = t269 * t427;
-    const gluon_6l3_real t446 = t285 * t423;
-    const gluon_6l3_real t447 = t445 - t446;
-    const gluon_6l3_real t448 = t292 * t447;
-    const gluon_6l3_real t449 = t269 * t439;
-    const gluon_6l3_real t450 = t285 * t435;
-    const gluon_6l3_real t451 = t449 - t450;
-    const gluon_6l3_real t452 = t267 * t451;
-    const gluon_6l3_real t453 = t448 + t452;
-    const gluon_6l3_real t454 = t309 * t453;
-    const gluon_6l3_real t455 = t444 - t454;
-    const gluon_6l3_real t456 = t263 * t455;
-    const gluon_6l3_real t457 = t267 * t447;
-    const gluon_6l3_real t458 = t292 * t451;
-    const gluon_6l3_real t459 = t457 - t458;
-    const gluon_6l3_real t460 = t265 * t459;
-    const gluon_6l3_real t461 = t292 * t441;
-    const gluon_6l3_real t462 = t267 * t429;
-    const gluon_6l3_real t463 = t461 + t462;
-    const gluon_6l3_real t464 = t309 * t463;
-    const gluon_6l3_real t465 = t460 - t464;
-    const gluon_6l3_real t466 = t324 * t465;
-    const gluon_6l3_real t467 = t456 - t466;
-    const gluon_6l3_real t468 = t265 * t453;
-    const gluon_6l3_real t469 = t309 * t443;
-    const gluon_6l3_real t470 = t468 + t469;
-    const gluon_6l3_real t471 = t338 * t470;
-    const gluon_6l3_real t472 = t467 - t471;
-    const gluon_6l3_real t473 = t309 * t459;
-    const gluon_6l3_real t474 = t265 * t463;
-    const gluon_6l3_real t475 = t473 + t474;
-    const gluon_6l3_real t476 = t346 * t475;
-    const gluon_6l3_real t477 = t472 - t476;
-    const gluon_6l3_real t478 = t477 + t477;
-    w->a[20] = t478;
-    const gluon_6l3_real t480 = t417 * t279;
-    const gluon_6l3_real t481 = t420 * t271;
-    const gluon_6l3_real t482 = t480 + t481;
-    const gluon_6l3_real t483 = 0.5f * t269;
-    const gluon_6l3_real t484 = t482 * t483;
-    const gluon_6l3_real t485 = t420 * t279;
-    const gluon_6l3_real t486 = t417 * t271;
-    const gluon_6l3_real t487 = t485 - t486;
-    const gluon_6l3_real t488 = 0.5f * t285;
-    const gluon_6l3_real t489 = t487 * t488;
-    const gluon_6l3_real t490 = t484 + t489;
-    const gluon_6l3_real t491 = t292 * t490;
-    const gluon_6l3_real t492 = t431 * t279;
-    const gluon_6l3_real t493 = t433 * t271;
-    const gluon_6l3_real t494 = t492 - t493;
-    const gluon_6l3_real t495 = t494 * t488;
-    const gluon_6l3_real t496 = t431 * t271;
-    const gluon_6l3_real t497 = t433 * t279;
-    const gluon_6l3_real t498 = t496 + t497;
-    const gluon_6l3_real t499 = t498 * t483;
-    const gluon_6l3_real t500 = t495 + t499;
-    const gluon_6l3_real t501 = t267 * t500;
-    const gluon_6l3_real t502 = t491 - t501;
-    const gluon_6l3_real t503 = t265 * t502;
-    const gluon_6l3_real t504 = t487 * t483;
-    const gluon_6l3_real t505 = t482 * t488;
-    const gluon_6l3_real t506 = t504 - t505;
-    const gluon_6l3_real t507 = t292 * t506;
-    const gluon_6l3_real t508 = t494 * t483;
-    const gluon_6l3_real t509 = t498 * t488;
-    const gluon_6l3_real t510 = t508 - t509;
-    const gluon_6l3_real t511 = t267 * t510;
-    const gluon_6l3_real t512 = t507 + t511;
-    const gluon_6l3_real t513 = t309 * t512;
-    const gluon_6l3_real t514 = t503 - t513;
-    const gluon_6l3_real t515 = t263 * t514;
-    const gluon_6l3_real t516 = t267 * t506;
-    const gluon_6l3_real t517 = t292 * t510;
-    const gluon_6l3_real t518 = t516 - t517;
-    const gluon_6l3_real t519 = t265 * t518;
-    const gluon_6l3_real t520 = t292 * t500;
-    const gluon_6l3_real t521 = t267 * t490;
-    const gluon_6l3_real t522 = t520 + t521;
-    const gluon_6l3_real t523 = t309 * t522;
-    const gluon_6l3_real t524 = t519 - t523;
-    const gluon_6l3_real t525 = t324 * t524;
-    const gluon_6l3_real t526 = t515 - t525;
-    const gluon_6l3_real t527 = t265 * t512;
-    const gluon_6l3_real t528 = t309 * t502;
-    const gluon_6l3_real t529 = t527 + t528;
-    const gluon_6l3_real t530 = t338 * t529;
-    const gluon_6l3_real t531 = t526 - t530;
-    const gluon_6l3_real t532 = t309 * t518;
-    const gluon_6l3_real t533 = t265 * t522;
-    const gluon_6l3_real t534 = t532 + t533;
-    const gluon_6l3_real t535 = t346 * t534;
-    const gluon_6l3_real t536 = t531 - t535;
-    const gluon_6l3_real t537 = t536 + t536;
-    w->a[21] = t537;
-    const gluon_6l3_real t539 = t494 * t285;
-    const gluon_6l3_real t540 = t498 * t269;
-    const gluon_6l3_real t541 = t539 + t540;
-    const gluon_6l3_real t542 = 0.5f * t292;
-    const gluon_6l3_real t543 = t541 * t542;
-    const gluon_6l3_real t544 = t482 * t269;
-    const gluon_6l3_real t545 = t487 * t285;
-    const gluon_6l3_real t546 = t544 + t545;
-    const gluon_6l3_real t547 = 0.5f * t267;
-    const gluon_6l3_real t548 = t546 * t547;
-    const gluon_6l3_real t549 = t543 - t548;
-    const gluon_6l3_real t550 = t309 * t549;
-    const gluon_6l3_real t551 = t494 * t269;
-    const gluon_6l3_real t552 = t498 * t285;
-    const gluon_6l3_real t553 = t551 - t552;
-    const gluon_6l3_real t554 = t553 * t542;
-    const gluon_6l3_real t555 = t487 * t269;
-    const gluon_6l3_real t556 = t482 * t285;
-    const gluon_6l3_real t557 = t555 - t556;
-    const gluon_6l3_real t558 = t557 * t547;
-    const gluon_6l3_real t559 = t554 + t558;
-    const gluon_6l3_real t560 = t265 * t559;
-    const gluon_6l3_real t561 = t550 - t560;
-    const gluon_6l3_real t562 = t263 * t561;
-    const gluon_6l3_real t563 = t553 * t547;
-    const gluon_6l3_real t564 = t557 * t542;
-    const gluon_6l3_real t565 = t563 - t564;
-    const gluon_6l3_real t566 = t309 * t565;
-    const gluon_6l3_real t567 = t546 * t542;
-    const gluon_6l3_real t568 = t541 * t547;
-    const gluon_6l3_real t569 = t567 + t568;
-    const gluon_6l3_real t570 = t265 * t569;
-    const gluon_6l3_real t571 = t566 - t570;
-    const gluon_6l3_real t572 = t324 * t571;
-    const gluon_6l3_real t573 = t562 - t572;
-    const gluon_6l3_real t574 = t265 * t549;
-    const gluon_6l3_real t575 = t309 * t559;
-    const gluon_6l3_real t576 = t574 + t575;
-    const gluon_6l3_real t577 = t338 * t576;
-    const gluon_6l3_real t578 = t573 + t577;
-    const gluon_6l3_real t579 = t309 * t569;
-    const gluon_6l3_real t580 = t265 * t565;
-    const gluon_6l3_real t581 = t579 + t580;
-    const gluon_6l3_real t582 = t346 * t581;
-    const gluon_6l3_real t583 = t578 + t582;
-    const gluon_6l3_real t584 = t583 + t583;
-    w->a[22] = t584;
-    const gluon_6l3_real t586 = t546 * t292;
-    const gluon_6l3_real t587 = t541 * t267;
-    const gluon_6l3_real t588 = t586 + t587;
-    const gluon_6l3_real t589 = 0.5f * t265;
-    const gluon_6l3_real t590 = t588 * t589;
-    const gluon_6l3_real t591 = t553 * t267;
-    const gluon_6l3_real t592 = t557 * t292;
-    const gluon_6l3_real t593 = t591 - t592;
-    const gluon_6l3_real t594 = 0.5f * t309;
-    const gluon_6l3_real t595 = t593 * t594;
-    const gluon_6l3_real t596 = t590 + t595;
-    const gluon_6l3_real t597 = t263 * t596;
-    const gluon_6l3_real t598 = t553 * t292;
-    const gluon_6l3_real t599 = t557 * t267;
-    const gluon_6l3_real t600 = t598 + t599;
-    const gluon_6l3_real t601 = t600 * t589;
-    const gluon_6l3_real t602 = t546 * t267;
-    const gluon_6l3_real t603 = t541 * t292;
-    const gluon_6l3_real t604 = t602 - t603;
-    const gluon_6l3_real t605 = t604 * t594;
-    const gluon_6l3_real t606 = t601 - t605;
-    const gluon_6l3_real t607 = t324 * t606;
-    const gluon_6l3_real t608 = t597 + t607;
-    const gluon_6l3_real t609 = t593 * t589;
-    const gluon_6l3_real t610 = t588 * t594;
-    const gluon_6l3_real t611 = t609 - t610;
-    const gluon_6l3_real t612 = t338 * t611;
-    const gluon_6l3_real t613 = t608 + t612;
-    const gluon_6l3_real t614 = t604 * t589;
-    const gluon_6l3_real t615 = t600 * t594;
-    const gluon_6l3_real t616 = t614 + t615;
-    const gluon_6l3_real t617 = t346 * t616;
-    const gluon_6l3_real t618 = t613 + t617;
-    const gluon_6l3_real t619 = -t618;
-    const gluon_6l3_real t620 = t619 + t619;
-    w->a[23] = t620;
-    const gluon_6l3_real t622 = t346 * t320;
-    const gluon_6l3_real t623 = t338 * t333;
-    const gluon_6l3_real t624 = t622 - t623;
-    const gluon_6l3_real t625 = t324 * t341;
-    const gluon_6l3_real t626 = t624 + t625;
-    const gluon_6l3_real t627 = t263 * t349;
-    const gluon_6l3_real t628 = t626 - t627;
-    const gluon_6l3_real t629 = t628 + t628;
-    w->a[24] = t629;
-    const gluon_6l3_real t631 = t346 * t392;
-    const gluon_6l3_real t632 = t338 * t402;
-    const gluon_6l3_real t633 = t631 - t632;
-    const gluon_6l3_real t634 = t324 * t407;
-    const gluon_6l3_real t635 = t633 + t634;
-    const gluon_6l3_real t636 = t263 * t412;
-    const gluon_6l3_real t637 = t635 + t636;
-    const gluon_6l3_real t638 = t637 + t637;
-    w->a[25] = t638;
-    const gluon_6l3_real t640 = t346 * t455;
-    const gluon_6l3_real t641 = t338 * t465;
-    const gluon_6l3_real t642 = t640 - t641;
-    const gluon_6l3_real t643 = t324 * t470;
-    const gluon_6l3_real t644 = t642 + t643;
-    const gluon_6l3_real t645 = t263 * t475;
-    const gluon_6l3_real t646 = t644 + t645;
-    const gluon_6l3_real t647 = t646 + t646;
-    w->a[26] = t647;
-    const gluon_6l3_real t649 = t346 * t514;
-    const gluon_6l3_real t650 = t338 * t524;
-    const gluon_6l3_real t651 = t649 - t650;
-    const gluon_6l3_real t652 = t324 * t529;
-    const gluon_6l3_real t653 = t651 + t652;
-    const gluon_6l3_real t654 = t263 * t534;
-    const gluon_6l3_real t655 = t653 + t654;
-    const gluon_6l3_real t656 = t655 + t655;
-    w->a[27] = t656;
-    const gluon_6l3_real t658 = t346 * t561;
-    const gluon_6l3_real t659 = t338 * t571;
-    const gluon_6l3_real t660 = t658 - t659;
-    const gluon_6l3_real t661 = t324 * t576;
-    const gluon_6l3_real t662 = t660 - t661;
-    const gluon_6l3_real t663 = t263 * t581;
-    const gluon_6l3_real t664 = t662 - t663;
-    const gluon_6l3_real t665 = t664 + t664;
-    w->a[28] = t665;
-    const gluon_6l3_real t667 = t324 * t611;
-    const gluon_6l3_real t668 = t346 * t596;
-    const gluon_6l3_real t669 = t338 * t606;
-    const gluon_6l3_real t670 = t668 + t669;
-    const gluon_6l3_real t671 = t667 - t670;
-    const gluon_6l3_real t672 = t263 * t616;
-    const gluon_6l3_real t673 = t671 + t672;
-    const gluon_6l3_real t674 = t673 + t673;
-    w->a[29] = t674;
-    const gluon_6l3_real t676 = t338 * t320;
-    const gluon_6l3_real t677 = t346 * t333;
-    const gluon_6l3_real t678 = t676 + t677;
-    const gluon_6l3_real t679 = t263 * t341;
-    const gluon_6l3_real t680 = t678 + t679;
-    const gluon_6l3_real t681 = t324 * t349;
-    const gluon_6l3_real t682 = t680 + t681;
-    const gluon_6l3_real t683 = -t682;
-    const gluon_6l3_real t684 = t683 + t683;
-    w->a[30] = t684;
-    const gluon_6l3_real t686 = t324 * t412;
-    const gluon_6l3_real t687 = t338 * t392;
-    const gluon_6l3_real t688 = t346 * t402;
-    const gluon_6l3_real t689 = t687 + t688;
-    const gluon_6l3_real t690 = t263 * t407;
-    const gluon_6l3_real t691 = t689 + t690;
-    const gluon_6l3_real t692 = t686 - t691;
-    const gluon_6l3_real t693 = t692 + t692;
-    w->a[31] = t693;
-    const gluon_6l3_real t695 = t324 * t475;
-    const gluon_6l3_real t696 = t338 * t455;
-    const gluon_6l3_real t697 = t346 * t465;
-    const gluon_6l3_real t698 = t696 + t697;
-    const gluon_6l3_real t699 = t263 * t470;
-    const gluon_6l3_real t700 = t698 + t699;
-    const gluon_6l3_real t701 = t695 - t700;
-    const gluon_6l3_real t702 = t701 + t701;
-    w->a[32] = t702;
-    const gluon_6l3_real t704 = t324 * t534;
-    const gluon_6l3_real t705 = t338 * t514;
-    const gluon_6l3_real t706 = t346 * t524;
-    const gluon_6l3_real t707 = t705 + t706;
-    const gluon_6l3_real t708 = t263 * t529;
-    const gluon_6l3_real t709 = t707 + t708;
-    const gluon_6l3_real t710 = t704 - t709;
-    const gluon_6l3_real t711 = t710 + t710;
-    w->a[33] = t711;
-    const gluon_6l3_real t713 = t263 * t576;
-    const gluon_6l3_real t714 = t338 * t561;
-    const gluon_6l3_real t715 = t346 * t571;
-    const gluon_6l3_real t716 = t714 + t715;
-    const gluon_6l3_real t717 = t713 - t716;
-    const gluon_6l3_real t718 = t324 * t581;
-    const gluon_6l3_real t719 = t717 - t718;
-    const gluon_6l3_real t720 = t719 + t719;
-    w->a[34] = t720;
-    const gluon_6l3_real t722 = t338 * t596;
-    const gluon_6l3_real t723 = t346 * t606;
-    const gluon_6l3_real t724 = t722 - t723;
-    const gluon_6l3_real t725 = t263 * t611;
-    const gluon_6l3_real t726 = t724 - t725;
-    const gluon_6l3_real t727 = t324 * t616;
-    const gluon_6l3_real t728 = t726 + t727;
-    const gluon_6l3_real t729 = t728 + t728;
-    w->a[35] = t729;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
-static GLUON_6L3_COLD int gluon_6l3_inverse_pivoted(gluon_6l3_inverse_work *w)
-{
-    static const gluon_6l3_real scale[6] = { 0.881f, 0.913f, 0.913f, 0.913f, 0.918f, 1.0f };
-    int sign = 1;
-    gluon_6l3_inverse_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0f;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        gluon_6l3_real largest = 0.0f;
-        for (int r = c; r < 6; ++r) {
-            const gluon_6l3_real size = fabsf(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const gluon_6l3_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const gluon_6l3_real inverse = 1.0f / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const gluon_6l3_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of gluon_6l3_inverse_pivoted. */
-static GLUON_6L3_COLD void gluon_6l3_inverse_pivoted_solve(gluon_6l3_inverse_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const gluon_6l3_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
-        const gluon_6l3_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to gluon_6l3_inverse_pivoted. What is added to pivots is below the rounding of any other, and
- * keeps divisions by zero away. */
-static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
-{
-    gluon_6l3_real det;
-    w->pivoted = false;
-    /* pivot 1: row 6, unknown 5 */
-    const gluon_6l3_real t0 = 0.70710677f * w->k[6];
-    const gluon_6l3_real t1 = -0.70710677f * w->k[5];
-    const gluon_6l3_real t2 = t0 - t1;
-    const gluon_6l3_real t3 = 0.5f * w->x[5];
-    const gluon_6l3_real t4 = cosf(t3);
-    const gluon_6l3_real t5 = 0.5f * w->x[4];
-    const gluon_6l3_real t6 = cosf(t5);
-    const gluon_6l3_real t7 = 0.5f * w->x[3];
-    const gluon_6l3_real t8 = cosf(t7);
-    const gluon_6l3_real t9 = 0.5f * w->x[2];
-    const gluon_6l3_real t10 = sinf(t9);
-    const gluon_6l3_real t11 = 0.5f * w->x[1];
-    const gluon_6l3_real t12 = sinf(t11);
-    const gluon_6l3_real t13 = 0.5f * w->x[0];
-    const gluon_6l3_real t14 = sinf(t13);
-    const gluon_6l3_real t15 = cosf(t9);
-    const gluon_6l3_real t16 = cosf(t11);
-    const gluon_6l3_real t17 = sinf(t7);
-    const gluon_6l3_real t18 = sinf(t5);
-    const gluon_6l3_real t19 = cosf(t13);
-    const gluon_6l3_real t20 = sinf(t3);
-    const gluon_6l3_real t21 = 0.70710677f * w->k[5];
-    const gluon_6l3_real t22 = -0.70710677f * w->k[6];
-    const gluon_6l3_real t23 = t21 + t22;
-    const gluon_6l3_real t24 = -0.70710677f * w->k[3];
-    const gluon_6l3_real t25 = 0.70710677f * w->k[4];
-    const gluon_6l3_real t26 = t24 + t25;
-    const gluon_6l3_real t27 = -0.70710677f * w->k[4];
-    const gluon_6l3_real t28 = 0.70710677f * w->k[3];
-    const gluon_6l3_real t29 = t27 - t28;
-    const gluon_6l3_real t30 = t14 * t12;
-    const gluon_6l3_real t31 = t14 * t16;
-    const gluon_6l3_real t32 = t19 * t16;
-    const gluon_6l3_real t33 = t19 * t12;
-    const gluon_6l3_real t34 = t30 * t15;
-    const gluon_6l3_real t35 = t31 * t10;
-    const gluon_6l3_real t36 = t34 + t35;
-    const gluon_6l3_real t37 = t31 * t15;
-    const gluon_6l3_real t38 = t30 * t10;
-    const gluon_6l3_real t39 = t37 - t38;
-    const gluon_6l3_real t40 = t32 * t15;
-    const gluon_6l3_real t41 = t33 * t10;
-    const gluon_6l3_real t42 = t40 - t41;
-    const gluon_6l3_real t43 = t32 * t10;
-    const gluon_6l3_real t44 = t33 * t15;
-    const gluon_6l3_real t45 = t43 + t44;
-    const gluon_6l3_real t46 = t42 * t17;
-    const gluon_6l3_real t47 = t45 * t8;
-    const gluon_6l3_real t48 = t46 + t47;
-    const gluon_6l3_real t49 = 0.5f * t18;
-    const gluon_6l3_real t50 = t48 * t49;
-    const gluon_6l3_real t51 = t36 * t8;
-    const gluon_6l3_real t52 = t39 * t17;
-    const gluon_6l3_real t53 = t51 + t52;
-    const gluon_6l3_real t54 = 0.5f * t6;
-    const gluon_6l3_real t55 = t53 * t54;
-    const gluon_6l3_real t56 = t50 - t55;
-    const gluon_6l3_real t57 = t20 * t56;
-    const gluon_6l3_real t58 = t42 * t8;
-    const gluon_6l3_real t59 = t45 * t17;
-    const gluon_6l3_real t60 = t58 - t59;
-    const gluon_6l3_real t61 = t60 * t49;
-    const gluon_6l3_real t62 = t39 * t8;
-    const gluon_6l3_real t63 = t36 * t17;
-    const gluon_6l3_real t64 = t62 - t63;
-    const gluon_6l3_real t65 = t64 * t54;
-    const gluon_6l3_real t66 = t61 + t65;
-    const gluon_6l3_real t67 = t4 * t66;
-    const gluon_6l3_real t68 = t57 - t67;
-    const gluon_6l3_real t69 = t60 * t54;
-    const gluon_6l3_real t70 = t64 * t49;
-    const gluon_6l3_real t71 = t69 - t70;
-    const gluon_6l3_real t72 = t20 * t71;
-    const gluon_6l3_real t73 = t53 * t49;
-    const gluon_6l3_real t74 = t48 * t54;
-    const gluon_6l3_real t75 = t73 + t74;
-    const gluon_6l3_real t76 = t4 * t75;
-    const gluon_6l3_real t77 = t72 - t76;
-    const gluon_6l3_real t78 = t4 * t56;
-    const gluon_6l3_real t79 = t20 * t66;
-    const gluon_6l3_real t80 = t78 + t79;
-    const gluon_6l3_real t81 = t20 * t75;
-    const gluon_6l3_real t82 = t4 * t71;
-    const gluon_6l3_real t83 = t81 + t82;
-    const gluon_6l3_real t84 = t2 * t80;
-    const gluon_6l3_real t85 = t26 * t68;
-    const gluon_6l3_real t86 = t29 * t77;
-    const gluon_6l3_real t87 = t85 + t86;
-    const gluon_6l3_real t88 = t84 - t87;
-    const gluon_6l3_real t89 = t23 * t83;
-    const gluon_6l3_real t90 = t88 - t89;
-    const gluon_6l3_real t91 = t90 + t90;
-    const gluon_6l3_real t92 = 0.5f * t12;
-    const gluon_6l3_real t93 = t14 * t92;
-    const gluon_6l3_real t94 = t15 * t93;
-    const gluon_6l3_real t95 = 0.5f * t16;
-    const gluon_6l3_real t96 = t14 * t95;
-    const gluon_6l3_real t97 = t10 * t96;
-    const gluon_6l3_real t98 = t94 + t97;
-    const gluon_6l3_real t99 = t8 * t98;
-    const gluon_6l3_real t100 = t15 * t96;
-    const gluon_6l3_real t101 = t10 * t93;
-    const gluon_6l3_real t102 = t100 - t101;
-    const gluon_6l3_real t103 = t17 * t102;
-    const gluon_6l3_real t104 = t99 + t103;
-    const gluon_6l3_real t105 = t18 * t104;
-    const gluon_6l3_real t106 = t19 * t92;
-    const gluon_6l3_real t107 = t15 * t106;
-    const gluon_6l3_real t108 = t19 * t95;
-    const gluon_6l3_real t109 = t10 * t108;
-    const gluon_6l3_real t110 = t107 + t109;
-    const gluon_6l3_real t111 = t8 * t110;
-    const gluon_6l3_real t112 = t15 * t108;
-    const gluon_6l3_real t113 = t10 * t106;
-    const gluon_6l3_real t114 = t112 - t113;
-    const gluon_6l3_real t115 = t17 * t114;
-    const gluon_6l3_real t116 = t111 + t115;
-    const gluon_6l3_real t117 = t6 * t116;
-    const gluon_6l3_real t118 = t105 - t117;
-    const gluon_6l3_real t119 = t4 * t118;
-    const gluon_6l3_real t120 = t8 * t102;
-    const gluon_6l3_real t121 = t17 * t98;
-    const gluon_6l3_real t122 = t120 - t121;
-    const gluon_6l3_real t123 = t18 * t122;
-    const gluon_6l3_real t124 = t8 * t114;
-    const gluon_6l3_real t125 = t17 * t110;
-    const gluon_6l3_real t126 = t124 - t125;
-    const gluon_6l3_real t127 = t6 * t126;
-    const gluon_6l3_real t128 = t123 + t127;
-    const gluon_6l3_real t129 = t20 * t128;
-    const gluon_6l3_real t130 = t119 - t129;
-    const gluon_6l3_real t131 = t6 * t122;
-    const gluon_6l3_real t132 = t18 * t126;
-    const gluon_6l3_real t133 = t131 - t132;
-    const gluon_6l3_real t134 = t4 * t133;
-    const gluon_6l3_real t135 = t18 * t116;
-    const gluon_6l3_real t136 = t6 * t104;
-    const gluon_6l3_real t137 = t135 + t136;
-    const gluon_6l3_real t138 = t20 * t137;
-    const gluon_6l3_real t139 = t134 - t138;
-    const gluon_6l3_real t140 = t4 * t128;
-    const gluon_6l3_real t141 = t20 * t118;
-    const gluon_6l3_real t142 = t140 + t141;
-    const gluon_6l3_real t143 = t20 * t133;
-    const gluon_6l3_real t144 = t4 * t137;
-    const gluon_6l3_real t145 = t143 + t144;
-    const gluon_6l3_real t146 = t23 * t145;
-    const gluon_6l3_real t147 = t26 * t130;
-    const gluon_6l3_real t148 = t29 * t139;
-    const gluon_6l3_real t149 = t147 + t148;
-    const gluon_6l3_real t150 = t2 * t142;
-    const gluon_6l3_real t151 = t149 + t150;
-    const gluon_6l3_real t152 = t146 - t151;
-    const gluon_6l3_real t153 = t152 + t152;
-    const gluon_6l3_real t154 = t53 * t18;
-    const gluon_6l3_real t155 = t48 * t6;
-    const gluon_6l3_real t156 = t154 + t155;
-    const gluon_6l3_real t157 = 0.5f * t4;
-    const gluon_6l3_real t158 = t156 * t157;
-    const gluon_6l3_real t159 = t60 * t6;
-    const gluon_6l3_real t160 = t64 * t18;
-    const gluon_6l3_real t161 = t159 - t160;
-    const gluon_6l3_real t162 = 0.5f * t20;
-    const gluon_6l3_real t163 = t161 * t162;
-    const gluon_6l3_real t164 = t158 + t163;
-    const gluon_6l3_real t165 = t60 * t18;
-    const gluon_6l3_real t166 = t64 * t6;
-    const gluon_6l3_real t167 = t165 + t166;
-    const gluon_6l3_real t168 = t167 * t157;
-    const gluon_6l3_real t169 = t53 * t6;
-    const gluon_6l3_real t170 = t48 * t18;
-    const gluon_6l3_real t171 = t169 - t170;
-    const gluon_6l3_real t172 = t171 * t162;
-    const gluon_6l3_real t173 = t168 - t172;
-    const gluon_6l3_real t174 = t161 * t157;
-    const gluon_6l3_real t175 = t156 * t162;
-    const gluon_6l3_real t176 = t174 - t175;
-    const gluon_6l3_real t177 = t171 * t157;
-    const gluon_6l3_real t178 = t167 * t162;
-    const gluon_6l3_real t179 = t177 + t178;
-    const gluon_6l3_real t180 = t26 * t164;
-    const gluon_6l3_real t181 = t29 * t173;
-    const gluon_6l3_real t182 = t180 - t181;
-    const gluon_6l3_real t183 = t2 * t176;
-    const gluon_6l3_real t184 = t182 - t183;
-    const gluon_6l3_real t185 = t23 * t179;
-    const gluon_6l3_real t186 = t184 + t185;
-    const gluon_6l3_real t187 = t186 + t186;
-    const gluon_6l3_real t188 = 0.5f * t15;
-    const gluon_6l3_real t189 = t30 * t188;
-    const gluon_6l3_real t190 = 0.5f * t10;
-    const gluon_6l3_real t191 = t31 * t190;
-    const gluon_6l3_real t192 = t189 + t191;
-    const gluon_6l3_real t193 = t8 * t192;
-    const gluon_6l3_real t194 = t31 * t188;
-    const gluon_6l3_real t195 = t30 * t190;
-    const gluon_6l3_real t196 = t194 - t195;
-    const gluon_6l3_real t197 = t17 * t196;
-    const gluon_6l3_real t198 = t193 + t197;
-    const gluon_6l3_real t199 = t18 * t198;
-    const gluon_6l3_real t200 = t32 * t190;
-    const gluon_6l3_real t201 = t33 * t188;
-    const gluon_6l3_real t202 = t200 + t201;
-    const gluon_6l3_real t203 = t8 * t202;
-    const gluon_6l3_real t204 = t32 * t188;
-    const gluon_6l3_real t205 = t33 * t190;
-    const gluon_6l3_real t206 = t204 - t205;
-    const gluon_6l3_real t207 = t17 * t206;
-    const gluon_6l3_real t208 = t203 + t207;
-    const gluon_6l3_real t209 = t6 * t208;
-    const gluon_6l3_real t210 = t199 - t209;
-    const gluon_6l3_real t211 = t4 * t210;
-    const gluon_6l3_real t212 = t8 * t196;
-    const gluon_6l3_real t213 = t17 * t192;
-    const gluon_6l3_real t214 = t212 - t213;
-    const gluon_6l3_real t215 = t18 * t214;
-    const gluon_6l3_real t216 = t8 * t206;
-    const gluon_6l3_real t217 = t17 * t202;
-    const gluon_6l3_real t218 = t216 - t217;
-    const gluon_6l3_real t219 = t6 * t218;
-    const gluon_6l3_real t220 = t215 + t219;
-    const gluon_6l3_real t221 = t20 * t220;
-    const gluon_6l3_real t222 = t211 - t221;
-    const gluon_6l3_real t223 = t6 * t214;
-    const gluon_6l3_real t224 = t18 * t218;
-    const gluon_6l3_real t225 = t223 - t224;
-    const gluon_6l3_real t226 = t4 * t225;
-    const gluon_6l3_real t227 = t18 * t208;
-    const gluon_6l3_real t228 = t6 * t198;
-    const gluon_6l3_real t229 = t227 + t228;
-    const gluon_6l3_real t230 = t20 * t229;
-    const gluon_6l3_real t231 = t226 - t230;
-    const gluon_6l3_real t232 = t4 * t220;
-    const gluon_6l3_real t233 = t20 * t210;
-    const gluon_6l3_real t234 = t232 + t233;
-    const gluon_6l3_real t235 = t20 * t225;
-    const gluon_6l3_real t236 = t4 * t229;
-    const gluon_6l3_real t237 = t235 + t236;
-    const gluon_6l3_real t238 = t23 * t237;
-    const gluon_6l3_real t239 = t26 * t222;
-    const gluon_6l3_real t240 = t29 * t231;
-    const gluon_6l3_real t241 = t239 + t240;
-    const gluon_6l3_real t242 = t2 * t234;
-    const gluon_6l3_real t243 = t241 + t242;
-    const gluon_6l3_real t244 = t238 - t243;
-    const gluon_6l3_real t245 = t244 + t244;
-    const gluon_6l3_real t246 = 0.5f * t14;
-    const gluon_6l3_real t247 = t12 * t246;
-    const gluon_6l3_real t248 = t10 * t247;
-    const gluon_6l3_real t249 = t16 * t246;
-    const gluon_6l3_real t250 = t15 * t249;
-    const gluon_6l3_real t251 = t248 - t250;
-    const gluon_6l3_real t252 = t8 * t251;
-    const gluon_6l3_real t253 = t10 * t249;
-    const gluon_6l3_real t254 = t15 * t247;
-    const gluon_6l3_real t255 = t253 + t254;
-    const gluon_6l3_real t256 = t17 * t255;
-    const gluon_6l3_real t257 = t252 + t256;
-    const gluon_6l3_real t258 = t6 * t257;
-    const gluon_6l3_real t259 = 0.5f * t19;
-    const gluon_6l3_real t260 = t16 * t259;
-    const gluon_6l3_real t261 = t15 * t260;
-    const gluon_6l3_real t262 = t12 * t259;
-    const gluon_6l3_real t263 = t10 * t262;
-    const gluon_6l3_real t264 = t261 - t263;
-    const gluon_6l3_real t265 = t8 * t264;
-    const gluon_6l3_real t266 = t15 * t262;
-    const gluon_6l3_real t267 = t10 * t260;
-    const gluon_6l3_real t268 = t266 + t267;
-    const gluon_6l3_real t269 = t17 * t268;
-    const gluon_6l3_real t270 = t265 - t269;
-    const gluon_6l3_real t271 = t18 * t270;
-    const gluon_6l3_real t272 = t258 - t271;
-    const gluon_6l3_real t273 = t4 * t272;
-    const gluon_6l3_real t274 = t8 * t268;
-    const gluon_6l3_real t275 = t17 * t264;
-    const gluon_6l3_real t276 = t274 + t275;
-    const gluon_6l3_real t277 = t18 * t276;
-    const gluon_6l3_real t278 = t17 * t251;
-    const gluon_6l3_real t279 = t8 * t255;
-    const gluon_6l3_real t280 = t278 - t279;
-    const gluon_6l3_real t281 = t6 * t280;
-    const gluon_6l3_real t282 = t277 + t281;
-    const gluon_6l3_real t283 = t20 * t282;
-    const gluon_6l3_real t284 = t273 - t283;
-    const gluon_6l3_real t285 = t6 * t276;
-    const gluon_6l3_real t286 = t18 * t280;
-    const gluon_6l3_real t287 = t285 - t286;
-    const gluon_6l3_real t288 = t4 * t287;
-    const gluon_6l3_real t289 = t18 * t257;
-    const gluon_6l3_real t290 = t6 * t270;
-    const gluon_6l3_real t291 = t289 + t290;
-    const gluon_6l3_real t292 = t20 * t291;
-    const gluon_6l3_real t293 = t288 + t292;
-    const gluon_6l3_real t294 = t4 * t282;
-    const gluon_6l3_real t295 = t20 * t272;
-    const gluon_6l3_real t296 = t294 + t295;
-    const gluon_6l3_real t297 = t4 * t291;
-    const gluon_6l3_real t298 = t20 * t287;
-    const gluon_6l3_real t299 = t297 - t298;
-    const gluon_6l3_real t300 = t26 * t284;
-    const gluon_6l3_real t301 = t29 * t293;
-    const gluon_6l3_real t302 = t300 + t301;
-    const gluon_6l3_real t303 = t2 * t296;
-    const gluon_6l3_real t304 = t302 + t303;
-    const gluon_6l3_real t305 = t23 * t299;
-    const gluon_6l3_real t306 = t304 + t305;
-    const gluon_6l3_real t307 = -t306;
-    const gluon_6l3_real t308 = t307 + t307;
-    const gluon_6l3_real t309 = 0.5f * t8;
-    const gluon_6l3_real t310 = t36 * t309;
-    const gluon_6l3_real t311 = 0.5f * t17;
-    const gluon_6l3_real t312 = t39 * t311;
-    const gluon_6l3_real t313 = t310 + t312;
-    const gluon_6l3_real t314 = t18 * t313;
-    const gluon_6l3_real t315 = t42 * t311;
-    const gluon_6l3_real t316 = t45 * t309;
-    const gluon_6l3_real t317 = t315 + t316;
-    const gluon_6l3_real t318 = t6 * t317;
-    const gluon_6l3_real t319 = t314 - t318;
-    const gluon_6l3_real t320 = t4 * t319;
-    const gluon_6l3_real t321 = t39 * t309;
-    const gluon_6l3_real t322 = t36 * t311;
-    const gluon_6l3_real t323 = t321 - t322;
-    const gluon_6l3_real t324 = t18 * t323;
-    const gluon_6l3_real t325 = t42 * t309;
-    const gluon_6l3_real t326 = t45 * t311;
-    const gluon_6l3_real t327 = t325 - t326;
-    const gluon_6l3_real t328 = t6 * t327;
-    const gluon_6l3_real t329 = t324 + t328;
-    const gluon_6l3_real t330 = t20 * t329;
-    const gluon_6l3_real t331 = t320 - t330;
-    const gluon_6l3_real t332 = t6 * t323;
-    const gluon_6l3_real t333 = t18 * t327;
-    const gluon_6l3_real t334 = t332 - t333;
-    const gluon_6l3_real t335 = t4 * t334;
-    const gluon_6l3_real t336 = t18 * t317;
-    const gluon_6l3_real t337 = t6 * t313;
-    const gluon_6l3_real t338 = t336 + t337;
-    const gluon_6l3_real t339 = t20 * t338;
-    const gluon_6l3_real t340 = t335 - t339;
-    const gluon_6l3_real t341 = t4 * t329;
-    const gluon_6l3_real t342 = t20 * t319;
-    const gluon_6l3_real t343 = t341 + t342;
-    const gluon_6l3_real t344 = t20 * t334;
-    const gluon_6l3_real t345 = t4 * t338;
-    const gluon_6l3_real t346 = t344 + t345;
-    const gluon_6l3_real t347 = t23 * t346;
-    const gluon_6l3_real t348 = t26 * t331;
-    const gluon_6l3_real t349 = t29 * t340;
-    const gluon_6l3_real t350 = t348 + t349;
-    const gluon_6l3_real t351 = t2 * t343;
-    const gluon_6l3_real t352 = t350 + t351;
-    const gluon_6l3_real t353 = t347 - t352;
-    const gluon_6l3_real t354 = t353 + t353;
-    const gluon_6l3_real t355 = 1.0f / (t91 + 1.17e-11f);
-    w->a[0] = t355;
-    const gluon_6l3_real t357 = t355 * 1.29438f;
-    w->a[1] = t153;
-    w->a[2] = t187;
-    w->a[3] = t245;
-    w->a[4] = t308;
-    w->a[5] = t354;
-    /* pivot 2: row 1, unknown 2 */
-    const gluon_6l3_real t363 = cosf(w->x[1]);
-    const gluon_6l3_real t364 = cosf(w->x[2]);
-    const gluon_6l3_real t365 = cosf(w->x[3]);
-    const gluon_6l3_real t366 = cosf(w->x[4]);
-    const gluon_6l3_real t367 = sinf(w->x[5]);
-    const gluon_6l3_real t368 = 9.849899e-15f * t367;
-    const gluon_6l3_real t369 = -8.199316e-14f + t368;
-    const gluon_6l3_real t370 = t369 - (-5.684342e-14f);
-    const gluon_6l3_real t371 = sinf(w->x[4]);
-    const gluon_6l3_real t372 = cosf(w->x[5]);
-    const gluon_6l3_real t373 = -44.36f * t372;
-    const gluon_6l3_real t374 = 1.0f - t372;
-    const gluon_6l3_real t375 = 44.36f * t374;
-    const gluon_6l3_real t376 = t373 - t375;
-    const gluon_6l3_real t377 = sinf(w->x[3]);
-    const gluon_6l3_real t378 = sinf(w->x[2]);
-    const gluon_6l3_real t379 = sinf(w->x[1]);
-    const gluon_6l3_real t380 = sinf(w->x[0]);
-    const gluon_6l3_real t381 = 1.0f - t365;
-    const gluon_6l3_real t382 = 1.0f - t364;
-    const gluon_6l3_real t383 = 1.0f - t363;
-    const gluon_6l3_real t384 = cosf(w->x[0]);
-    const gluon_6l3_real t385 = t376 * t366;
-    const gluon_6l3_real t386 = t370 * t371;
-    const gluon_6l3_real t387 = t385 + t386;
-    const gluon_6l3_real t388 = t377 * t387;
-    const gluon_6l3_real t389 = t378 * t388;
-    const gluon_6l3_real t390 = t365 * t387;
-    const gluon_6l3_real t391 = t364 * t390;
-    const gluon_6l3_real t392 = t389 - t391;
-    const gluon_6l3_real t393 = t363 * t392;
-    const gluon_6l3_real t394 = t364 * t388;
-    const gluon_6l3_real t395 = t378 * t390;
-    const gluon_6l3_real t396 = t394 + t395;
-    const gluon_6l3_real t397 = t379 * t396;
-    const gluon_6l3_real t398 = t393 + t397;
-    const gluon_6l3_real t399 = t384 * t398;
-    const gluon_6l3_real t400 = t370 * t366;
-    const gluon_6l3_real t401 = t376 * t371;
-    const gluon_6l3_real t402 = t400 - t401;
-    const gluon_6l3_real t403 = t365 * t402;
-    const gluon_6l3_real t404 = t381 * t402;
-    const gluon_6l3_real t405 = t403 + t404;
-    const gluon_6l3_real t406 = t364 * t405;
-    const gluon_6l3_real t407 = t382 * t405;
-    const gluon_6l3_real t408 = t406 + t407;
-    const gluon_6l3_real t409 = t363 * t408;
-    const gluon_6l3_real t410 = t383 * t408;
-    const gluon_6l3_real t411 = t409 + t410;
-    const gluon_6l3_real t412 = t380 * t411;
-    const gluon_6l3_real t413 = t399 - t412;
-    const gluon_6l3_real t414 = 0.0018542771f * t413;
-    const gluon_6l3_real t415 = -t414;
-    const gluon_6l3_real t416 = t366 * t370;
-    const gluon_6l3_real t417 = t371 * t376;
-    const gluon_6l3_real t418 = t416 - t417;
-    const gluon_6l3_real t419 = t365 * t418;
-    const gluon_6l3_real t420 = 9.849899e-15f * t374;
-    const gluon_6l3_real t421 = 533.96f + t420;
-    const gluon_6l3_real t422 = t421 - 453.87f;
-    const gluon_6l3_real t423 = t366 * t422;
-    const gluon_6l3_real t424 = 1.0f - t366;
-    const gluon_6l3_real t425 = t424 * t422;
-    const gluon_6l3_real t426 = t423 + t425;
-    const gluon_6l3_real t427 = t377 * t426;
-    const gluon_6l3_real t428 = t419 - t427;
-    const gluon_6l3_real t429 = -5.684342e-14f + t428;
-    const gluon_6l3_real t430 = t429 - (-2.842171e-14f);
-    const gluon_6l3_real t431 = t364 * t430;
-    const gluon_6l3_real t432 = t365 * t426;
-    const gluon_6l3_real t433 = t377 * t418;
-    const gluon_6l3_real t434 = t432 + t433;
-    const gluon_6l3_real t435 = 453.87f + t434;
-    const gluon_6l3_real t436 = t435 - 279.45f;
-    const gluon_6l3_real t437 = t378 * t436;
-    const gluon_6l3_real t438 = t431 - t437;
-    const gluon_6l3_real t439 = -2.842171e-14f + t438;
-    const gluon_6l3_real t440 = t364 * t436;
-    const gluon_6l3_real t441 = t378 * t430;
-    const gluon_6l3_real t442 = t440 + t441;
-    const gluon_6l3_real t443 = 279.45f + t442;
-    const gluon_6l3_real t444 = t443 - 105.03f;
-    const gluon_6l3_real t445 = t439 * t379;
-    const gluon_6l3_real t446 = t444 * t363;
-    const gluon_6l3_real t447 = t445 + t446;
-    const gluon_6l3_real t448 = t384 * t447;
-    const gluon_6l3_real t449 = 0.0018542771f * t448;
-    const gluon_6l3_real t450 = 9.849899e-15f * t372;
-    const gluon_6l3_real t451 = t366 * t450;
-    const gluon_6l3_real t452 = -44.36f * t367;
-    const gluon_6l3_real t453 = 44.36f * t367;
-    const gluon_6l3_real t454 = t452 + t453;
-    const gluon_6l3_real t455 = t371 * t454;
-    const gluon_6l3_real t456 = t451 + t455;
-    const gluon_6l3_real t457 = t365 * t456;
-    const gluon_6l3_real t458 = t366 * t368;
-    const gluon_6l3_real t459 = t424 * t368;
-    const gluon_6l3_real t460 = t458 + t459;
-    const gluon_6l3_real t461 = t377 * t460;
-    const gluon_6l3_real t462 = t457 - t461;
-    const gluon_6l3_real t463 = t364 * t462;
-    const gluon_6l3_real t464 = t365 * t460;
-    const gluon_6l3_real t465 = t377 * t456;
-    const gluon_6l3_real t466 = t464 + t465;
-    const gluon_6l3_real t467 = t378 * t466;
-    const gluon_6l3_real t468 = t463 - t467;
-    const gluon_6l3_real t469 = t363 * t468;
-    const gluon_6l3_real t470 = t364 * t466;
-    const gluon_6l3_real t471 = t378 * t462;
-    const gluon_6l3_real t472 = t470 + t471;
-    const gluon_6l3_real t473 = t379 * t472;
-    const gluon_6l3_real t474 = t469 - t473;
-    const gluon_6l3_real t475 = t384 * t474;
-    const gluon_6l3_real t476 = t371 * t450;
-    const gluon_6l3_real t477 = t366 * t454;
-    const gluon_6l3_real t478 = t476 - t477;
-    const gluon_6l3_real t479 = t365 * t478;
-    const gluon_6l3_real t480 = t381 * t478;
-    const gluon_6l3_real t481 = t479 + t480;
-    const gluon_6l3_real t482 = t364 * t481;
-    const gluon_6l3_real t483 = t382 * t481;
-    const gluon_6l3_real t484 = t482 + t483;
-    const gluon_6l3_real t485 = t363 * t484;
-    const gluon_6l3_real t486 = t383 * t484;
-    const gluon_6l3_real t487 = t485 + t486;
-    const gluon_6l3_real t488 = t380 * t487;
-    const gluon_6l3_real t489 = t475 - t488;
-    const gluon_6l3_real t490 = 0.0018542771f * t489;
-    const gluon_6l3_real t491 = -t490;
-    const gluon_6l3_real t492 = t430 * t378;
-    const gluon_6l3_real t493 = t436 * t364;
-    const gluon_6l3_real t494 = t492 + t493;
-    const gluon_6l3_real t495 = t363 * t494;
-    const gluon_6l3_real t496 = t430 * t364;
-    const gluon_6l3_real t497 = t436 * t378;
-    const gluon_6l3_real t498 = t496 - t497;
-    const gluon_6l3_real t499 = t379 * t498;
-    const gluon_6l3_real t500 = t495 + t499;
-    const gluon_6l3_real t501 = t384 * t500;
-    const gluon_6l3_real t502 = 0.0018542771f * t501;
-    const gluon_6l3_real t503 = t363 * t439;
-    const gluon_6l3_real t504 = t379 * t444;
-    const gluon_6l3_real t505 = t503 - t504;
-    const gluon_6l3_real t506 = t505 * t380;
-    const gluon_6l3_real t507 = t366 * t376;
-    const gluon_6l3_real t508 = t371 * t370;
-    const gluon_6l3_real t509 = t507 + t508;
-    const gluon_6l3_real t510 = -75.66f + t509;
-    const gluon_6l3_real t511 = t510 - 5.684342e-14f;
-    const gluon_6l3_real t512 = t365 * t511;
-    const gluon_6l3_real t513 = t381 * t511;
-    const gluon_6l3_real t514 = t512 + t513;
-    const gluon_6l3_real t515 = 5.684342e-14f + t514;
-    const gluon_6l3_real t516 = t515 - 2.842171e-14f;
-    const gluon_6l3_real t517 = t364 * t516;
-    const gluon_6l3_real t518 = t382 * t516;
-    const gluon_6l3_real t519 = t517 + t518;
-    const gluon_6l3_real t520 = 2.842171e-14f + t519;
-    const gluon_6l3_real t521 = t363 * t520;
-    const gluon_6l3_real t522 = t383 * t520;
-    const gluon_6l3_real t523 = t521 + t522;
-    const gluon_6l3_real t524 = t523 * t384;
-    const gluon_6l3_real t525 = t506 + t524;
-    const gluon_6l3_real t526 = 0.0018542771f * t525;
-    const gluon_6l3_real t527 = t418 * t377;
-    const gluon_6l3_real t528 = t426 * t365;
-    const gluon_6l3_real t529 = t527 + t528;
-    const gluon_6l3_real t530 = t364 * t529;
-    const gluon_6l3_real t531 = t418 * t365;
-    const gluon_6l3_real t532 = t426 * t377;
-    const gluon_6l3_real t533 = t531 - t532;
-    const gluon_6l3_real t534 = t378 * t533;
-    const gluon_6l3_real t535 = t530 + t534;
-    const gluon_6l3_real t536 = t363 * t535;
-    const gluon_6l3_real t537 = t364 * t533;
-    const gluon_6l3_real t538 = t378 * t529;
-    const gluon_6l3_real t539 = t537 - t538;
-    const gluon_6l3_real t540 = t379 * t539;
-    const gluon_6l3_real t541 = t536 + t540;
-    const gluon_6l3_real t542 = t384 * t541;
-    const gluon_6l3_real t543 = 0.0018542771f * t542;
-    const gluon_6l3_real t544 = t415 * t355;
-    w->a[6] = t544;
-    const gluon_6l3_real t546 = t449 - t544 * t153;
-    const gluon_6l3_real t547 = t491 - t544 * t187;
-    const gluon_6l3_real t548 = t502 - t544 * t245;
-    const gluon_6l3_real t549 = t526 - t544 * t308;
-    const gluon_6l3_real t550 = t543 - t544 * t354;
-    const gluon_6l3_real t551 = 1.0f / (t546 + 1.17e-11f);
-    w->a[7] = t551;
-    const gluon_6l3_real t553 = t551 * 0.728574f;
-    w->a[8] = t547;
-    w->a[9] = t548;
-    w->a[10] = t549;
-    w->a[11] = t550;
-    /* pivot 3: row 5, unknown 6 */
-    const gluon_6l3_real t558 = t29 * t68;
-    const gluon_6l3_real t559 = t26 * t77;
-    const gluon_6l3_real t560 = t558 - t559;
-    const gluon_6l3_real t561 = t23 * t80;
-    const gluon_6l3_real t562 = t560 - t561;
-    const gluon_6l3_real t563 = t2 * t83;
-    const gluon_6l3_real t564 = t562 - t563;
-    const gluon_6l3_real t565 = t564 + t564;
-    const gluon_6l3_real t566 = t29 * t130;
-    const gluon_6l3_real t567 = t26 * t139;
-    const gluon_6l3_real t568 = t566 - t567;
-    const gluon_6l3_real t569 = t23 * t142;
-    const gluon_6l3_real t570 = t568 + t569;
-    const gluon_6l3_real t571 = t2 * t145;
-    const gluon_6l3_real t572 = t570 + t571;
-    const gluon_6l3_real t573 = t572 + t572;
-    const gluon_6l3_real t574 = t23 * t176;
-    const gluon_6l3_real t575 = t29 * t164;
-    const gluon_6l3_real t576 = t26 * t173;
-    const gluon_6l3_real t577 = t575 + t576;
-    const gluon_6l3_real t578 = t574 - t577;
-    const gluon_6l3_real t579 = t2 * t179;
-    const gluon_6l3_real t580 = t578 + t579;
-    const gluon_6l3_real t581 = t580 + t580;
-    const gluon_6l3_real t582 = t29 * t222;
-    const gluon_6l3_real t583 = t26 * t231;
-    const gluon_6l3_real t584 = t582 - t583;
-    const gluon_6l3_real t585 = t23 * t234;
-    const gluon_6l3_real t586 = t584 + t585;
-    const gluon_6l3_real t587 = t2 * t237;
-    const gluon_6l3_real t588 = t586 + t587;
-    const gluon_6l3_real t589 = t588 + t588;
-    const gluon_6l3_real t590 = t29 * t284;
-    const gluon_6l3_real t591 = t26 * t293;
-    const gluon_6l3_real t592 = t590 - t591;
-    const gluon_6l3_real t593 = t23 * t296;
-    const gluon_6l3_real t594 = t592 + t593;
-    const gluon_6l3_real t595 = t2 * t299;
-    const gluon_6l3_real t596 = t594 - t595;
-    const gluon_6l3_real t597 = t596 + t596;
-    const gluon_6l3_real t598 = t29 * t331;
-    const gluon_6l3_real t599 = t26 * t340;
-    const gluon_6l3_real t600 = t598 - t599;
-    const gluon_6l3_real t601 = t23 * t343;
-    const gluon_6l3_real t602 = t600 + t601;
-    const gluon_6l3_real t603 = t2 * t346;
-    const gluon_6l3_real t604 = t602 + t603;
-    const gluon_6l3_real t605 = t604 + t604;
-    const gluon_6l3_real t606 = t565 * t355;
-    w->a[12] = t606;
-    const gluon_6l3_real t608 = t573 - t606 * t153;
-    const gluon_6l3_real t609 = t581 - t606 * t187;
-    const gluon_6l3_real t610 = t589 - t606 * t245;
-    const gluon_6l3_real t611 = t597 - t606 * t308;
-    const gluon_6l3_real t612 = t605 - t606 * t354;
-    const gluon_6l3_real t613 = t608 * t551;
-    w->a[13] = t613;
-    const gluon_6l3_real t615 = t609 - t613 * t547;
-    const gluon_6l3_real t616 = t610 - t613 * t548;
-    const gluon_6l3_real t617 = t611 - t613 * t549;
-    const gluon_6l3_real t618 = t612 - t613 * t550;
-    const gluon_6l3_real t619 = 1.0f / (t615 + 1.17e-11f);
-    w->a[14] = t619;
-    const gluon_6l3_real t621 = t619 * 2.03f;
-    w->a[15] = t616;
-    w->a[16] = t617;
-    w->a[17] = t618;
-    /* pivot 4: row 3, unknown 3 */
-    const gluon_6l3_real t625 = 1.0f - t384;
-    const gluon_6l3_real t626 = t379 * t392;
-    const gluon_6l3_real t627 = t363 * t396;
-    const gluon_6l3_real t628 = t626 - t627;
-    const gluon_6l3_real t629 = t384 * t628;
-    const gluon_6l3_real t630 = t625 * t628;
-    const gluon_6l3_real t631 = t629 + t630;
-    const gluon_6l3_real t632 = 0.0018542771f * t631;
-    const gluon_6l3_real t633 = -t632;
-    const gluon_6l3_real t634 = t439 * t363;
-    const gluon_6l3_real t635 = t444 * t379;
-    const gluon_6l3_real t636 = t634 - t635;
-    const gluon_6l3_real t637 = t384 * t636;
-    const gluon_6l3_real t638 = t625 * t636;
-    const gluon_6l3_real t639 = t637 + t638;
-    const gluon_6l3_real t640 = 0.0018542771f * t639;
-    const gluon_6l3_real t641 = -t640;
-    const gluon_6l3_real t642 = t363 * t472;
-    const gluon_6l3_real t643 = t379 * t468;
-    const gluon_6l3_real t644 = t642 + t643;
-    const gluon_6l3_real t645 = t384 * t644;
-    const gluon_6l3_real t646 = t625 * t644;
-    const gluon_6l3_real t647 = t645 + t646;
-    const gluon_6l3_real t648 = 0.0018542771f * t647;
-    const gluon_6l3_real t649 = -t648;
-    const gluon_6l3_real t650 = t363 * t498;
-    const gluon_6l3_real t651 = t379 * t494;
-    const gluon_6l3_real t652 = t650 - t651;
-    const gluon_6l3_real t653 = t384 * t652;
-    const gluon_6l3_real t654 = t625 * t652;
-    const gluon_6l3_real t655 = t653 + t654;
-    const gluon_6l3_real t656 = 0.0018542771f * t655;
-    const gluon_6l3_real t657 = -t656;
-    const gluon_6l3_real t658 = t363 * t539;
-    const gluon_6l3_real t659 = t379 * t535;
-    const gluon_6l3_real t660 = t658 - t659;
-    const gluon_6l3_real t661 = t384 * t660;
-    const gluon_6l3_real t662 = t625 * t660;
-    const gluon_6l3_real t663 = t661 + t662;
-    const gluon_6l3_real t664 = 0.0018542771f * t663;
-    const gluon_6l3_real t665 = -t664;
-    const gluon_6l3_real t666 = t633 * t355;
-    w->a[18] = t666;
-    const gluon_6l3_real t668 = t641 - t666 * t153;
-    const gluon_6l3_real t669 = t649 - t666 * t187;
-    const gluon_6l3_real t670 = t657 - t666 * t245;
-    const gluon_6l3_real t671 = -(t666 * t308);
-    const gluon_6l3_real t672 = t665 - t666 * t354;
-    const gluon_6l3_real t673 = t668 * t551;
-    w->a[19] = t673;
-    const gluon_6l3_real t675 = t669 - t673 * t547;
-    const gluon_6l3_real t676 = t670 - t673 * t548;
-    const gluon_6l3_real t677 = t671 - t673 * t549;
-    const gluon_6l3_real t678 = t672 - t673 * t550;
-    const gluon_6l3_real t679 = t675 * t619;
-    w->a[20] = t679;
-    const gluon_6l3_real t681 = t676 - t679 * t616;
-    const gluon_6l3_real t682 = t677 - t679 * t617;
-    const gluon_6l3_real t683 = t678 - t679 * t618;
-    const gluon_6l3_real t684 = 1.0f / (t681 + 1.17e-11f);
-    w->a[21] = t684;
-    const gluon_6l3_real t686 = t684 * 0.391677f;
-    w->a[23] = t683;
-    w->a[22] = t682;
-    /* pivot 5: row 4, unknown 1 */
-    const gluon_6l3_real t689 = t2 * t68;
-    const gluon_6l3_real t690 = t23 * t77;
-    const gluon_6l3_real t691 = t689 - t690;
-    const gluon_6l3_real t692 = t26 * t80;
-    const gluon_6l3_real t693 = t691 + t692;
-    const gluon_6l3_real t694 = t29 * t83;
-    const gluon_6l3_real t695 = t693 + t694;
-    const gluon_6l3_real t696 = t695 + t695;
-    const gluon_6l3_real t697 = t2 * t130;
-    const gluon_6l3_real t698 = t23 * t139;
-    const gluon_6l3_real t699 = t697 - t698;
-    const gluon_6l3_real t700 = t26 * t142;
-    const gluon_6l3_real t701 = t699 - t700;
-    const gluon_6l3_real t702 = t29 * t145;
-    const gluon_6l3_real t703 = t701 - t702;
-    const gluon_6l3_real t704 = t703 + t703;
-    const gluon_6l3_real t705 = t2 * t164;
-    const gluon_6l3_real t706 = t23 * t173;
-    const gluon_6l3_real t707 = t705 + t706;
-    const gluon_6l3_real t708 = t26 * t176;
-    const gluon_6l3_real t709 = t707 + t708;
-    const gluon_6l3_real t710 = t29 * t179;
-    const gluon_6l3_real t711 = t709 + t710;
-    const gluon_6l3_real t712 = -t711;
-    const gluon_6l3_real t713 = t712 + t712;
-    const gluon_6l3_real t714 = t2 * t222;
-    const gluon_6l3_real t715 = t23 * t231;
-    const gluon_6l3_real t716 = t714 - t715;
-    const gluon_6l3_real t717 = t26 * t234;
-    const gluon_6l3_real t718 = t716 - t717;
-    const gluon_6l3_real t719 = t29 * t237;
-    const gluon_6l3_real t720 = t718 - t719;
-    const gluon_6l3_real t721 = t720 + t720;
-    const gluon_6l3_real t722 = t2 * t284;
-    const gluon_6l3_real t723 = t23 * t293;
-    const gluon_6l3_real t724 = t722 - t723;
-    const gluon_6l3_real t725 = t26 * t296;
-    const gluon_6l3_real t726 = t724 - t725;
-    const gluon_6l3_real t727 = t29 * t299;
-    const gluon_6l3_real t728 = t726 + t727;
-    const gluon_6l3_real t729 = t728 + t728;
-    const gluon_6l3_real t730 = t2 * t331;
-    const gluon_6l3_real t731 = t23 * t340;
-    const gluon_6l3_real t732 = t730 - t731;
-    const gluon_6l3_real t733 = t26 * t343;
-    const gluon_6l3_real t734 = t732 - t733;
-    const gluon_6l3_real t735 = t29 * t346;
-    const gluon_6l3_real t736 = t734 - t735;
-    const gluon_6l3_real t737 = t736 + t736;
-    const gluon_6l3_real t738 = t696 * t355;
-    w->a[24] = t738;
-    const gluon_6l3_real t740 = t704 - t738 * t153;
-    const gluon_6l3_real t741 = t713 - t738 * t187;
-    const gluon_6l3_real t742 = t721 - t738 * t245;
-    const gluon_6l3_real t743 = t729 - t738 * t308;
-    const gluon_6l3_real t744 = t737 - t738 * t354;
-    const gluon_6l3_real t745 = t740 * t551;
-    w->a[25] = t745;
-    const gluon_6l3_real t747 = t741 - t745 * t547;
-    const gluon_6l3_real t748 = t742 - t745 * t548;
-    const gluon_6l3_real t749 = t743 - t745 * t549;
-    const gluon_6l3_real t750 = t744 - t745 * t550;
-    const gluon_6l3_real t751 = t747 * t619;
-    w->a[26] = t751;
-    const gluon_6l3_real t753 = t748 - t751 * t616;
-    const gluon_6l3_real t754 = t749 - t751 * t617;
-    const gluon_6l3_real t755 = t750 - t751 * t618;
-    const gluon_6l3_real t756 = t753 * t684;
-    w->a[27] = t756;
-    const gluon_6l3_real t758 = t755 - t756 * t683;
-    const gluon_6l3_real t759 = t754 - t756 * t682;
-    const gluon_6l3_real t760 = 1.0f / (t759 + 1.17e-11f);
-    w->a[28] = t760;
-    const gluon_6l3_real t762 = t760 * 0.93386f;
-    w->a[29] = t758;
-    /* pivot 6: row 2, unknown 4 */
-    const gluon_6l3_real t764 = t384 * t411;
-    const gluon_6l3_real t765 = t380 * t398;
-    const gluon_6l3_real t766 = t764 + t765;
-    const gluon_6l3_real t767 = 0.0018542771f * t766;
-    const gluon_6l3_real t768 = -t767;
-    const gluon_6l3_real t769 = t380 * t447;
-    const gluon_6l3_real t770 = 0.0018542771f * t769;
-    const gluon_6l3_real t771 = t384 * t487;
-    const gluon_6l3_real t772 = t380 * t474;
-    const gluon_6l3_real t773 = t771 + t772;
-    const gluon_6l3_real t774 = 0.0018542771f * t773;
-    const gluon_6l3_real t775 = -t774;
-    const gluon_6l3_real t776 = t380 * t500;
-    const gluon_6l3_real t777 = 0.0018542771f * t776;
-    const gluon_6l3_real t778 = t505 * t384;
-    const gluon_6l3_real t779 = t523 * t380;
-    const gluon_6l3_real t780 = t778 - t779;
-    const gluon_6l3_real t781 = 0.0018542771f * t780;
-    const gluon_6l3_real t782 = -t781;
-    const gluon_6l3_real t783 = t380 * t541;
-    const gluon_6l3_real t784 = 0.0018542771f * t783;
-    const gluon_6l3_real t785 = t768 * t355;
-    w->a[30] = t785;
-    const gluon_6l3_real t787 = t770 - t785 * t153;
-    const gluon_6l3_real t788 = t775 - t785 * t187;
-    const gluon_6l3_real t789 = t777 - t785 * t245;
-    const gluon_6l3_real t790 = t782 - t785 * t308;
-    const gluon_6l3_real t791 = t784 - t785 * t354;
-    const gluon_6l3_real t792 = t787 * t551;
-    w->a[31] = t792;
-    const gluon_6l3_real t794 = t788 - t792 * t547;
-    const gluon_6l3_real t795 = t789 - t792 * t548;
-    const gluon_6l3_real t796 = t790 - t792 * t549;
-    const gluon_6l3_real t797 = t791 - t792 * t550;
-    const gluon_6l3_real t798 = t794 * t619;
-    w->a[32] = t798;
-    const gluon_6l3_real t800 = t795 - t798 * t616;
-    const gluon_6l3_real t801 = t796 - t798 * t617;
-    const gluon_6l3_real t802 = t797 - t798 * t618;
-    const gluon_6l3_real t803 = t800 * t684;
-    w->a[33] = t803;
-    const gluon_6l3_real t805 = t802 - t803 * t683;
-    const gluon_6l3_real t806 = t801 - t803 * t682;
-    const gluon_6l3_real t807 = t806 * t760;
-    w->a[34] = t807;
-    const gluon_6l3_real t809 = t805 - t807 * t758;
-    const gluon_6l3_real t810 = 1.0f / (t809 + 8.17e-12f);
-    w->a[35] = t810;
-    const gluon_6l3_real t812 = t810 * 0.493933f;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t355 * t546 * t615 * t684 * t760 * t809;
-    w->spread = t357 * t357 + t553 * t553 + t621 * t621 + t686 * t686 + t762 * t762 + t812 * t812;
-    return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void gluon_6l3_inverse_solve(gluon_6l3_inverse_work *w)
-{
-    if (w->pivoted) {
-        gluon_6l3_inverse_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const gluon_6l3_real y0 = w->f[5];
-    const gluon_6l3_real y1 = w->f[0] - w->a[6] * y0;
-    const gluon_6l3_real y2 = w->f[4] - w->a[12] * y0 - w->a[13] * y1;
-    const gluon_6l3_real y3 = w->f[2] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const gluon_6l3_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const gluon_6l3_real y5 = w->f[1] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
-    /* back substitution */
-    const gluon_6l3_real s5 = (y5) * w->a[35];
-    const gluon_6l3_real s4 = (y4 - w->a[29] * s5) * w->a[28];
-    const gluon_6l3_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
-    const gluon_6l3_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const gluon_6l3_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
-    const gluon_6l3_real s0 = (y0 - w->a[5] * s5 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[4] = s0;
-    w->f[1] = s1;
-    w->f[5] = s2;
-    w->f[2] = s3;
-    w->f[0] = s4;
-    w->f[3] = s5;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], gluon_6l3_real middle, gluon_6l3_real still2)
-{
-    gluon_6l3_real end[6];
-    gluon_6l3_real size[3];
-    for (int i = 0; i < 6; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    gluon_6l3_inverse_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        gluon_6l3_inverse_rows(w);
-        gluon_6l3_inverse_solve(w);
-        size[i] = gluon_6l3_inverse_apply_step(w);
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0]) && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w, const gluon_6l3_real to[7], const gluon_6l3_config *config, gluon_6l3_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const gluon_6l3_real tolerance2 = config->tolerance * config->tolerance;
-    const gluon_6l3_real longest2 = config->max_step * config->max_step;
-    gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    gluon_6l3_real done = 0.0f;
-    gluon_6l3_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    gluon_6l3_real size = 0.0f;
-    gluon_6l3_real kappa2 = 0.00077284f;
-    gluon_6l3_real limit;
-    gluon_6l3_real residual = HUGE_VALF;
-    gluon_6l3_real still2 = 4.232246e-06f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    gluon_6l3_real turn2 = 0.0f;
-    const gluon_6l3_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
-    turn2 = 8.0f * (1.0f - fabsf(cosine));
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    gluon_6l3_inverse_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    w->x0[4] = w->x[4];
-    w->x0[5] = w->x[5];
-    for (;;) {
-        gluon_6l3_inverse_rows(w);
-        if (verify) {
-            residual = gluon_6l3_inverse_residual(w);
-            if (residual <= config->tolerance + 0.0020572422f) {
-                status = GLUON_6L3_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                gluon_6l3_inverse_set_target(w, to, done);
-            }
-            int turn = gluon_6l3_inverse_factor(w);
-            if (turn == 0) {
-                turn = gluon_6l3_inverse_pivoted(w);
-            }
-            if (taken == 0U) {
-                gluon_6l3_inverse_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = GLUON_6L3_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = GLUON_6L3_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f)) ? (6.612884e-08f * w->spread) : 4.232246e-06f;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        gluon_6l3_inverse_solve(w);
-        const gluon_6l3_real before = size;
-        size = gluon_6l3_inverse_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
+    const gluon_6l3_real number = angle * 0.15915494f;
+    gluon_6l3_real sine = 0.0f;
+    if (fabsf(number) < 10000.0f) {
+        gluon_6l3_real x = angle - 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        if (x > 1.5707964f) {
+            x = 3.1415927f - x;
+        } else if (x < -1.5707964f) {
+            x = -3.1415927f - x;
         } else {
-            limit = 0.140625f * before;
+            /* within a quarter turn */
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25f)) {
-            accepted = gluon_6l3_inverse_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
-            gluon_6l3_inverse_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                gluon_6l3_real error2;
-                gluon_6l3_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+        const gluon_6l3_real square = x * x;
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f + square * -0.00018363616f)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
+ * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
+ * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
+ * meet. */
+static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6], unsigned int wanted, gluon_6l3_real found[][6], bool *undecided,
+    gluon_6l3_real margin[6])
+{
+    int count = 0;
+    (void)margin;
+    (void)near;
+    (void)wanted;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const gluon_6l3_real t0 = x[5] * x[6];
+    const gluon_6l3_real t1 = x[3] * x[4];
+    const gluon_6l3_real t2 = t0 - t1;
+    const gluon_6l3_real t3 = -88.72f * t2;
+    const gluon_6l3_real t4 = t3 + x[1];
+    const gluon_6l3_real t5 = t4 * t4;
+    const gluon_6l3_real t6 = x[4] * x[6];
+    const gluon_6l3_real t7 = x[3] * x[5];
+    const gluon_6l3_real t8 = t6 + t7;
+    const gluon_6l3_real t9 = -88.72f * t8;
+    const gluon_6l3_real t10 = t9 + x[0];
+    const gluon_6l3_real t11 = t10 * t10;
+    const gluon_6l3_real t12 = t5 + t11;
+    const gluon_6l3_real t13 = t12 * 3.4383436e-06f;
+    if (t13 > 1.5258789e-05f) {
+        const gluon_6l3_real t15 = t12 - 5724.4355f;
+        const gluon_6l3_real t16 = t15 * 3.4383436e-06f;
+        if (t16 > 1.5258789e-05f) {
+            margin[0] = t16;
+            const gluon_6l3_real t19 = t4 * near[1];
+            const gluon_6l3_real t20 = t10 * near[0];
+            const gluon_6l3_real t21 = t19 + t20;
+            const gluon_6l3_real t22 = -t21;
+            const unsigned int bits0 = (wanted >> 0U) & 3U;
+            const unsigned int side0 = (t22 < 0.0f) ? 2U : 1U;
+            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                    const gluon_6l3_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
+                    const gluon_6l3_real t28 = 75.66f * t10;
+                    const gluon_6l3_real t29 = fabsf(t15);
+                    const gluon_6l3_real t30 = t15 + t29;
+                    const gluon_6l3_real t31 = 0.5f * t30;
+                    const gluon_6l3_real t32 = sqrtf(t31);
+                    const gluon_6l3_real t33 = sign0 * t32;
+                    const gluon_6l3_real t34 = t4 * t33;
+                    const gluon_6l3_real t35 = t28 - t34;
+                    const gluon_6l3_real t36 = 1.0f / t12;
+                    const gluon_6l3_real t37 = t35 * t36;
+                    const gluon_6l3_real t38 = 75.66f * t4;
+                    const gluon_6l3_real t39 = t10 * t33;
+                    const gluon_6l3_real t40 = t38 + t39;
+                    const gluon_6l3_real t41 = t40 * t36;
+                    const gluon_6l3_real t42 = -t41;
+                    const gluon_6l3_real t43 = gluon_6l3_angle(t37, t42);
+                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+                    const gluon_6l3_real t44 = t8 + t8;
+                    const gluon_6l3_real t45 = t44 * t37;
+                    const gluon_6l3_real t46 = t2 + t2;
+                    const gluon_6l3_real t47 = t46 * t41;
+                    const gluon_6l3_real t48 = t45 + t47;
+                    const gluon_6l3_real t49 = t48 * t48;
+                    const gluon_6l3_real t50 = 1.0f - t49;
+                    if (t50 > 1.5258789e-05f) {
+                        margin[1] = t50;
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (near[3] < 0.0f) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const gluon_6l3_real sign1 = (k1 == 1U) ? 1.0f : -1.0f;
+                                const gluon_6l3_real t58 = fabsf(t50);
+                                const gluon_6l3_real t59 = t50 + t58;
+                                const gluon_6l3_real t60 = 0.5f * t59;
+                                const gluon_6l3_real t61 = sqrtf(t60);
+                                const gluon_6l3_real t62 = sign1 * t61;
+                                const gluon_6l3_real t63 = gluon_6l3_angle(t62, t48);
+                                /* q6 turns the normal of q2, q3, q4 to where it must be */
+                                const gluon_6l3_real t64 = x[5] * x[5];
+                                const gluon_6l3_real t65 = x[6] * x[6];
+                                const gluon_6l3_real t66 = t64 + t65;
+                                const gluon_6l3_real t67 = t66 + t66;
+                                const gluon_6l3_real t68 = 1.0f - t67;
+                                const gluon_6l3_real t69 = t68 * t37;
+                                const gluon_6l3_real t70 = x[4] * x[5];
+                                const gluon_6l3_real t71 = x[3] * x[6];
+                                const gluon_6l3_real t72 = t70 + t71;
+                                const gluon_6l3_real t73 = t72 + t72;
+                                const gluon_6l3_real t74 = t73 * t41;
+                                const gluon_6l3_real t75 = t69 + t74;
+                                const gluon_6l3_real t76 = t75 * t62;
+                                const gluon_6l3_real t77 = t76 * t76;
+                                const gluon_6l3_real t78 = t70 - t71;
+                                const gluon_6l3_real t79 = t78 + t78;
+                                const gluon_6l3_real t80 = t79 * t37;
+                                const gluon_6l3_real t81 = x[4] * x[4];
+                                const gluon_6l3_real t82 = t81 + t65;
+                                const gluon_6l3_real t83 = t82 + t82;
+                                const gluon_6l3_real t84 = 1.0f - t83;
+                                const gluon_6l3_real t85 = t84 * t41;
+                                const gluon_6l3_real t86 = t80 + t85;
+                                const gluon_6l3_real t87 = t86 * t62;
+                                const gluon_6l3_real t88 = t87 * t87;
+                                const gluon_6l3_real t89 = t77 + t88;
+                                const gluon_6l3_real t90 = sqrtf(t89);
+                                if (t90 > 1.5258789e-05f) {
+                                    margin[2] = t90;
+                                    const gluon_6l3_real t93 = -t87;
+                                    const gluon_6l3_real t94 = gluon_6l3_angle(t93, t76);
+                                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+                                    const gluon_6l3_real t95 = 1.0f / t90;
+                                    const gluon_6l3_real t96 = t87 * t95;
+                                    const gluon_6l3_real t97 = 80.09f * t96;
+                                    const gluon_6l3_real t98 = t76 * t95;
+                                    const gluon_6l3_real t99 = -75.66f * t62;
+                                    const gluon_6l3_real t100 = t98 * t99;
+                                    const gluon_6l3_real t101 = t97 - t100;
+                                    const gluon_6l3_real t102 = t73 * t101;
+                                    const gluon_6l3_real t103 = -80.09f * t98;
+                                    const gluon_6l3_real t104 = 533.96f + t103;
+                                    const gluon_6l3_real t105 = t96 * t99;
+                                    const gluon_6l3_real t106 = t104 - t105;
+                                    const gluon_6l3_real t107 = t106 - 533.96f;
+                                    const gluon_6l3_real t108 = t84 * t107;
+                                    const gluon_6l3_real t109 = t102 + t108;
+                                    const gluon_6l3_real t110 = 75.66f * t48;
+                                    const gluon_6l3_real t111 = -75.66f + t110;
+                                    const gluon_6l3_real t112 = t111 - (-120.02f);
+                                    const gluon_6l3_real t113 = t46 * t112;
+                                    const gluon_6l3_real t114 = t109 + t113;
+                                    const gluon_6l3_real t115 = x[1] - t114;
+                                    const gluon_6l3_real t116 = t37 * t115;
+                                    const gluon_6l3_real t117 = t68 * t101;
+                                    const gluon_6l3_real t118 = t79 * t107;
+                                    const gluon_6l3_real t119 = t117 + t118;
+                                    const gluon_6l3_real t120 = t44 * t112;
+                                    const gluon_6l3_real t121 = t119 + t120;
+                                    const gluon_6l3_real t122 = x[0] - t121;
+                                    const gluon_6l3_real t123 = t41 * t122;
+                                    const gluon_6l3_real t124 = t116 - t123;
+                                    const gluon_6l3_real t125 = t124 * t124;
+                                    const gluon_6l3_real t126 = t41 * t115;
+                                    const gluon_6l3_real t127 = t37 * t122;
+                                    const gluon_6l3_real t128 = t126 + t127;
+                                    const gluon_6l3_real t129 = t128 * t128;
+                                    const gluon_6l3_real t130 = t125 + t129;
+                                    const gluon_6l3_real t131 = t6 - t7;
+                                    const gluon_6l3_real t132 = t131 + t131;
+                                    const gluon_6l3_real t133 = t132 * t101;
+                                    const gluon_6l3_real t134 = t0 + t1;
+                                    const gluon_6l3_real t135 = t134 + t134;
+                                    const gluon_6l3_real t136 = t135 * t107;
+                                    const gluon_6l3_real t137 = t133 + t136;
+                                    const gluon_6l3_real t138 = t81 + t64;
+                                    const gluon_6l3_real t139 = t138 + t138;
+                                    const gluon_6l3_real t140 = 1.0f - t139;
+                                    const gluon_6l3_real t141 = t140 * t112;
+                                    const gluon_6l3_real t142 = t137 + t141;
+                                    const gluon_6l3_real t143 = x[2] - t142;
+                                    const gluon_6l3_real t144 = t143 - 105.03f;
+                                    const gluon_6l3_real t145 = t144 * t144;
+                                    const gluon_6l3_real t146 = t130 + t145;
+                                    const gluon_6l3_real t147 = t146 - 30422.336f;
+                                    const gluon_6l3_real t148 = t147 - 30422.336f;
+                                    const gluon_6l3_real t149 = 0.5f * t148;
+                                    const gluon_6l3_real t150 = t149 * t149;
+                                    const gluon_6l3_real t151 = 9.255185e+08f - t150;
+                                    const gluon_6l3_real t152 = t151 * 1.1822206e-11f;
+                                    if (t152 > 1.5258789e-05f) {
+                                        margin[3] = t152;
+                                        const gluon_6l3_real t155 = 30422.336f * near[5];
+                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                        const unsigned int side2 = (t155 < 0.0f) ? 2U : 1U;
+                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                                const gluon_6l3_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
+                                                const gluon_6l3_real t161 = fabsf(t151);
+                                                const gluon_6l3_real t162 = t151 + t161;
+                                                const gluon_6l3_real t163 = 0.5f * t162;
+                                                const gluon_6l3_real t164 = sqrtf(t163);
+                                                const gluon_6l3_real t165 = sign2 * t164;
+                                                const gluon_6l3_real t166 = 1.6435293e-05f * t148;
+                                                const gluon_6l3_real t167 = 3.2870586e-05f * t165;
+                                                const gluon_6l3_real t168 = gluon_6l3_angle(t167, t166);
+                                                /* q2 turns a point of the axis of q4 to where it must be */
+                                                const gluon_6l3_real t169 = -0.0057332874f * t165;
+                                                const gluon_6l3_real t170 = t169 * t124;
+                                                const gluon_6l3_real t171 = 0.0028666437f * t148;
+                                                const gluon_6l3_real t172 = 279.45f + t171;
+                                                const gluon_6l3_real t173 = t172 - 105.03f;
+                                                const gluon_6l3_real t174 = t173 * t144;
+                                                const gluon_6l3_real t175 = t170 + t174;
+                                                const gluon_6l3_real t176 = t175 * t175;
+                                                const gluon_6l3_real t177 = t173 * t124;
+                                                const gluon_6l3_real t178 = t169 * t144;
+                                                const gluon_6l3_real t179 = t177 - t178;
+                                                const gluon_6l3_real t180 = t179 * t179;
+                                                const gluon_6l3_real t181 = t176 + t180;
+                                                const gluon_6l3_real t182 = sqrtf(t181);
+                                                const gluon_6l3_real t183 = t182 * 3.4383436e-06f;
+                                                if (t183 > 1.5258789e-05f) {
+                                                    margin[4] = t183;
+                                                    const gluon_6l3_real t186 = -t179;
+                                                    const gluon_6l3_real t187 = gluon_6l3_angle(t186, t175);
+                                                    /* q4 turns a direction of the tool to where it must be */
+                                                    const gluon_6l3_real t188 = 1.0f / t182;
+                                                    const gluon_6l3_real t189 = t175 * t188;
+                                                    const gluon_6l3_real t190 = t46 * t62;
+                                                    const gluon_6l3_real t191 = t98 * t48;
+                                                    const gluon_6l3_real t192 = t73 * t191;
+                                                    const gluon_6l3_real t193 = t96 * t48;
+                                                    const gluon_6l3_real t194 = t84 * t193;
+                                                    const gluon_6l3_real t195 = t192 + t194;
+                                                    const gluon_6l3_real t196 = t190 - t195;
+                                                    const gluon_6l3_real t197 = t37 * t196;
+                                                    const gluon_6l3_real t198 = t44 * t62;
+                                                    const gluon_6l3_real t199 = t68 * t191;
+                                                    const gluon_6l3_real t200 = t79 * t193;
+                                                    const gluon_6l3_real t201 = t199 + t200;
+                                                    const gluon_6l3_real t202 = t198 - t201;
+                                                    const gluon_6l3_real t203 = t41 * t202;
+                                                    const gluon_6l3_real t204 = t197 - t203;
+                                                    const gluon_6l3_real t205 = t189 * t204;
+                                                    const gluon_6l3_real t206 = t179 * t188;
+                                                    const gluon_6l3_real t207 = t140 * t62;
+                                                    const gluon_6l3_real t208 = t132 * t191;
+                                                    const gluon_6l3_real t209 = t135 * t193;
+                                                    const gluon_6l3_real t210 = t208 + t209;
+                                                    const gluon_6l3_real t211 = t207 - t210;
+                                                    const gluon_6l3_real t212 = t206 * t211;
+                                                    const gluon_6l3_real t213 = t205 - t212;
+                                                    const gluon_6l3_real t214 = t166 * t213;
+                                                    const gluon_6l3_real t215 = t189 * t211;
+                                                    const gluon_6l3_real t216 = t206 * t204;
+                                                    const gluon_6l3_real t217 = t215 + t216;
+                                                    const gluon_6l3_real t218 = t167 * t217;
+                                                    const gluon_6l3_real t219 = t214 + t218;
+                                                    const gluon_6l3_real t220 = t219 * t219;
+                                                    const gluon_6l3_real t221 = t166 * t217;
+                                                    const gluon_6l3_real t222 = t167 * t213;
+                                                    const gluon_6l3_real t223 = t221 - t222;
+                                                    const gluon_6l3_real t224 = t223 * t223;
+                                                    const gluon_6l3_real t225 = t220 + t224;
+                                                    const gluon_6l3_real t226 = sqrtf(t225);
+                                                    if (t226 > 1.5258789e-05f) {
+                                                        margin[5] = t226;
+                                                        const gluon_6l3_real t229 = gluon_6l3_angle(t223, t219);
+                                                        found[count][0] = t43;
+                                                        found[count][1] = t187;
+                                                        found[count][2] = t168;
+                                                        found[count][3] = t229;
+                                                        found[count][4] = t63;
+                                                        found[count][5] = t94;
+                                                        ++count;
+                                                    } else {
+                                                        *undecided = true;
+                                                    }
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            }
+                                        }
+                                    } else if (t152 > -1.5258789e-05f) {
+                                        *undecided = true;
+                                    } else {
+                                        /* out of reach */
+                                    }
+                                } else {
+                                    *undecided = true;
+                                }
+                            }
+                        }
+                    } else if (t50 > -1.5258789e-05f) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
                     }
                 }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const gluon_6l3_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 6; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                gluon_6l3_inverse_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
             }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 6; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            gluon_6l3_inverse_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
+        } else if (t16 > -1.5258789e-05f) {
+            *undecided = true;
         } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = GLUON_6L3_WRONG_BRANCH;
-            break;
+            /* out of reach */
         }
+    } else {
+        *undecided = true;
     }
-    gluon_6l3_write_info(info, count, residual, size, w->spread);
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon_6l3_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const gluon_6l3_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == GLUON_6L3_OUT_OF_RANGE); ++round) {
+        const gluon_6l3_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const gluon_6l3_real number = (goal[i] - joints[i]) * 0.15915494f;
+            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
+                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+                joints[i] += 6.2831855f * (gluon_6l3_real)whole;
+            }
+        }
+        status = gluon_6l3_check_limits(joints);
+    }
     return status;
 }
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose, const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6], gluon_6l3_real joints[6])
+{
+    gluon_6l3_real x[7];
+    gluon_6l3_real found[1][6];
+    gluon_6l3_real margin[6];
+    bool undecided = false;
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
+    if (status == GLUON_6L3_OK) {
+        if (gluon_6l3_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = gluon_6l3_turn_near(about, found[0]);
+        } else {
+            status = undecided ? GLUON_6L3_SINGULAR : GLUON_6L3_OUT_OF_RANGE;
+        }
+    }
+    if (status == GLUON_6L3_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6])
+{
+    static const gluon_6l3_real near[6] = { 0.0f };
+    static const gluon_6l3_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    gluon_6l3_real x[7];
+    int count = 0;
+    gluon_6l3_real margin[6];
+    bool undecided = false;
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
+    if (status == GLUON_6L3_OK) {
+        const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided, margin);
+        for (int k = 0; k < all; ++k) {
+            if (gluon_6l3_turn_near(middle, joints[k]) == GLUON_6L3_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch, gluon_6l3_real joints[6])
+{
+    static const gluon_6l3_real near[6] = { 0.0f };
+    static const gluon_6l3_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = gluon_6l3_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
+{
+    gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
+    if (status == GLUON_6L3_OK) {
+        gluon_6l3_real near[6] = { 0.0f };
+        near[0] = gluon_6l3_sine(guess[0] + 1.5707964f);
+        near[1] = gluon_6l3_sine(guess[0]);
+        near[3] = gluon_6l3_sine(guess[4]);
+        near[5] = gluon_6l3_sine(guess[2]);
+        status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}
+
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next quarter. */
+static void gluon_6l3_cosine_and_sine(gluon_6l3_real angle, gluon_6l3_real u[2])
+{
+    const gluon_6l3_real number = angle * 0.63661975f;
+    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+    /* the quarter turn in three parts, the first of which have few digits, so that their products are exact */
+    const gluon_6l3_real k = (gluon_6l3_real)quarter;
+    const gluon_6l3_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    const gluon_6l3_real square = x * x;
+    const gluon_6l3_real s = x + x * square * (-0.16666651f + square * (0.008331973f + square * -0.00019494935f));
+    const gluon_6l3_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
+    const gluon_6l3_real cosine = odd ? s : c;
+    const gluon_6l3_real sine = odd ? c : s;
+    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
+    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
+ * bits of the branch on which they lie. */
+static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_6l3_real x[7], gluon_6l3_real margin[6])
+{
+    gluon_6l3_real u[12];
+    unsigned int wanted = 0U;
+    gluon_6l3_cosine_and_sine(0.5f * joints[0], &u[0]);
+    gluon_6l3_cosine_and_sine(0.5f * joints[1], &u[2]);
+    gluon_6l3_cosine_and_sine(0.5f * joints[2], &u[4]);
+    gluon_6l3_cosine_and_sine(0.5f * joints[3], &u[6]);
+    gluon_6l3_cosine_and_sine(0.5f * joints[4], &u[8]);
+    gluon_6l3_cosine_and_sine(0.5f * joints[5], &u[10]);
+    /* the tool's pose */
+    const gluon_6l3_real t0 = u[0] * u[0];
+    const gluon_6l3_real t1 = u[1] * u[1];
+    const gluon_6l3_real t2 = t0 - t1;
+    const gluon_6l3_real t3 = u[2] * u[2];
+    const gluon_6l3_real t4 = u[3] * u[3];
+    const gluon_6l3_real t5 = t3 - t4;
+    const gluon_6l3_real t6 = u[4] * u[4];
+    const gluon_6l3_real t7 = u[5] * u[5];
+    const gluon_6l3_real t8 = t6 - t7;
+    const gluon_6l3_real t9 = u[6] * u[6];
+    const gluon_6l3_real t10 = u[7] * u[7];
+    const gluon_6l3_real t11 = t9 - t10;
+    const gluon_6l3_real t12 = u[8] + u[8];
+    const gluon_6l3_real t13 = t12 * u[9];
+    const gluon_6l3_real t14 = 44.36f * t13;
+    const gluon_6l3_real t15 = t11 * t14;
+    const gluon_6l3_real t16 = u[6] + u[6];
+    const gluon_6l3_real t17 = t16 * u[7];
+    const gluon_6l3_real t18 = -80.09f * t17;
+    const gluon_6l3_real t19 = t15 + t18;
+    const gluon_6l3_real t20 = t8 * t19;
+    const gluon_6l3_real t21 = u[4] + u[4];
+    const gluon_6l3_real t22 = t21 * u[5];
+    const gluon_6l3_real t23 = 80.09f * t11;
+    const gluon_6l3_real t24 = 453.87f + t23;
+    const gluon_6l3_real t25 = t17 * t14;
+    const gluon_6l3_real t26 = t24 + t25;
+    const gluon_6l3_real t27 = t26 - 279.45f;
+    const gluon_6l3_real t28 = t22 * t27;
+    const gluon_6l3_real t29 = t20 - t28;
+    const gluon_6l3_real t30 = t5 * t29;
+    const gluon_6l3_real t31 = u[2] + u[2];
+    const gluon_6l3_real t32 = t31 * u[3];
+    const gluon_6l3_real t33 = t8 * t27;
+    const gluon_6l3_real t34 = 279.45f + t33;
+    const gluon_6l3_real t35 = t22 * t19;
+    const gluon_6l3_real t36 = t34 + t35;
+    const gluon_6l3_real t37 = t36 - 105.03f;
+    const gluon_6l3_real t38 = t32 * t37;
+    const gluon_6l3_real t39 = t30 - t38;
+    const gluon_6l3_real t40 = t2 * t39;
+    const gluon_6l3_real t41 = u[0] + u[0];
+    const gluon_6l3_real t42 = t41 * u[1];
+    const gluon_6l3_real t43 = u[8] * u[8];
+    const gluon_6l3_real t44 = u[9] * u[9];
+    const gluon_6l3_real t45 = t43 - t44;
+    const gluon_6l3_real t46 = -44.36f * t45;
+    const gluon_6l3_real t47 = -75.66f + t46;
+    const gluon_6l3_real t48 = t42 * t47;
+    const gluon_6l3_real t49 = t40 - t48;
+    x[0] = t49;
+    const gluon_6l3_real t51 = t2 * t47;
+    const gluon_6l3_real t52 = t42 * t39;
+    const gluon_6l3_real t53 = t51 + t52;
+    x[1] = t53;
+    const gluon_6l3_real t55 = t5 * t37;
+    const gluon_6l3_real t56 = 105.03f + t55;
+    const gluon_6l3_real t57 = t32 * t29;
+    const gluon_6l3_real t58 = t56 + t57;
+    x[2] = t58;
+    const gluon_6l3_real t60 = 0.70710677f * u[11];
+    const gluon_6l3_real t61 = u[8] * t60;
+    const gluon_6l3_real t62 = -0.70710677f * u[10];
+    const gluon_6l3_real t63 = u[9] * t62;
+    const gluon_6l3_real t64 = t61 - t63;
+    const gluon_6l3_real t65 = u[6] * t64;
+    const gluon_6l3_real t66 = 0.70710677f * u[10];
+    const gluon_6l3_real t67 = u[8] * t66;
+    const gluon_6l3_real t68 = -0.70710677f * u[11];
+    const gluon_6l3_real t69 = u[9] * t68;
+    const gluon_6l3_real t70 = t67 - t69;
+    const gluon_6l3_real t71 = u[7] * t70;
+    const gluon_6l3_real t72 = t65 + t71;
+    const gluon_6l3_real t73 = u[4] * t72;
+    const gluon_6l3_real t74 = u[6] * t70;
+    const gluon_6l3_real t75 = u[7] * t64;
+    const gluon_6l3_real t76 = t74 - t75;
+    const gluon_6l3_real t77 = u[5] * t76;
+    const gluon_6l3_real t78 = t73 + t77;
+    const gluon_6l3_real t79 = u[2] * t78;
+    const gluon_6l3_real t80 = u[4] * t76;
+    const gluon_6l3_real t81 = u[5] * t72;
+    const gluon_6l3_real t82 = t80 - t81;
+    const gluon_6l3_real t83 = u[3] * t82;
+    const gluon_6l3_real t84 = t79 + t83;
+    const gluon_6l3_real t85 = u[0] * t84;
+    const gluon_6l3_real t86 = u[8] * t62;
+    const gluon_6l3_real t87 = u[9] * t60;
+    const gluon_6l3_real t88 = t86 + t87;
+    const gluon_6l3_real t89 = u[6] * t88;
+    const gluon_6l3_real t90 = u[8] * t68;
+    const gluon_6l3_real t91 = u[9] * t66;
+    const gluon_6l3_real t92 = t90 + t91;
+    const gluon_6l3_real t93 = u[7] * t92;
+    const gluon_6l3_real t94 = t89 - t93;
+    const gluon_6l3_real t95 = u[4] * t94;
+    const gluon_6l3_real t96 = u[6] * t92;
+    const gluon_6l3_real t97 = u[7] * t88;
+    const gluon_6l3_real t98 = t96 + t97;
+    const gluon_6l3_real t99 = u[5] * t98;
+    const gluon_6l3_real t100 = t95 - t99;
+    const gluon_6l3_real t101 = u[2] * t100;
+    const gluon_6l3_real t102 = u[4] * t98;
+    const gluon_6l3_real t103 = u[5] * t94;
+    const gluon_6l3_real t104 = t102 + t103;
+    const gluon_6l3_real t105 = u[3] * t104;
+    const gluon_6l3_real t106 = t101 - t105;
+    const gluon_6l3_real t107 = u[1] * t106;
+    const gluon_6l3_real t108 = t85 - t107;
+    x[3] = t108;
+    const gluon_6l3_real t110 = u[2] * t104;
+    const gluon_6l3_real t111 = u[3] * t100;
+    const gluon_6l3_real t112 = t110 + t111;
+    const gluon_6l3_real t113 = u[0] * t112;
+    const gluon_6l3_real t114 = u[2] * t82;
+    const gluon_6l3_real t115 = u[3] * t78;
+    const gluon_6l3_real t116 = t114 - t115;
+    const gluon_6l3_real t117 = u[1] * t116;
+    const gluon_6l3_real t118 = t113 + t117;
+    const gluon_6l3_real t119 = -t118;
+    x[4] = t119;
+    const gluon_6l3_real t121 = u[0] * t116;
+    const gluon_6l3_real t122 = u[1] * t112;
+    const gluon_6l3_real t123 = t121 - t122;
+    x[5] = t123;
+    const gluon_6l3_real t125 = u[0] * t106;
+    const gluon_6l3_real t126 = u[1] * t84;
+    const gluon_6l3_real t127 = t125 + t126;
+    x[6] = t127;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const gluon_6l3_real t129 = t123 * t127;
+    const gluon_6l3_real t130 = t108 * t118;
+    const gluon_6l3_real t131 = t129 + t130;
+    const gluon_6l3_real t132 = -88.72f * t131;
+    const gluon_6l3_real t133 = t132 + t53;
+    const gluon_6l3_real t134 = t133 * t42;
+    const gluon_6l3_real t135 = t108 * t123;
+    const gluon_6l3_real t136 = t118 * t127;
+    const gluon_6l3_real t137 = t135 - t136;
+    const gluon_6l3_real t138 = -88.72f * t137;
+    const gluon_6l3_real t139 = t138 + t49;
+    const gluon_6l3_real t140 = t139 * t2;
+    const gluon_6l3_real t141 = t134 + t140;
+    const gluon_6l3_real t142 = t141 * 0.0018542771f;
+    const gluon_6l3_real t143 = -t142;
+    margin[0] = t143 * t143;
+    wanted |= (t143 < 0.0f) ? 2U : 1U;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    margin[1] = t13 * t13;
+    wanted |= (t13 < 0.0f) ? 8U : 4U;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const gluon_6l3_real t148 = t123 * t123;
+    const gluon_6l3_real t149 = t127 * t127;
+    const gluon_6l3_real t150 = t148 + t149;
+    const gluon_6l3_real t151 = t150 + t150;
+    const gluon_6l3_real t152 = 1.0f - t151;
+    const gluon_6l3_real t153 = t152 * t42;
+    const gluon_6l3_real t154 = t108 * t127;
+    const gluon_6l3_real t155 = t118 * t123;
+    const gluon_6l3_real t156 = t154 - t155;
+    const gluon_6l3_real t157 = t156 + t156;
+    const gluon_6l3_real t158 = t157 * t2;
+    const gluon_6l3_real t159 = t153 - t158;
+    const gluon_6l3_real t160 = t159 * t13;
+    const gluon_6l3_real t161 = t160 * t160;
+    const gluon_6l3_real t162 = t155 + t154;
+    const gluon_6l3_real t163 = -t162;
+    const gluon_6l3_real t164 = t163 + t163;
+    const gluon_6l3_real t165 = t164 * t42;
+    const gluon_6l3_real t166 = t118 * t118;
+    const gluon_6l3_real t167 = t166 + t149;
+    const gluon_6l3_real t168 = t167 + t167;
+    const gluon_6l3_real t169 = 1.0f - t168;
+    const gluon_6l3_real t170 = t169 * t2;
+    const gluon_6l3_real t171 = t165 - t170;
+    const gluon_6l3_real t172 = t171 * t13;
+    const gluon_6l3_real t173 = t172 * t172;
+    const gluon_6l3_real t174 = t161 + t173;
+    const gluon_6l3_real t175 = sqrtf(t174);
+    margin[2] = t175;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const gluon_6l3_real t177 = 30422.336f * t22;
+    const gluon_6l3_real t178 = t177 * 3.4383436e-06f;
+    margin[3] = t178 * t178;
+    wanted |= (t178 < 0.0f) ? 32U : 16U;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const gluon_6l3_real t181 = -174.42f * t22;
+    const gluon_6l3_real t182 = u[10] * u[10];
+    const gluon_6l3_real t183 = u[11] * u[11];
+    const gluon_6l3_real t184 = t182 - t183;
+    const gluon_6l3_real t185 = -75.66f * t13;
+    const gluon_6l3_real t186 = t184 * t185;
+    const gluon_6l3_real t187 = u[10] + u[10];
+    const gluon_6l3_real t188 = t187 * u[11];
+    const gluon_6l3_real t189 = 80.09f * t188;
+    const gluon_6l3_real t190 = t186 + t189;
+    const gluon_6l3_real t191 = t152 * t190;
+    const gluon_6l3_real t192 = -80.09f * t184;
+    const gluon_6l3_real t193 = 533.96f + t192;
+    const gluon_6l3_real t194 = t188 * t185;
+    const gluon_6l3_real t195 = t193 + t194;
+    const gluon_6l3_real t196 = t195 - 533.96f;
+    const gluon_6l3_real t197 = t164 * t196;
+    const gluon_6l3_real t198 = t191 - t197;
+    const gluon_6l3_real t199 = t137 + t137;
+    const gluon_6l3_real t200 = 75.66f * t45;
+    const gluon_6l3_real t201 = -75.66f + t200;
+    const gluon_6l3_real t202 = t201 - (-120.02f);
+    const gluon_6l3_real t203 = t199 * t202;
+    const gluon_6l3_real t204 = t198 - t203;
+    const gluon_6l3_real t205 = t204 + t49;
+    const gluon_6l3_real t206 = t2 * t205;
+    const gluon_6l3_real t207 = t157 * t190;
+    const gluon_6l3_real t208 = t169 * t196;
+    const gluon_6l3_real t209 = t207 - t208;
+    const gluon_6l3_real t210 = t131 + t131;
+    const gluon_6l3_real t211 = t210 * t202;
+    const gluon_6l3_real t212 = t209 - t211;
+    const gluon_6l3_real t213 = t212 + t53;
+    const gluon_6l3_real t214 = t42 * t213;
+    const gluon_6l3_real t215 = t206 + t214;
+    const gluon_6l3_real t216 = t181 * t215;
+    const gluon_6l3_real t217 = 174.42f * t8;
+    const gluon_6l3_real t218 = 279.45f + t217;
+    const gluon_6l3_real t219 = t218 - 105.03f;
+    const gluon_6l3_real t220 = t136 + t135;
+    const gluon_6l3_real t221 = -t220;
+    const gluon_6l3_real t222 = t221 + t221;
+    const gluon_6l3_real t223 = t222 * t190;
+    const gluon_6l3_real t224 = t129 - t130;
+    const gluon_6l3_real t225 = t224 + t224;
+    const gluon_6l3_real t226 = t225 * t196;
+    const gluon_6l3_real t227 = t223 - t226;
+    const gluon_6l3_real t228 = t166 + t148;
+    const gluon_6l3_real t229 = t228 + t228;
+    const gluon_6l3_real t230 = 1.0f - t229;
+    const gluon_6l3_real t231 = t230 * t202;
+    const gluon_6l3_real t232 = t227 - t231;
+    const gluon_6l3_real t233 = t232 + t58;
+    const gluon_6l3_real t234 = t233 - 105.03f;
+    const gluon_6l3_real t235 = t219 * t234;
+    const gluon_6l3_real t236 = t216 + t235;
+    const gluon_6l3_real t237 = t236 * t236;
+    const gluon_6l3_real t238 = t219 * t215;
+    const gluon_6l3_real t239 = t181 * t234;
+    const gluon_6l3_real t240 = t238 - t239;
+    const gluon_6l3_real t241 = t240 * t240;
+    const gluon_6l3_real t242 = t237 + t241;
+    const gluon_6l3_real t243 = sqrtf(t242);
+    const gluon_6l3_real t244 = t243 * 3.4383436e-06f;
+    margin[4] = t244;
+    /* q4 turns a direction of the tool to where it must be */
+    const gluon_6l3_real t246 = t188 * t45;
+    const gluon_6l3_real t247 = t164 * t246;
+    const gluon_6l3_real t248 = t184 * t45;
+    const gluon_6l3_real t249 = t152 * t248;
+    const gluon_6l3_real t250 = t247 - t249;
+    const gluon_6l3_real t251 = t199 * t13;
+    const gluon_6l3_real t252 = t250 + t251;
+    const gluon_6l3_real t253 = t2 * t252;
+    const gluon_6l3_real t254 = t169 * t246;
+    const gluon_6l3_real t255 = t157 * t248;
+    const gluon_6l3_real t256 = t254 - t255;
+    const gluon_6l3_real t257 = t210 * t13;
+    const gluon_6l3_real t258 = t256 + t257;
+    const gluon_6l3_real t259 = t42 * t258;
+    const gluon_6l3_real t260 = t253 + t259;
+    const gluon_6l3_real t261 = t5 * t260;
+    const gluon_6l3_real t262 = t225 * t246;
+    const gluon_6l3_real t263 = t222 * t248;
+    const gluon_6l3_real t264 = t262 - t263;
+    const gluon_6l3_real t265 = t230 * t13;
+    const gluon_6l3_real t266 = t264 + t265;
+    const gluon_6l3_real t267 = t32 * t266;
+    const gluon_6l3_real t268 = t261 + t267;
+    const gluon_6l3_real t269 = t8 * t268;
+    const gluon_6l3_real t270 = t5 * t266;
+    const gluon_6l3_real t271 = t32 * t260;
+    const gluon_6l3_real t272 = t270 - t271;
+    const gluon_6l3_real t273 = t22 * t272;
+    const gluon_6l3_real t274 = t269 + t273;
+    const gluon_6l3_real t275 = t274 * t274;
+    const gluon_6l3_real t276 = t8 * t272;
+    const gluon_6l3_real t277 = t22 * t268;
+    const gluon_6l3_real t278 = t276 - t277;
+    const gluon_6l3_real t279 = t278 * t278;
+    const gluon_6l3_real t280 = t275 + t279;
+    const gluon_6l3_real t281 = sqrtf(t280);
+    margin[5] = t281;
+    return wanted;
+}
+
+/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
+ * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
+ * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluon_6l3_real b[6], gluon_6l3_real place, gluon_6l3_real turn, const gluon_6l3_real moved[6])
+{
+    gluon_6l3_real largest = 0.0f;
+    (void)a;
+    (void)b;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const gluon_6l3_real bend0 = 5.41f * place + 0.721f * turn;
+    const gluon_6l3_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
+    const gluon_6l3_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
+    largest = (share0 > largest) ? share0 : largest;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    const gluon_6l3_real bend1 = 10.0f * turn + 10.0f * moved[0];
+    const gluon_6l3_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
+    const gluon_6l3_real share1 = bend1 / (2.0f * (a[1] + b[1]) + 4.0f * lesser1);
+    largest = (share1 > largest) ? share1 : largest;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const gluon_6l3_real bend2 = 5.0f * moved[4];
+    const gluon_6l3_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
+    const gluon_6l3_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
+    largest = (share2 > largest) ? share2 : largest;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const gluon_6l3_real bend3 = 1.44f * place + 0.92f * turn + 0.512f * moved[4] + 0.539f * moved[5];
+    const gluon_6l3_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
+    const gluon_6l3_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
+    largest = (share3 > largest) ? share3 : largest;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const gluon_6l3_real bend4 = 11.0f * place + 3.88f * turn + 4.15f * moved[0] + 1.84f * moved[4] + 2.67f * moved[5];
+    const gluon_6l3_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
+    const gluon_6l3_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
+    largest = (share4 > largest) ? share4 : largest;
+    /* q4 turns a direction of the tool to where it must be */
+    const gluon_6l3_real bend5 = 10.0f * turn + 10.0f * moved[0] + 10.0f * moved[4];
+    const gluon_6l3_real lesser5 = (a[5] < b[5]) ? a[5] : b[5];
+    const gluon_6l3_real share5 = bend5 / (2.0f * (a[5] + b[5]) + 4.0f * lesser5);
+    largest = (share5 > largest) ? share5 : largest;
+    return largest;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
+ * halved where they are not. Angles go on from part to part, whole turns included. */
+static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7], const gluon_6l3_config *config, gluon_6l3_real joints[6], gluon_6l3_info *info)
+{
+    static const gluon_6l3_real per_length[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const gluon_6l3_real near[6] = { 0.0f };
+    const gluon_6l3_real most2 = config->max_step * config->max_step * 3.4383436e-06f;
+    gluon_6l3_real at[7];
+    gluon_6l3_real x[7];
+    gluon_6l3_real left[6] = { 1.0f };
+    gluon_6l3_real margin[6] = { 1.0f };
+    gluon_6l3_real found[1][6];
+    gluon_6l3_real done = 0.0f;
+    gluon_6l3_real part = 1.0f;
+    gluon_6l3_real moved[6];
+    gluon_6l3_real way2 = 0.0f;
+    gluon_6l3_real least = 1.0f;
+    unsigned int count = 0U;
+    const unsigned int wanted = gluon_6l3_read_joints(joints, at, left);
+    /* of q and -q, one rotation, the one on the guess's side */
+    const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const gluon_6l3_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
+    const gluon_6l3_real turn2 = 8.0f * ((1.0f - side * cosine) + 2.3841858e-07f);
+    gluon_6l3_real place2 = 0.0f;
+    gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
+    for (int i = 0; i < 3; ++i) {
+        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 3.4383436e-06f;
+    }
+    for (int k = 0; k < 6; ++k) {
+        if (!(left[k] > 1.5258789e-05f)) {
+            status = GLUON_6L3_SINGULAR;
+        }
+    }
+    while ((status == GLUON_6L3_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
+        const gluon_6l3_real end = (done + part < 0.999f) ? (done + part) : 1.0f;
+        bool undecided = false;
+        ++count;
+        for (int i = 0; i < 7; ++i) {
+            const gluon_6l3_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0f) {
+            const gluon_6l3_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        if (gluon_6l3_branches(x, near, wanted, found, &undecided, margin) != 1) {
+            /* the guess's branch does not reach this point of the line */
+            status = undecided ? GLUON_6L3_SINGULAR : ((end < 1.0f) ? GLUON_6L3_WRONG_BRANCH : GLUON_6L3_OUT_OF_RANGE);
+        } else {
+            way2 = 0.0f;
+            for (int i = 0; i < 6; ++i) {
+                gluon_6l3_real way = found[0][i] - joints[i];
+                const gluon_6l3_real number = way * 0.15915494f;
+                if (angular[i] && (fabsf(number) > 0.5f)) {
+                    way -= 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+                }
+                found[0][i] = joints[i] + way;
+                moved[i] = (way * per_length[i]) * (way * per_length[i]);
+                way2 += moved[i];
+            }
+            const gluon_6l3_real share = gluon_6l3_line_share(left, margin, part * part * place2, part * part * turn2, moved);
+            if ((way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f)) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[i] = found[0][i];
+                }
+                for (int k = 0; k < 6; ++k) {
+                    left[k] = margin[k];
+                }
+                done = end;
+                part *= (share < 0.2f) ? 2.0f : ((share < 0.6f) ? 1.0f : 0.75f);
+                if (done >= 1.0f) {
+                    status = GLUON_6L3_OK;
+                }
+            } else {
+                part *= (share < 4.0f) ? 0.5f : 0.25f;
+                if (part < 0.00024414062f) {
+                    status = GLUON_6L3_WRONG_BRANCH;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 6; ++k) {
+        least = (left[k] < least) ? left[k] : least;
+    }
+    gluon_6l3_write_info(info, count, (status == GLUON_6L3_OK) ? 0.00218582f : HUGE_VALF, way2 * 290837.72f, (least > 0.0f) ? (1.0f / least) : 0.0f);
+    return status;
+}
+
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)
 {
@@ -2458,11 +1185,11 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* The joints by the closed form along the line of tool poses from the guess's to the given one. */
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[6], gluon_6l3_real joints[6], gluon_6l3_info *info)
 {
     static const gluon_6l3_config usual = { GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS, GLUON_6L3_MAX_STEP };
-    gluon_6l3_inverse_work w;
+    gluon_6l3_real at[6];
     gluon_6l3_real to[7];
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, gluon_6l3_normalise_pose(pose, to));
     gluon_6l3_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -2478,27 +1205,26 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
         status = gluon_6l3_check_config(config, status);
     }
     if (status == GLUON_6L3_OK) {
-        w.x[0] = guess[0];
-        w.x[1] = guess[1];
-        w.x[2] = guess[2];
-        w.x[3] = guess[3];
-        w.x[4] = guess[4];
-        w.x[5] = guess[5];
-        gluon_6l3_forward(w.x, w.at);
-        status = gluon_6l3_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        at[0] = guess[0];
+        at[1] = guess[1];
+        at[2] = guess[2];
+        at[3] = guess[3];
+        at[4] = guess[4];
+        at[5] = guess[5];
+        status = gluon_6l3_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == GLUON_6L3_OK) {
-            status = gluon_6l3_check_limits(w.x);
+            status = gluon_6l3_check_limits(at);
             if (info != NULL) {
-                info->joint = gluon_6l3_first_beyond(w.x);
+                info->joint = gluon_6l3_first_beyond(at);
             }
         }
         if (status == GLUON_6L3_OK) {
-            joints[0] = w.x[0];
-            joints[1] = w.x[1];
-            joints[2] = w.x[2];
-            joints[3] = w.x[3];
-            joints[4] = w.x[4];
-            joints[5] = w.x[5];
+            joints[0] = at[0];
+            joints[1] = at[1];
+            joints[2] = at[2];
+            joints[3] = at[3];
+            joints[4] = at[4];
+            joints[5] = at[5];
         }
     }
     return status;
@@ -3575,421 +2301,6 @@ gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real join
         } else {
             /* nobody asks which joint */
         }
-    }
-    return status;
-}
-
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
-static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
-{
-    const gluon_6l3_real x = fabsf(c);
-    const gluon_6l3_real y = fabsf(s);
-    const bool steep = y > x;
-    const gluon_6l3_real ratio = steep ? (x / y) : (y / x);
-    const gluon_6l3_real square = ratio * ratio;
-    gluon_6l3_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
-    if (steep) {
-        angle = 1.5707964f - angle;
-    }
-    if (c < 0.0f) {
-        angle = 3.1415927f - angle;
-    }
-    return (s < 0.0f) ? -angle : angle;
-}
-
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
-static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
-{
-    const gluon_6l3_real number = angle * 0.15915494f;
-    gluon_6l3_real sine = 0.0f;
-    if (fabsf(number) < 10000.0f) {
-        gluon_6l3_real x = angle - 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-        if (x > 1.5707964f) {
-            x = 3.1415927f - x;
-        } else if (x < -1.5707964f) {
-            x = -3.1415927f - x;
-        } else {
-            /* within a quarter turn */
-        }
-        const gluon_6l3_real square = x * x;
-        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f + square * -0.00018363616f)));
-    }
-    return sine;
-}
-
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint. */
-static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6], unsigned int wanted, gluon_6l3_real found[][6], bool *undecided)
-{
-    int count = 0;
-    (void)near;
-    (void)wanted;
-    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
-    const gluon_6l3_real t0 = x[5] * x[6];
-    const gluon_6l3_real t1 = x[3] * x[4];
-    const gluon_6l3_real t2 = t0 - t1;
-    const gluon_6l3_real t3 = -88.72f * t2;
-    const gluon_6l3_real t4 = t3 + x[1];
-    const gluon_6l3_real t5 = t4 * t4;
-    const gluon_6l3_real t6 = x[4] * x[6];
-    const gluon_6l3_real t7 = x[3] * x[5];
-    const gluon_6l3_real t8 = t6 + t7;
-    const gluon_6l3_real t9 = -88.72f * t8;
-    const gluon_6l3_real t10 = t9 + x[0];
-    const gluon_6l3_real t11 = t10 * t10;
-    const gluon_6l3_real t12 = t5 + t11;
-    const gluon_6l3_real t13 = t12 * 3.4383436e-06f;
-    if (t13 > 1.5258789e-05f) {
-        const gluon_6l3_real t15 = t12 - 5724.4355f;
-        const gluon_6l3_real t16 = t15 * 3.4383436e-06f;
-        if (t16 > 1.5258789e-05f) {
-            const gluon_6l3_real t18 = t4 * near[1];
-            const gluon_6l3_real t19 = t10 * near[0];
-            const gluon_6l3_real t20 = t18 + t19;
-            const gluon_6l3_real t21 = -t20;
-            const unsigned int bits0 = (wanted >> 0U) & 3U;
-            const unsigned int side0 = (t21 < 0.0f) ? 2U : 1U;
-            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
-                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
-                    const gluon_6l3_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
-                    const gluon_6l3_real t27 = 75.66f * t10;
-                    const gluon_6l3_real t28 = fabsf(t15);
-                    const gluon_6l3_real t29 = t15 + t28;
-                    const gluon_6l3_real t30 = 0.5f * t29;
-                    const gluon_6l3_real t31 = sqrtf(t30);
-                    const gluon_6l3_real t32 = sign0 * t31;
-                    const gluon_6l3_real t33 = t4 * t32;
-                    const gluon_6l3_real t34 = t27 - t33;
-                    const gluon_6l3_real t35 = 1.0f / t12;
-                    const gluon_6l3_real t36 = t34 * t35;
-                    const gluon_6l3_real t37 = 75.66f * t4;
-                    const gluon_6l3_real t38 = t10 * t32;
-                    const gluon_6l3_real t39 = t37 + t38;
-                    const gluon_6l3_real t40 = t39 * t35;
-                    const gluon_6l3_real t41 = -t40;
-                    const gluon_6l3_real t42 = gluon_6l3_angle(t36, t41);
-                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-                    const gluon_6l3_real t43 = t8 + t8;
-                    const gluon_6l3_real t44 = t43 * t36;
-                    const gluon_6l3_real t45 = t2 + t2;
-                    const gluon_6l3_real t46 = t45 * t40;
-                    const gluon_6l3_real t47 = t44 + t46;
-                    const gluon_6l3_real t48 = t47 * t47;
-                    const gluon_6l3_real t49 = 1.0f - t48;
-                    if (t49 > 1.5258789e-05f) {
-                        const unsigned int bits1 = (wanted >> 2U) & 3U;
-                        const unsigned int side1 = (near[3] < 0.0f) ? 2U : 1U;
-                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
-                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
-                                const gluon_6l3_real sign1 = (k1 == 1U) ? 1.0f : -1.0f;
-                                const gluon_6l3_real t56 = fabsf(t49);
-                                const gluon_6l3_real t57 = t49 + t56;
-                                const gluon_6l3_real t58 = 0.5f * t57;
-                                const gluon_6l3_real t59 = sqrtf(t58);
-                                const gluon_6l3_real t60 = sign1 * t59;
-                                const gluon_6l3_real t61 = gluon_6l3_angle(t60, t47);
-                                /* q6 turns the normal of q2, q3, q4 to where it must be */
-                                const gluon_6l3_real t62 = x[5] * x[5];
-                                const gluon_6l3_real t63 = x[6] * x[6];
-                                const gluon_6l3_real t64 = t62 + t63;
-                                const gluon_6l3_real t65 = t64 + t64;
-                                const gluon_6l3_real t66 = 1.0f - t65;
-                                const gluon_6l3_real t67 = t66 * t36;
-                                const gluon_6l3_real t68 = x[4] * x[5];
-                                const gluon_6l3_real t69 = x[3] * x[6];
-                                const gluon_6l3_real t70 = t68 + t69;
-                                const gluon_6l3_real t71 = t70 + t70;
-                                const gluon_6l3_real t72 = t71 * t40;
-                                const gluon_6l3_real t73 = t67 + t72;
-                                const gluon_6l3_real t74 = t73 * t60;
-                                const gluon_6l3_real t75 = t74 * t74;
-                                const gluon_6l3_real t76 = t68 - t69;
-                                const gluon_6l3_real t77 = t76 + t76;
-                                const gluon_6l3_real t78 = t77 * t36;
-                                const gluon_6l3_real t79 = x[4] * x[4];
-                                const gluon_6l3_real t80 = t79 + t63;
-                                const gluon_6l3_real t81 = t80 + t80;
-                                const gluon_6l3_real t82 = 1.0f - t81;
-                                const gluon_6l3_real t83 = t82 * t40;
-                                const gluon_6l3_real t84 = t78 + t83;
-                                const gluon_6l3_real t85 = t84 * t60;
-                                const gluon_6l3_real t86 = t85 * t85;
-                                const gluon_6l3_real t87 = t75 + t86;
-                                const gluon_6l3_real t88 = sqrtf(t87);
-                                if (t88 > 1.5258789e-05f) {
-                                    const gluon_6l3_real t90 = -t85;
-                                    const gluon_6l3_real t91 = gluon_6l3_angle(t90, t74);
-                                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-                                    const gluon_6l3_real t92 = 1.0f / t88;
-                                    const gluon_6l3_real t93 = t85 * t92;
-                                    const gluon_6l3_real t94 = 80.09f * t93;
-                                    const gluon_6l3_real t95 = t74 * t92;
-                                    const gluon_6l3_real t96 = -75.66f * t60;
-                                    const gluon_6l3_real t97 = t95 * t96;
-                                    const gluon_6l3_real t98 = t94 - t97;
-                                    const gluon_6l3_real t99 = t71 * t98;
-                                    const gluon_6l3_real t100 = -80.09f * t95;
-                                    const gluon_6l3_real t101 = 533.96f + t100;
-                                    const gluon_6l3_real t102 = t93 * t96;
-                                    const gluon_6l3_real t103 = t101 - t102;
-                                    const gluon_6l3_real t104 = t103 - 533.96f;
-                                    const gluon_6l3_real t105 = t82 * t104;
-                                    const gluon_6l3_real t106 = t99 + t105;
-                                    const gluon_6l3_real t107 = 75.66f * t47;
-                                    const gluon_6l3_real t108 = -75.66f + t107;
-                                    const gluon_6l3_real t109 = t108 - (-120.02f);
-                                    const gluon_6l3_real t110 = t45 * t109;
-                                    const gluon_6l3_real t111 = t106 + t110;
-                                    const gluon_6l3_real t112 = x[1] - t111;
-                                    const gluon_6l3_real t113 = t36 * t112;
-                                    const gluon_6l3_real t114 = t66 * t98;
-                                    const gluon_6l3_real t115 = t77 * t104;
-                                    const gluon_6l3_real t116 = t114 + t115;
-                                    const gluon_6l3_real t117 = t43 * t109;
-                                    const gluon_6l3_real t118 = t116 + t117;
-                                    const gluon_6l3_real t119 = x[0] - t118;
-                                    const gluon_6l3_real t120 = t40 * t119;
-                                    const gluon_6l3_real t121 = t113 - t120;
-                                    const gluon_6l3_real t122 = t121 * t121;
-                                    const gluon_6l3_real t123 = t40 * t112;
-                                    const gluon_6l3_real t124 = t36 * t119;
-                                    const gluon_6l3_real t125 = t123 + t124;
-                                    const gluon_6l3_real t126 = t125 * t125;
-                                    const gluon_6l3_real t127 = t122 + t126;
-                                    const gluon_6l3_real t128 = t6 - t7;
-                                    const gluon_6l3_real t129 = t128 + t128;
-                                    const gluon_6l3_real t130 = t129 * t98;
-                                    const gluon_6l3_real t131 = t0 + t1;
-                                    const gluon_6l3_real t132 = t131 + t131;
-                                    const gluon_6l3_real t133 = t132 * t104;
-                                    const gluon_6l3_real t134 = t130 + t133;
-                                    const gluon_6l3_real t135 = t79 + t62;
-                                    const gluon_6l3_real t136 = t135 + t135;
-                                    const gluon_6l3_real t137 = 1.0f - t136;
-                                    const gluon_6l3_real t138 = t137 * t109;
-                                    const gluon_6l3_real t139 = t134 + t138;
-                                    const gluon_6l3_real t140 = x[2] - t139;
-                                    const gluon_6l3_real t141 = t140 - 105.03f;
-                                    const gluon_6l3_real t142 = t141 * t141;
-                                    const gluon_6l3_real t143 = t127 + t142;
-                                    const gluon_6l3_real t144 = t143 - 30422.336f;
-                                    const gluon_6l3_real t145 = t144 - 30422.336f;
-                                    const gluon_6l3_real t146 = 0.5f * t145;
-                                    const gluon_6l3_real t147 = t146 * t146;
-                                    const gluon_6l3_real t148 = 9.255185e+08f - t147;
-                                    const gluon_6l3_real t149 = t148 * 1.1822206e-11f;
-                                    if (t149 > 1.5258789e-05f) {
-                                        const gluon_6l3_real t151 = 30422.336f * near[5];
-                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t151 < 0.0f) ? 2U : 1U;
-                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
-                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
-                                                const gluon_6l3_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
-                                                const gluon_6l3_real t157 = fabsf(t148);
-                                                const gluon_6l3_real t158 = t148 + t157;
-                                                const gluon_6l3_real t159 = 0.5f * t158;
-                                                const gluon_6l3_real t160 = sqrtf(t159);
-                                                const gluon_6l3_real t161 = sign2 * t160;
-                                                const gluon_6l3_real t162 = 1.6435293e-05f * t145;
-                                                const gluon_6l3_real t163 = 3.2870586e-05f * t161;
-                                                const gluon_6l3_real t164 = gluon_6l3_angle(t163, t162);
-                                                /* q2 turns a point of the axis of q4 to where it must be */
-                                                const gluon_6l3_real t165 = -0.0057332874f * t161;
-                                                const gluon_6l3_real t166 = t165 * t121;
-                                                const gluon_6l3_real t167 = 0.0028666437f * t145;
-                                                const gluon_6l3_real t168 = 279.45f + t167;
-                                                const gluon_6l3_real t169 = t168 - 105.03f;
-                                                const gluon_6l3_real t170 = t169 * t141;
-                                                const gluon_6l3_real t171 = t166 + t170;
-                                                const gluon_6l3_real t172 = t171 * t171;
-                                                const gluon_6l3_real t173 = t169 * t121;
-                                                const gluon_6l3_real t174 = t165 * t141;
-                                                const gluon_6l3_real t175 = t173 - t174;
-                                                const gluon_6l3_real t176 = t175 * t175;
-                                                const gluon_6l3_real t177 = t172 + t176;
-                                                const gluon_6l3_real t178 = sqrtf(t177);
-                                                const gluon_6l3_real t179 = t178 * 3.4383436e-06f;
-                                                if (t179 > 1.5258789e-05f) {
-                                                    const gluon_6l3_real t181 = -t175;
-                                                    const gluon_6l3_real t182 = gluon_6l3_angle(t181, t171);
-                                                    /* q4 turns a direction of the tool to where it must be */
-                                                    const gluon_6l3_real t183 = 1.0f / t178;
-                                                    const gluon_6l3_real t184 = t171 * t183;
-                                                    const gluon_6l3_real t185 = t45 * t60;
-                                                    const gluon_6l3_real t186 = t95 * t47;
-                                                    const gluon_6l3_real t187 = t71 * t186;
-                                                    const gluon_6l3_real t188 = t93 * t47;
-                                                    const gluon_6l3_real t189 = t82 * t188;
-                                                    const gluon_6l3_real t190 = t187 + t189;
-                                                    const gluon_6l3_real t191 = t185 - t190;
-                                                    const gluon_6l3_real t192 = t36 * t191;
-                                                    const gluon_6l3_real t193 = t43 * t60;
-                                                    const gluon_6l3_real t194 = t66 * t186;
-                                                    const gluon_6l3_real t195 = t77 * t188;
-                                                    const gluon_6l3_real t196 = t194 + t195;
-                                                    const gluon_6l3_real t197 = t193 - t196;
-                                                    const gluon_6l3_real t198 = t40 * t197;
-                                                    const gluon_6l3_real t199 = t192 - t198;
-                                                    const gluon_6l3_real t200 = t184 * t199;
-                                                    const gluon_6l3_real t201 = t175 * t183;
-                                                    const gluon_6l3_real t202 = t137 * t60;
-                                                    const gluon_6l3_real t203 = t129 * t186;
-                                                    const gluon_6l3_real t204 = t132 * t188;
-                                                    const gluon_6l3_real t205 = t203 + t204;
-                                                    const gluon_6l3_real t206 = t202 - t205;
-                                                    const gluon_6l3_real t207 = t201 * t206;
-                                                    const gluon_6l3_real t208 = t200 - t207;
-                                                    const gluon_6l3_real t209 = t162 * t208;
-                                                    const gluon_6l3_real t210 = t184 * t206;
-                                                    const gluon_6l3_real t211 = t201 * t199;
-                                                    const gluon_6l3_real t212 = t210 + t211;
-                                                    const gluon_6l3_real t213 = t163 * t212;
-                                                    const gluon_6l3_real t214 = t209 + t213;
-                                                    const gluon_6l3_real t215 = t214 * t214;
-                                                    const gluon_6l3_real t216 = t162 * t212;
-                                                    const gluon_6l3_real t217 = t163 * t208;
-                                                    const gluon_6l3_real t218 = t216 - t217;
-                                                    const gluon_6l3_real t219 = t218 * t218;
-                                                    const gluon_6l3_real t220 = t215 + t219;
-                                                    const gluon_6l3_real t221 = sqrtf(t220);
-                                                    if (t221 > 1.5258789e-05f) {
-                                                        const gluon_6l3_real t223 = gluon_6l3_angle(t218, t214);
-                                                        found[count][0] = t42;
-                                                        found[count][1] = t182;
-                                                        found[count][2] = t164;
-                                                        found[count][3] = t223;
-                                                        found[count][4] = t61;
-                                                        found[count][5] = t91;
-                                                        ++count;
-                                                    } else {
-                                                        *undecided = true;
-                                                    }
-                                                } else {
-                                                    *undecided = true;
-                                                }
-                                            }
-                                        }
-                                    } else if (t149 > -1.5258789e-05f) {
-                                        *undecided = true;
-                                    } else {
-                                        /* out of reach */
-                                    }
-                                } else {
-                                    *undecided = true;
-                                }
-                            }
-                        }
-                    } else if (t49 > -1.5258789e-05f) {
-                        *undecided = true;
-                    } else {
-                        /* out of reach */
-                    }
-                }
-            }
-        } else if (t16 > -1.5258789e-05f) {
-            *undecided = true;
-        } else {
-            /* out of reach */
-        }
-    } else {
-        *undecided = true;
-    }
-    return count;
-}
-
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
-static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon_6l3_real joints[6])
-{
-    static const bool angular[6] = { true, true, true, true, true, true };
-    static const gluon_6l3_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == GLUON_6L3_OUT_OF_RANGE); ++round) {
-        const gluon_6l3_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < 6; ++i) {
-            const gluon_6l3_real number = (goal[i] - joints[i]) * 0.15915494f;
-            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
-                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-                joints[i] += 6.2831855f * (gluon_6l3_real)whole;
-            }
-        }
-        status = gluon_6l3_check_limits(joints);
-    }
-    return status;
-}
-
-/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose, const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6], gluon_6l3_real joints[6])
-{
-    gluon_6l3_real x[7];
-    gluon_6l3_real found[1][6];
-    bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
-    if (status == GLUON_6L3_OK) {
-        if (gluon_6l3_branches(x, near, wanted, found, &undecided) == 1) {
-            status = gluon_6l3_turn_near(about, found[0]);
-        } else {
-            status = undecided ? GLUON_6L3_SINGULAR : GLUON_6L3_OUT_OF_RANGE;
-        }
-    }
-    if (status == GLUON_6L3_OK) {
-        for (int i = 0; i < 6; ++i) {
-            joints[i] = found[0][i];
-        }
-    }
-    return status;
-}
-
-/* All branches with the given tool pose. */
-int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6])
-{
-    static const gluon_6l3_real near[6] = { 0.0f };
-    static const gluon_6l3_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    gluon_6l3_real x[7];
-    int count = 0;
-    bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
-    if (status == GLUON_6L3_OK) {
-        const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided);
-        for (int k = 0; k < all; ++k) {
-            if (gluon_6l3_turn_near(middle, joints[k]) == GLUON_6L3_OK) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
-/* The branch named by the choices' bits. */
-gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch, gluon_6l3_real joints[6])
-{
-    static const gluon_6l3_real near[6] = { 0.0f };
-    static const gluon_6l3_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
-    if (branch < 8U) {
-        unsigned int wanted = 0U;
-        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
-        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
-        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
-        status = gluon_6l3_one_branch(pose, near, wanted, middle, joints);
-    }
-    return status;
-}
-
-/* The branch nearest to the guess, choice by choice. */
-gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
-{
-    gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
-    if (status == GLUON_6L3_OK) {
-        gluon_6l3_real near[6] = { 0.0f };
-        near[0] = gluon_6l3_sine(guess[0] + 1.5707964f);
-        near[1] = gluon_6l3_sine(guess[0]);
-        near[3] = gluon_6l3_sine(guess[4]);
-        near[5] = gluon_6l3_sine(guess[2]);
-        status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

@@ -33,7 +33,9 @@ static UR5E_COLD ur5e_status ur5e_check_finite(const ur5e_real values[], int cou
 static ur5e_status ur5e_normalise_pose(const ur5e_pose *pose, ur5e_real x[7])
 {
     const ur5e_real *const q = pose->quaternion;
-    const ur5e_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 845000.0) && (fabs(pose->position[1]) <= 845000.0) && (fabs(pose->position[2]) <= 845000.0);
+    const ur5e_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
     ur5e_status status = UR5E_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -275,2139 +277,866 @@ static void ur5e_forward(const ur5e_real q[6], ur5e_real x[7])
     x[6] = t158;
 }
 
-/* Work space of ur5e_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: q1, q2, q3, q4, q5, q6
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    ur5e_real x[6]; /* state */
-    ur5e_real x0[6]; /* state at the part of the line that is done, to which a failed try returns */
-    ur5e_real at[7]; /* known values at the guess, where the line begins */
-    ur5e_real k[7]; /* known values aimed at */
-    ur5e_real f[6]; /* rows; the linear solver leaves the step in their place */
-    ur5e_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    ur5e_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} ur5e_inverse_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void ur5e_inverse_rows(ur5e_inverse_work *w)
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static ur5e_real ur5e_sine(ur5e_real angle)
 {
-    /* row 1 */
-    const ur5e_real t0 = cos(w->x[0]);
-    const ur5e_real t1 = cos(w->x[1]);
-    const ur5e_real t2 = cos(w->x[2]);
-    const ur5e_real t3 = cos(w->x[3]);
-    const ur5e_real t4 = cos(w->x[4]);
-    const ur5e_real t5 = sin(w->x[5]);
-    const ur5e_real t6 = 7.904787935331113e-15 * t5;
-    const ur5e_real t7 = t4 * t6;
-    const ur5e_real t8 = sin(w->x[4]);
-    const ur5e_real t9 = cos(w->x[5]);
-    const ur5e_real t10 = -99.6 * t9;
-    const ur5e_real t11 = 1.0 - t9;
-    const ur5e_real t12 = 99.6 * t11;
-    const ur5e_real t13 = t10 - t12;
-    const ur5e_real t14 = t8 * t13;
-    const ur5e_real t15 = t7 + t14;
-    const ur5e_real t16 = t3 * t15;
-    const ur5e_real t17 = sin(w->x[3]);
-    const ur5e_real t18 = 1.4210854715202004e-14 * t9;
-    const ur5e_real t19 = 2.2115642650533117e-14 * t11;
-    const ur5e_real t20 = t18 + t19;
-    const ur5e_real t21 = 62.8 + t20;
-    const ur5e_real t22 = t21 - 162.5;
-    const ur5e_real t23 = t4 * t22;
-    const ur5e_real t24 = 1.0 - t4;
-    const ur5e_real t25 = t24 * t22;
-    const ur5e_real t26 = t23 + t25;
-    const ur5e_real t27 = t17 * t26;
-    const ur5e_real t28 = t16 - t27;
-    const ur5e_real t29 = -817.2 + t28;
-    const ur5e_real t30 = t29 - (-425.0);
-    const ur5e_real t31 = t2 * t30;
-    const ur5e_real t32 = sin(w->x[2]);
-    const ur5e_real t33 = t3 * t26;
-    const ur5e_real t34 = t17 * t15;
-    const ur5e_real t35 = t33 + t34;
-    const ur5e_real t36 = t32 * t35;
-    const ur5e_real t37 = t31 - t36;
-    const ur5e_real t38 = -425.0 + t37;
-    const ur5e_real t39 = t1 * t38;
-    const ur5e_real t40 = sin(w->x[1]);
-    const ur5e_real t41 = t2 * t35;
-    const ur5e_real t42 = t32 * t30;
-    const ur5e_real t43 = t41 + t42;
-    const ur5e_real t44 = t40 * t43;
-    const ur5e_real t45 = t39 - t44;
-    const ur5e_real t46 = t0 * t45;
-    const ur5e_real t47 = sin(w->x[0]);
-    const ur5e_real t48 = t4 * t13;
-    const ur5e_real t49 = t8 * t6;
-    const ur5e_real t50 = t48 - t49;
-    const ur5e_real t51 = -133.3 + t50;
-    const ur5e_real t52 = t3 * t51;
-    const ur5e_real t53 = 1.0 - t3;
-    const ur5e_real t54 = t53 * t51;
-    const ur5e_real t55 = t52 + t54;
-    const ur5e_real t56 = t2 * t55;
-    const ur5e_real t57 = 1.0 - t2;
-    const ur5e_real t58 = t57 * t55;
-    const ur5e_real t59 = t56 + t58;
-    const ur5e_real t60 = t1 * t59;
-    const ur5e_real t61 = 1.0 - t1;
-    const ur5e_real t62 = t61 * t59;
-    const ur5e_real t63 = t60 + t62;
-    const ur5e_real t64 = t47 * t63;
-    const ur5e_real t65 = t46 - t64;
-    const ur5e_real t66 = w->k[0] - t65;
-    const ur5e_real t67 = -t66;
-    w->f[0] = t67;
-    /* row 2 */
-    const ur5e_real t69 = t0 * t63;
-    const ur5e_real t70 = t47 * t45;
-    const ur5e_real t71 = t69 + t70;
-    const ur5e_real t72 = w->k[1] - t71;
-    const ur5e_real t73 = -t72;
-    w->f[1] = t73;
-    /* row 3 */
-    const ur5e_real t75 = t1 * t43;
-    const ur5e_real t76 = t40 * t38;
-    const ur5e_real t77 = t75 + t76;
-    const ur5e_real t78 = 162.5 + t77;
-    const ur5e_real t79 = t0 * t78;
-    const ur5e_real t80 = 1.0 - t0;
-    const ur5e_real t81 = t80 * t78;
-    const ur5e_real t82 = t79 + t81;
-    const ur5e_real t83 = w->k[2] - t82;
-    const ur5e_real t84 = -t83;
-    w->f[2] = t84;
-    /* row 4 */
-    const ur5e_real t86 = 0.5 * w->x[0];
-    const ur5e_real t87 = cos(t86);
-    const ur5e_real t88 = 0.5 * w->x[1];
-    const ur5e_real t89 = cos(t88);
-    const ur5e_real t90 = t87 * t89;
-    const ur5e_real t91 = 0.5 * w->x[2];
-    const ur5e_real t92 = cos(t91);
-    const ur5e_real t93 = t90 * t92;
-    const ur5e_real t94 = sin(t88);
-    const ur5e_real t95 = t87 * t94;
-    const ur5e_real t96 = sin(t91);
-    const ur5e_real t97 = t95 * t96;
-    const ur5e_real t98 = t93 - t97;
-    const ur5e_real t99 = 0.5 * w->x[3];
-    const ur5e_real t100 = cos(t99);
-    const ur5e_real t101 = t98 * t100;
-    const ur5e_real t102 = t90 * t96;
-    const ur5e_real t103 = t95 * t92;
-    const ur5e_real t104 = t102 + t103;
-    const ur5e_real t105 = sin(t99);
-    const ur5e_real t106 = t104 * t105;
-    const ur5e_real t107 = t101 - t106;
-    const ur5e_real t108 = 0.5 * w->x[4];
-    const ur5e_real t109 = cos(t108);
-    const ur5e_real t110 = t107 * t109;
-    const ur5e_real t111 = sin(t86);
-    const ur5e_real t112 = t111 * t89;
-    const ur5e_real t113 = t112 * t92;
-    const ur5e_real t114 = t111 * t94;
-    const ur5e_real t115 = t114 * t96;
-    const ur5e_real t116 = t113 - t115;
-    const ur5e_real t117 = t116 * t100;
-    const ur5e_real t118 = t114 * t92;
-    const ur5e_real t119 = t112 * t96;
-    const ur5e_real t120 = t118 + t119;
-    const ur5e_real t121 = t120 * t105;
-    const ur5e_real t122 = t117 - t121;
-    const ur5e_real t123 = sin(t108);
-    const ur5e_real t124 = t122 * t123;
-    const ur5e_real t125 = t110 + t124;
-    const ur5e_real t126 = 0.5 * w->x[5];
-    const ur5e_real t127 = cos(t126);
-    const ur5e_real t128 = t125 * t127;
-    const ur5e_real t129 = t120 * t100;
-    const ur5e_real t130 = t116 * t105;
-    const ur5e_real t131 = t129 + t130;
-    const ur5e_real t132 = t131 * t123;
-    const ur5e_real t133 = t98 * t105;
-    const ur5e_real t134 = t104 * t100;
-    const ur5e_real t135 = t133 + t134;
-    const ur5e_real t136 = t135 * t109;
-    const ur5e_real t137 = t132 - t136;
-    const ur5e_real t138 = sin(t126);
-    const ur5e_real t139 = t137 * t138;
-    const ur5e_real t140 = t128 + t139;
-    const ur5e_real t141 = 0.7071067811865476 * w->k[4];
-    const ur5e_real t142 = 0.7071067811865475 * w->k[3];
-    const ur5e_real t143 = t141 - t142;
-    const ur5e_real t144 = t140 * t143;
-    const ur5e_real t145 = t131 * t109;
-    const ur5e_real t146 = t135 * t123;
-    const ur5e_real t147 = t145 + t146;
-    const ur5e_real t148 = t147 * t127;
-    const ur5e_real t149 = t122 * t109;
-    const ur5e_real t150 = t107 * t123;
-    const ur5e_real t151 = t149 - t150;
-    const ur5e_real t152 = t151 * t138;
-    const ur5e_real t153 = t148 + t152;
-    const ur5e_real t154 = 0.7071067811865476 * w->k[3];
-    const ur5e_real t155 = 0.7071067811865475 * w->k[4];
-    const ur5e_real t156 = t154 + t155;
-    const ur5e_real t157 = t153 * t156;
-    const ur5e_real t158 = t144 - t157;
-    const ur5e_real t159 = t137 * t127;
-    const ur5e_real t160 = t125 * t138;
-    const ur5e_real t161 = t159 - t160;
-    const ur5e_real t162 = 0.7071067811865475 * w->k[5];
-    const ur5e_real t163 = 0.7071067811865476 * w->k[6];
-    const ur5e_real t164 = t162 + t163;
-    const ur5e_real t165 = t161 * t164;
-    const ur5e_real t166 = t158 - t165;
-    const ur5e_real t167 = t151 * t127;
-    const ur5e_real t168 = t147 * t138;
-    const ur5e_real t169 = t167 - t168;
-    const ur5e_real t170 = 0.7071067811865476 * w->k[5];
-    const ur5e_real t171 = 0.7071067811865475 * w->k[6];
-    const ur5e_real t172 = t170 - t171;
-    const ur5e_real t173 = t169 * t172;
-    const ur5e_real t174 = t166 + t173;
-    const ur5e_real t175 = 1687.5911590192693 * t174;
-    const ur5e_real t176 = -t175;
-    w->f[3] = t176;
-    /* row 5 */
-    const ur5e_real t178 = t140 * t172;
-    const ur5e_real t179 = t153 * t164;
-    const ur5e_real t180 = t178 + t179;
-    const ur5e_real t181 = t161 * t156;
-    const ur5e_real t182 = t180 - t181;
-    const ur5e_real t183 = t169 * t143;
-    const ur5e_real t184 = t182 - t183;
-    const ur5e_real t185 = 1687.5911590192693 * t184;
-    const ur5e_real t186 = -t185;
-    w->f[4] = t186;
-    /* row 6 */
-    const ur5e_real t188 = t140 * t164;
-    const ur5e_real t189 = t153 * t172;
-    const ur5e_real t190 = t188 - t189;
-    const ur5e_real t191 = t161 * t143;
-    const ur5e_real t192 = t190 + t191;
-    const ur5e_real t193 = t169 * t156;
-    const ur5e_real t194 = t192 - t193;
-    const ur5e_real t195 = 1687.5911590192693 * t194;
-    const ur5e_real t196 = -t195;
-    w->f[5] = t196;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static UR5E_SHARED ur5e_real ur5e_inverse_residual(const ur5e_inverse_work *w)
-{
-    ur5e_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
-    sum += w->f[3] * w->f[3];
-    sum += w->f[4] * w->f[4];
-    sum += w->f[5] * w->f[5];
-    return sqrt(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static ur5e_real ur5e_inverse_apply_step(ur5e_inverse_work *w)
-{
-    const ur5e_real t0 = 0.0011851211647507592 * w->f[0];
-    const ur5e_real t1 = w->x[0] + t0;
-    const ur5e_real t2 = 0.0011851211647507592 * w->f[1];
-    const ur5e_real t3 = w->x[1] + t2;
-    const ur5e_real t4 = 0.0011851211647507592 * w->f[2];
-    const ur5e_real t5 = w->x[2] + t4;
-    const ur5e_real t6 = 0.0011851211647507592 * w->f[3];
-    const ur5e_real t7 = w->x[3] + t6;
-    const ur5e_real t8 = 0.0011851211647507592 * w->f[4];
-    const ur5e_real t9 = w->x[4] + t8;
-    const ur5e_real t10 = 0.0011851211647507592 * w->f[5];
-    const ur5e_real t11 = w->x[5] + t10;
-    const ur5e_real t12 = w->f[0] * w->f[0];
-    const ur5e_real t13 = w->f[1] * w->f[1];
-    const ur5e_real t14 = t12 + t13;
-    const ur5e_real t15 = w->f[2] * w->f[2];
-    const ur5e_real t16 = t14 + t15;
-    const ur5e_real t17 = w->f[3] * w->f[3];
-    const ur5e_real t18 = t16 + t17;
-    const ur5e_real t19 = w->f[4] * w->f[4];
-    const ur5e_real t20 = t18 + t19;
-    const ur5e_real t21 = w->f[5] * w->f[5];
-    const ur5e_real t22 = t20 + t21;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    w->x[4] = t9;
-    w->x[5] = t11;
-    return t22;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static UR5E_SHARED void ur5e_inverse_set_target(ur5e_inverse_work *w, const ur5e_real to[7], ur5e_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const ur5e_real inverse = 1.0 / sqrt(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void ur5e_inverse_matrix(ur5e_inverse_work *w)
-{
-    const ur5e_real t0 = cos(w->x[1]);
-    const ur5e_real t1 = cos(w->x[2]);
-    const ur5e_real t2 = cos(w->x[3]);
-    const ur5e_real t3 = cos(w->x[4]);
-    const ur5e_real t4 = sin(w->x[5]);
-    const ur5e_real t5 = 7.904787935331113e-15 * t4;
-    const ur5e_real t6 = t3 * t5;
-    const ur5e_real t7 = sin(w->x[4]);
-    const ur5e_real t8 = cos(w->x[5]);
-    const ur5e_real t9 = -99.6 * t8;
-    const ur5e_real t10 = 1.0 - t8;
-    const ur5e_real t11 = 99.6 * t10;
-    const ur5e_real t12 = t9 - t11;
-    const ur5e_real t13 = t7 * t12;
-    const ur5e_real t14 = t6 + t13;
-    const ur5e_real t15 = t2 * t14;
-    const ur5e_real t16 = sin(w->x[3]);
-    const ur5e_real t17 = 1.4210854715202004e-14 * t8;
-    const ur5e_real t18 = 2.2115642650533117e-14 * t10;
-    const ur5e_real t19 = t17 + t18;
-    const ur5e_real t20 = 62.8 + t19;
-    const ur5e_real t21 = t20 - 162.5;
-    const ur5e_real t22 = t3 * t21;
-    const ur5e_real t23 = 1.0 - t3;
-    const ur5e_real t24 = t23 * t21;
-    const ur5e_real t25 = t22 + t24;
-    const ur5e_real t26 = t16 * t25;
-    const ur5e_real t27 = t15 - t26;
-    const ur5e_real t28 = -817.2 + t27;
-    const ur5e_real t29 = t28 - (-425.0);
-    const ur5e_real t30 = t1 * t29;
-    const ur5e_real t31 = sin(w->x[2]);
-    const ur5e_real t32 = t2 * t25;
-    const ur5e_real t33 = t16 * t14;
-    const ur5e_real t34 = t32 + t33;
-    const ur5e_real t35 = t31 * t34;
-    const ur5e_real t36 = t30 - t35;
-    const ur5e_real t37 = -425.0 + t36;
-    const ur5e_real t38 = t0 * t37;
-    const ur5e_real t39 = sin(w->x[1]);
-    const ur5e_real t40 = t1 * t34;
-    const ur5e_real t41 = t31 * t29;
-    const ur5e_real t42 = t40 + t41;
-    const ur5e_real t43 = t39 * t42;
-    const ur5e_real t44 = t38 - t43;
-    const ur5e_real t45 = sin(w->x[0]);
-    const ur5e_real t46 = t44 * t45;
-    const ur5e_real t47 = t3 * t12;
-    const ur5e_real t48 = t7 * t5;
-    const ur5e_real t49 = t47 - t48;
-    const ur5e_real t50 = -133.3 + t49;
-    const ur5e_real t51 = t2 * t50;
-    const ur5e_real t52 = 1.0 - t2;
-    const ur5e_real t53 = t52 * t50;
-    const ur5e_real t54 = t51 + t53;
-    const ur5e_real t55 = t1 * t54;
-    const ur5e_real t56 = 1.0 - t1;
-    const ur5e_real t57 = t56 * t54;
-    const ur5e_real t58 = t55 + t57;
-    const ur5e_real t59 = t0 * t58;
-    const ur5e_real t60 = 1.0 - t0;
-    const ur5e_real t61 = t60 * t58;
-    const ur5e_real t62 = t59 + t61;
-    const ur5e_real t63 = cos(w->x[0]);
-    const ur5e_real t64 = t62 * t63;
-    const ur5e_real t65 = t46 + t64;
-    const ur5e_real t66 = 0.0011851211647507592 * t65;
-    w->a[0] = t66;
-    const ur5e_real t68 = t37 * t39;
-    const ur5e_real t69 = t42 * t0;
-    const ur5e_real t70 = t68 + t69;
-    const ur5e_real t71 = t63 * t70;
-    const ur5e_real t72 = 0.0011851211647507592 * t71;
-    w->a[1] = t72;
-    const ur5e_real t74 = t29 * t31;
-    const ur5e_real t75 = t34 * t1;
-    const ur5e_real t76 = t74 + t75;
-    const ur5e_real t77 = t0 * t76;
-    const ur5e_real t78 = t29 * t1;
-    const ur5e_real t79 = t34 * t31;
-    const ur5e_real t80 = t78 - t79;
-    const ur5e_real t81 = t39 * t80;
-    const ur5e_real t82 = t77 + t81;
-    const ur5e_real t83 = t63 * t82;
-    const ur5e_real t84 = 0.0011851211647507592 * t83;
-    w->a[2] = t84;
-    const ur5e_real t86 = t14 * t16;
-    const ur5e_real t87 = t25 * t2;
-    const ur5e_real t88 = t86 + t87;
-    const ur5e_real t89 = t1 * t88;
-    const ur5e_real t90 = t14 * t2;
-    const ur5e_real t91 = t25 * t16;
-    const ur5e_real t92 = t90 - t91;
-    const ur5e_real t93 = t31 * t92;
-    const ur5e_real t94 = t89 + t93;
-    const ur5e_real t95 = t0 * t94;
-    const ur5e_real t96 = t1 * t92;
-    const ur5e_real t97 = t31 * t88;
-    const ur5e_real t98 = t96 - t97;
-    const ur5e_real t99 = t39 * t98;
-    const ur5e_real t100 = t95 + t99;
-    const ur5e_real t101 = t63 * t100;
-    const ur5e_real t102 = 0.0011851211647507592 * t101;
-    w->a[3] = t102;
-    const ur5e_real t104 = t12 * t3;
-    const ur5e_real t105 = t5 * t7;
-    const ur5e_real t106 = t104 - t105;
-    const ur5e_real t107 = t2 * t106;
-    const ur5e_real t108 = t1 * t107;
-    const ur5e_real t109 = t16 * t106;
-    const ur5e_real t110 = t31 * t109;
-    const ur5e_real t111 = t108 - t110;
-    const ur5e_real t112 = t0 * t111;
-    const ur5e_real t113 = t1 * t109;
-    const ur5e_real t114 = t31 * t107;
-    const ur5e_real t115 = t113 + t114;
-    const ur5e_real t116 = t39 * t115;
-    const ur5e_real t117 = t112 - t116;
-    const ur5e_real t118 = t63 * t117;
-    const ur5e_real t119 = t12 * t7;
-    const ur5e_real t120 = t5 * t3;
-    const ur5e_real t121 = t119 + t120;
-    const ur5e_real t122 = t2 * t121;
-    const ur5e_real t123 = t52 * t121;
-    const ur5e_real t124 = t122 + t123;
-    const ur5e_real t125 = t1 * t124;
-    const ur5e_real t126 = t56 * t124;
-    const ur5e_real t127 = t125 + t126;
-    const ur5e_real t128 = t0 * t127;
-    const ur5e_real t129 = t60 * t127;
-    const ur5e_real t130 = t128 + t129;
-    const ur5e_real t131 = t45 * t130;
-    const ur5e_real t132 = t118 + t131;
-    const ur5e_real t133 = 0.0011851211647507592 * t132;
-    const ur5e_real t134 = -t133;
-    w->a[4] = t134;
-    const ur5e_real t136 = 7.904787935331113e-15 * t8;
-    const ur5e_real t137 = t3 * t136;
-    const ur5e_real t138 = -99.6 * t4;
-    const ur5e_real t139 = 99.6 * t4;
-    const ur5e_real t140 = t138 + t139;
-    const ur5e_real t141 = t7 * t140;
-    const ur5e_real t142 = t137 - t141;
-    const ur5e_real t143 = t2 * t142;
-    const ur5e_real t144 = 2.2115642650533117e-14 * t4;
-    const ur5e_real t145 = 1.4210854715202004e-14 * t4;
-    const ur5e_real t146 = t144 - t145;
-    const ur5e_real t147 = t3 * t146;
-    const ur5e_real t148 = t23 * t146;
-    const ur5e_real t149 = t147 + t148;
-    const ur5e_real t150 = t16 * t149;
-    const ur5e_real t151 = t143 - t150;
-    const ur5e_real t152 = t1 * t151;
-    const ur5e_real t153 = t2 * t149;
-    const ur5e_real t154 = t16 * t142;
-    const ur5e_real t155 = t153 + t154;
-    const ur5e_real t156 = t31 * t155;
-    const ur5e_real t157 = t152 - t156;
-    const ur5e_real t158 = t0 * t157;
-    const ur5e_real t159 = t1 * t155;
-    const ur5e_real t160 = t31 * t151;
-    const ur5e_real t161 = t159 + t160;
-    const ur5e_real t162 = t39 * t161;
-    const ur5e_real t163 = t158 - t162;
-    const ur5e_real t164 = t63 * t163;
-    const ur5e_real t165 = t3 * t140;
-    const ur5e_real t166 = t7 * t136;
-    const ur5e_real t167 = t165 + t166;
-    const ur5e_real t168 = t2 * t167;
-    const ur5e_real t169 = t52 * t167;
-    const ur5e_real t170 = t168 + t169;
-    const ur5e_real t171 = t1 * t170;
-    const ur5e_real t172 = t56 * t170;
-    const ur5e_real t173 = t171 + t172;
-    const ur5e_real t174 = t0 * t173;
-    const ur5e_real t175 = t60 * t173;
-    const ur5e_real t176 = t174 + t175;
-    const ur5e_real t177 = t45 * t176;
-    const ur5e_real t178 = t164 + t177;
-    const ur5e_real t179 = 0.0011851211647507592 * t178;
-    const ur5e_real t180 = -t179;
-    w->a[5] = t180;
-    const ur5e_real t182 = t44 * t63;
-    const ur5e_real t183 = t62 * t45;
-    const ur5e_real t184 = t182 - t183;
-    const ur5e_real t185 = 0.0011851211647507592 * t184;
-    const ur5e_real t186 = -t185;
-    w->a[6] = t186;
-    const ur5e_real t188 = t45 * t70;
-    const ur5e_real t189 = 0.0011851211647507592 * t188;
-    w->a[7] = t189;
-    const ur5e_real t191 = t45 * t82;
-    const ur5e_real t192 = 0.0011851211647507592 * t191;
-    w->a[8] = t192;
-    const ur5e_real t194 = t45 * t100;
-    const ur5e_real t195 = 0.0011851211647507592 * t194;
-    w->a[9] = t195;
-    const ur5e_real t197 = t45 * t117;
-    const ur5e_real t198 = t63 * t130;
-    const ur5e_real t199 = t197 - t198;
-    const ur5e_real t200 = 0.0011851211647507592 * t199;
-    const ur5e_real t201 = -t200;
-    w->a[10] = t201;
-    const ur5e_real t203 = t45 * t163;
-    const ur5e_real t204 = t63 * t176;
-    const ur5e_real t205 = t203 - t204;
-    const ur5e_real t206 = 0.0011851211647507592 * t205;
-    const ur5e_real t207 = -t206;
-    w->a[11] = t207;
-    w->a[12] = 0.0;
-    const ur5e_real t210 = t37 * t0;
-    const ur5e_real t211 = t42 * t39;
-    const ur5e_real t212 = t210 - t211;
-    const ur5e_real t213 = t63 * t212;
-    const ur5e_real t214 = 1.0 - t63;
-    const ur5e_real t215 = t214 * t212;
-    const ur5e_real t216 = t213 + t215;
-    const ur5e_real t217 = 0.0011851211647507592 * t216;
-    const ur5e_real t218 = -t217;
-    w->a[13] = t218;
-    const ur5e_real t220 = t0 * t80;
-    const ur5e_real t221 = t39 * t76;
-    const ur5e_real t222 = t220 - t221;
-    const ur5e_real t223 = t63 * t222;
-    const ur5e_real t224 = t214 * t222;
-    const ur5e_real t225 = t223 + t224;
-    const ur5e_real t226 = 0.0011851211647507592 * t225;
-    const ur5e_real t227 = -t226;
-    w->a[14] = t227;
-    const ur5e_real t229 = t0 * t98;
-    const ur5e_real t230 = t39 * t94;
-    const ur5e_real t231 = t229 - t230;
-    const ur5e_real t232 = t63 * t231;
-    const ur5e_real t233 = t214 * t231;
-    const ur5e_real t234 = t232 + t233;
-    const ur5e_real t235 = 0.0011851211647507592 * t234;
-    const ur5e_real t236 = -t235;
-    w->a[15] = t236;
-    const ur5e_real t238 = t0 * t115;
-    const ur5e_real t239 = t39 * t111;
-    const ur5e_real t240 = t238 + t239;
-    const ur5e_real t241 = t63 * t240;
-    const ur5e_real t242 = t214 * t240;
-    const ur5e_real t243 = t241 + t242;
-    const ur5e_real t244 = 0.0011851211647507592 * t243;
-    const ur5e_real t245 = -t244;
-    w->a[16] = t245;
-    const ur5e_real t247 = t0 * t161;
-    const ur5e_real t248 = t39 * t157;
-    const ur5e_real t249 = t247 + t248;
-    const ur5e_real t250 = t63 * t249;
-    const ur5e_real t251 = t214 * t249;
-    const ur5e_real t252 = t250 + t251;
-    const ur5e_real t253 = 0.0011851211647507592 * t252;
-    const ur5e_real t254 = -t253;
-    w->a[17] = t254;
-    const ur5e_real t256 = 0.7071067811865476 * w->k[4];
-    const ur5e_real t257 = 0.7071067811865475 * w->k[3];
-    const ur5e_real t258 = t256 - t257;
-    const ur5e_real t259 = 0.5 * w->x[5];
-    const ur5e_real t260 = cos(t259);
-    const ur5e_real t261 = 0.5 * w->x[4];
-    const ur5e_real t262 = cos(t261);
-    const ur5e_real t263 = 0.5 * w->x[3];
-    const ur5e_real t264 = cos(t263);
-    const ur5e_real t265 = 0.5 * w->x[2];
-    const ur5e_real t266 = sin(t265);
-    const ur5e_real t267 = 0.5 * w->x[1];
-    const ur5e_real t268 = sin(t267);
-    const ur5e_real t269 = 0.5 * w->x[0];
-    const ur5e_real t270 = sin(t269);
-    const ur5e_real t271 = 0.5 * t270;
-    const ur5e_real t272 = t268 * t271;
-    const ur5e_real t273 = t266 * t272;
-    const ur5e_real t274 = cos(t265);
-    const ur5e_real t275 = cos(t267);
-    const ur5e_real t276 = t275 * t271;
-    const ur5e_real t277 = t274 * t276;
-    const ur5e_real t278 = t273 - t277;
-    const ur5e_real t279 = t264 * t278;
-    const ur5e_real t280 = sin(t263);
-    const ur5e_real t281 = t266 * t276;
-    const ur5e_real t282 = t274 * t272;
-    const ur5e_real t283 = t281 + t282;
-    const ur5e_real t284 = t280 * t283;
-    const ur5e_real t285 = t279 + t284;
-    const ur5e_real t286 = t262 * t285;
-    const ur5e_real t287 = sin(t261);
-    const ur5e_real t288 = cos(t269);
-    const ur5e_real t289 = 0.5 * t288;
-    const ur5e_real t290 = t275 * t289;
-    const ur5e_real t291 = t274 * t290;
-    const ur5e_real t292 = t268 * t289;
-    const ur5e_real t293 = t266 * t292;
-    const ur5e_real t294 = t291 - t293;
-    const ur5e_real t295 = t264 * t294;
-    const ur5e_real t296 = t274 * t292;
-    const ur5e_real t297 = t266 * t290;
-    const ur5e_real t298 = t296 + t297;
-    const ur5e_real t299 = t280 * t298;
-    const ur5e_real t300 = t295 - t299;
-    const ur5e_real t301 = t287 * t300;
-    const ur5e_real t302 = t286 + t301;
-    const ur5e_real t303 = t260 * t302;
-    const ur5e_real t304 = sin(t259);
-    const ur5e_real t305 = t264 * t298;
-    const ur5e_real t306 = t280 * t294;
-    const ur5e_real t307 = t305 + t306;
-    const ur5e_real t308 = t287 * t307;
-    const ur5e_real t309 = t280 * t278;
-    const ur5e_real t310 = t264 * t283;
-    const ur5e_real t311 = t309 - t310;
-    const ur5e_real t312 = t262 * t311;
-    const ur5e_real t313 = t308 - t312;
-    const ur5e_real t314 = t304 * t313;
-    const ur5e_real t315 = t303 + t314;
-    const ur5e_real t316 = t258 * t315;
-    const ur5e_real t317 = 0.7071067811865476 * w->k[3];
-    const ur5e_real t318 = 0.7071067811865475 * w->k[4];
-    const ur5e_real t319 = t317 + t318;
-    const ur5e_real t320 = t262 * t307;
-    const ur5e_real t321 = t287 * t311;
-    const ur5e_real t322 = t320 + t321;
-    const ur5e_real t323 = t260 * t322;
-    const ur5e_real t324 = t262 * t300;
-    const ur5e_real t325 = t287 * t285;
-    const ur5e_real t326 = t324 - t325;
-    const ur5e_real t327 = t304 * t326;
-    const ur5e_real t328 = t323 + t327;
-    const ur5e_real t329 = t319 * t328;
-    const ur5e_real t330 = t316 - t329;
-    const ur5e_real t331 = 0.7071067811865475 * w->k[5];
-    const ur5e_real t332 = 0.7071067811865476 * w->k[6];
-    const ur5e_real t333 = t331 + t332;
-    const ur5e_real t334 = t260 * t313;
-    const ur5e_real t335 = t304 * t302;
-    const ur5e_real t336 = t334 - t335;
-    const ur5e_real t337 = t333 * t336;
-    const ur5e_real t338 = t330 - t337;
-    const ur5e_real t339 = 0.7071067811865476 * w->k[5];
-    const ur5e_real t340 = 0.7071067811865475 * w->k[6];
-    const ur5e_real t341 = t339 - t340;
-    const ur5e_real t342 = t260 * t326;
-    const ur5e_real t343 = t304 * t322;
-    const ur5e_real t344 = t342 - t343;
-    const ur5e_real t345 = t341 * t344;
-    const ur5e_real t346 = t338 + t345;
-    const ur5e_real t347 = t346 + t346;
-    w->a[18] = t347;
-    const ur5e_real t349 = 0.5 * t275;
-    const ur5e_real t350 = t270 * t349;
-    const ur5e_real t351 = t274 * t350;
-    const ur5e_real t352 = 0.5 * t268;
-    const ur5e_real t353 = t270 * t352;
-    const ur5e_real t354 = t266 * t353;
-    const ur5e_real t355 = t351 - t354;
-    const ur5e_real t356 = t264 * t355;
-    const ur5e_real t357 = t274 * t353;
-    const ur5e_real t358 = t266 * t350;
-    const ur5e_real t359 = t357 + t358;
-    const ur5e_real t360 = t280 * t359;
-    const ur5e_real t361 = t356 - t360;
-    const ur5e_real t362 = t287 * t361;
-    const ur5e_real t363 = t288 * t349;
-    const ur5e_real t364 = t274 * t363;
-    const ur5e_real t365 = t288 * t352;
-    const ur5e_real t366 = t266 * t365;
-    const ur5e_real t367 = t364 - t366;
-    const ur5e_real t368 = t264 * t367;
-    const ur5e_real t369 = t274 * t365;
-    const ur5e_real t370 = t266 * t363;
-    const ur5e_real t371 = t369 + t370;
-    const ur5e_real t372 = t280 * t371;
-    const ur5e_real t373 = t368 - t372;
-    const ur5e_real t374 = t262 * t373;
-    const ur5e_real t375 = t362 - t374;
-    const ur5e_real t376 = t304 * t375;
-    const ur5e_real t377 = t264 * t371;
-    const ur5e_real t378 = t280 * t367;
-    const ur5e_real t379 = t377 + t378;
-    const ur5e_real t380 = t262 * t379;
-    const ur5e_real t381 = t264 * t359;
-    const ur5e_real t382 = t280 * t355;
-    const ur5e_real t383 = t381 + t382;
-    const ur5e_real t384 = t287 * t383;
-    const ur5e_real t385 = t380 + t384;
-    const ur5e_real t386 = t260 * t385;
-    const ur5e_real t387 = t376 - t386;
-    const ur5e_real t388 = t258 * t387;
-    const ur5e_real t389 = t262 * t361;
-    const ur5e_real t390 = t287 * t373;
-    const ur5e_real t391 = t389 + t390;
-    const ur5e_real t392 = t260 * t391;
-    const ur5e_real t393 = t287 * t379;
-    const ur5e_real t394 = t262 * t383;
-    const ur5e_real t395 = t393 - t394;
-    const ur5e_real t396 = t304 * t395;
-    const ur5e_real t397 = t392 + t396;
-    const ur5e_real t398 = t319 * t397;
-    const ur5e_real t399 = t388 - t398;
-    const ur5e_real t400 = t260 * t375;
-    const ur5e_real t401 = t304 * t385;
-    const ur5e_real t402 = t400 + t401;
-    const ur5e_real t403 = t333 * t402;
-    const ur5e_real t404 = t399 - t403;
-    const ur5e_real t405 = t260 * t395;
-    const ur5e_real t406 = t304 * t391;
-    const ur5e_real t407 = t405 - t406;
-    const ur5e_real t408 = t341 * t407;
-    const ur5e_real t409 = t404 + t408;
-    const ur5e_real t410 = t409 + t409;
-    w->a[19] = t410;
-    const ur5e_real t412 = t270 * t275;
-    const ur5e_real t413 = 0.5 * t274;
-    const ur5e_real t414 = t412 * t413;
-    const ur5e_real t415 = t270 * t268;
-    const ur5e_real t416 = 0.5 * t266;
-    const ur5e_real t417 = t415 * t416;
-    const ur5e_real t418 = t414 - t417;
-    const ur5e_real t419 = t264 * t418;
-    const ur5e_real t420 = t415 * t413;
-    const ur5e_real t421 = t412 * t416;
-    const ur5e_real t422 = t420 + t421;
-    const ur5e_real t423 = t280 * t422;
-    const ur5e_real t424 = t419 - t423;
-    const ur5e_real t425 = t287 * t424;
-    const ur5e_real t426 = t288 * t275;
-    const ur5e_real t427 = t426 * t413;
-    const ur5e_real t428 = t288 * t268;
-    const ur5e_real t429 = t428 * t416;
-    const ur5e_real t430 = t427 - t429;
-    const ur5e_real t431 = t264 * t430;
-    const ur5e_real t432 = t426 * t416;
-    const ur5e_real t433 = t428 * t413;
-    const ur5e_real t434 = t432 + t433;
-    const ur5e_real t435 = t280 * t434;
-    const ur5e_real t436 = t431 - t435;
-    const ur5e_real t437 = t262 * t436;
-    const ur5e_real t438 = t425 - t437;
-    const ur5e_real t439 = t304 * t438;
-    const ur5e_real t440 = t264 * t434;
-    const ur5e_real t441 = t280 * t430;
-    const ur5e_real t442 = t440 + t441;
-    const ur5e_real t443 = t262 * t442;
-    const ur5e_real t444 = t264 * t422;
-    const ur5e_real t445 = t280 * t418;
-    const ur5e_real t446 = t444 + t445;
-    const ur5e_real t447 = t287 * t446;
-    const ur5e_real t448 = t443 + t447;
-    const ur5e_real t449 = t260 * t448;
-    const ur5e_real t450 = t439 - t449;
-    const ur5e_real t451 = t258 * t450;
-    const ur5e_real t452 = t262 * t424;
-    const ur5e_real t453 = t287 * t436;
-    const ur5e_real t454 = t452 + t453;
-    const ur5e_real t455 = t260 * t454;
-    const ur5e_real t456 = t287 * t442;
-    const ur5e_real t457 = t262 * t446;
-    const ur5e_real t458 = t456 - t457;
-    const ur5e_real t459 = t304 * t458;
-    const ur5e_real t460 = t455 + t459;
-    const ur5e_real t461 = t319 * t460;
-    const ur5e_real t462 = t451 - t461;
-    const ur5e_real t463 = t260 * t438;
-    const ur5e_real t464 = t304 * t448;
-    const ur5e_real t465 = t463 + t464;
-    const ur5e_real t466 = t333 * t465;
-    const ur5e_real t467 = t462 - t466;
-    const ur5e_real t468 = t260 * t458;
-    const ur5e_real t469 = t304 * t454;
-    const ur5e_real t470 = t468 - t469;
-    const ur5e_real t471 = t341 * t470;
-    const ur5e_real t472 = t467 + t471;
-    const ur5e_real t473 = t472 + t472;
-    w->a[20] = t473;
-    const ur5e_real t475 = t412 * t274;
-    const ur5e_real t476 = t415 * t266;
-    const ur5e_real t477 = t475 - t476;
-    const ur5e_real t478 = 0.5 * t264;
-    const ur5e_real t479 = t477 * t478;
-    const ur5e_real t480 = t415 * t274;
-    const ur5e_real t481 = t412 * t266;
-    const ur5e_real t482 = t480 + t481;
-    const ur5e_real t483 = 0.5 * t280;
-    const ur5e_real t484 = t482 * t483;
-    const ur5e_real t485 = t479 - t484;
-    const ur5e_real t486 = t287 * t485;
-    const ur5e_real t487 = t426 * t274;
-    const ur5e_real t488 = t428 * t266;
-    const ur5e_real t489 = t487 - t488;
-    const ur5e_real t490 = t489 * t478;
-    const ur5e_real t491 = t426 * t266;
-    const ur5e_real t492 = t428 * t274;
-    const ur5e_real t493 = t491 + t492;
-    const ur5e_real t494 = t493 * t483;
-    const ur5e_real t495 = t490 - t494;
-    const ur5e_real t496 = t262 * t495;
-    const ur5e_real t497 = t486 - t496;
-    const ur5e_real t498 = t304 * t497;
-    const ur5e_real t499 = t489 * t483;
-    const ur5e_real t500 = t493 * t478;
-    const ur5e_real t501 = t499 + t500;
-    const ur5e_real t502 = t262 * t501;
-    const ur5e_real t503 = t482 * t478;
-    const ur5e_real t504 = t477 * t483;
-    const ur5e_real t505 = t503 + t504;
-    const ur5e_real t506 = t287 * t505;
-    const ur5e_real t507 = t502 + t506;
-    const ur5e_real t508 = t260 * t507;
-    const ur5e_real t509 = t498 - t508;
-    const ur5e_real t510 = t258 * t509;
-    const ur5e_real t511 = t262 * t485;
-    const ur5e_real t512 = t287 * t495;
-    const ur5e_real t513 = t511 + t512;
-    const ur5e_real t514 = t260 * t513;
-    const ur5e_real t515 = t287 * t501;
-    const ur5e_real t516 = t262 * t505;
-    const ur5e_real t517 = t515 - t516;
-    const ur5e_real t518 = t304 * t517;
-    const ur5e_real t519 = t514 + t518;
-    const ur5e_real t520 = t319 * t519;
-    const ur5e_real t521 = t510 - t520;
-    const ur5e_real t522 = t260 * t497;
-    const ur5e_real t523 = t304 * t507;
-    const ur5e_real t524 = t522 + t523;
-    const ur5e_real t525 = t333 * t524;
-    const ur5e_real t526 = t521 - t525;
-    const ur5e_real t527 = t260 * t517;
-    const ur5e_real t528 = t304 * t513;
-    const ur5e_real t529 = t527 - t528;
-    const ur5e_real t530 = t341 * t529;
-    const ur5e_real t531 = t526 + t530;
-    const ur5e_real t532 = t531 + t531;
-    w->a[21] = t532;
-    const ur5e_real t534 = t477 * t264;
-    const ur5e_real t535 = t482 * t280;
-    const ur5e_real t536 = t534 - t535;
-    const ur5e_real t537 = 0.5 * t262;
-    const ur5e_real t538 = t536 * t537;
-    const ur5e_real t539 = t489 * t264;
-    const ur5e_real t540 = t493 * t280;
-    const ur5e_real t541 = t539 - t540;
-    const ur5e_real t542 = 0.5 * t287;
-    const ur5e_real t543 = t541 * t542;
-    const ur5e_real t544 = t538 - t543;
-    const ur5e_real t545 = t260 * t544;
-    const ur5e_real t546 = t482 * t264;
-    const ur5e_real t547 = t477 * t280;
-    const ur5e_real t548 = t546 + t547;
-    const ur5e_real t549 = t548 * t537;
-    const ur5e_real t550 = t489 * t280;
-    const ur5e_real t551 = t493 * t264;
-    const ur5e_real t552 = t550 + t551;
-    const ur5e_real t553 = t552 * t542;
-    const ur5e_real t554 = t549 + t553;
-    const ur5e_real t555 = t304 * t554;
-    const ur5e_real t556 = t545 + t555;
-    const ur5e_real t557 = t258 * t556;
-    const ur5e_real t558 = t552 * t537;
-    const ur5e_real t559 = t548 * t542;
-    const ur5e_real t560 = t558 - t559;
-    const ur5e_real t561 = t260 * t560;
-    const ur5e_real t562 = t541 * t537;
-    const ur5e_real t563 = t536 * t542;
-    const ur5e_real t564 = t562 + t563;
-    const ur5e_real t565 = t304 * t564;
-    const ur5e_real t566 = t561 - t565;
-    const ur5e_real t567 = t319 * t566;
-    const ur5e_real t568 = t557 - t567;
-    const ur5e_real t569 = t260 * t554;
-    const ur5e_real t570 = t304 * t544;
-    const ur5e_real t571 = t569 - t570;
-    const ur5e_real t572 = t333 * t571;
-    const ur5e_real t573 = t568 - t572;
-    const ur5e_real t574 = t304 * t560;
-    const ur5e_real t575 = t260 * t564;
-    const ur5e_real t576 = t574 + t575;
-    const ur5e_real t577 = t341 * t576;
-    const ur5e_real t578 = t573 - t577;
-    const ur5e_real t579 = t578 + t578;
-    w->a[22] = t579;
-    const ur5e_real t581 = t548 * t287;
-    const ur5e_real t582 = t552 * t262;
-    const ur5e_real t583 = t581 - t582;
-    const ur5e_real t584 = 0.5 * t260;
-    const ur5e_real t585 = t583 * t584;
-    const ur5e_real t586 = t541 * t262;
-    const ur5e_real t587 = t536 * t287;
-    const ur5e_real t588 = t586 + t587;
-    const ur5e_real t589 = 0.5 * t304;
-    const ur5e_real t590 = t588 * t589;
-    const ur5e_real t591 = t585 - t590;
-    const ur5e_real t592 = t258 * t591;
-    const ur5e_real t593 = t536 * t262;
-    const ur5e_real t594 = t541 * t287;
-    const ur5e_real t595 = t593 - t594;
-    const ur5e_real t596 = t595 * t584;
-    const ur5e_real t597 = t548 * t262;
-    const ur5e_real t598 = t552 * t287;
-    const ur5e_real t599 = t597 + t598;
-    const ur5e_real t600 = t599 * t589;
-    const ur5e_real t601 = t596 - t600;
-    const ur5e_real t602 = t319 * t601;
-    const ur5e_real t603 = t592 - t602;
-    const ur5e_real t604 = t583 * t589;
-    const ur5e_real t605 = t588 * t584;
-    const ur5e_real t606 = t604 + t605;
-    const ur5e_real t607 = t333 * t606;
-    const ur5e_real t608 = t603 + t607;
-    const ur5e_real t609 = t599 * t584;
-    const ur5e_real t610 = t595 * t589;
-    const ur5e_real t611 = t609 + t610;
-    const ur5e_real t612 = t341 * t611;
-    const ur5e_real t613 = t608 - t612;
-    const ur5e_real t614 = t613 + t613;
-    w->a[23] = t614;
-    const ur5e_real t616 = t341 * t315;
-    const ur5e_real t617 = t333 * t328;
-    const ur5e_real t618 = t616 + t617;
-    const ur5e_real t619 = t319 * t336;
-    const ur5e_real t620 = t618 - t619;
-    const ur5e_real t621 = t258 * t344;
-    const ur5e_real t622 = t620 - t621;
-    const ur5e_real t623 = t622 + t622;
-    w->a[24] = t623;
-    const ur5e_real t625 = t341 * t387;
-    const ur5e_real t626 = t333 * t397;
-    const ur5e_real t627 = t625 + t626;
-    const ur5e_real t628 = t319 * t402;
-    const ur5e_real t629 = t627 - t628;
-    const ur5e_real t630 = t258 * t407;
-    const ur5e_real t631 = t629 - t630;
-    const ur5e_real t632 = t631 + t631;
-    w->a[25] = t632;
-    const ur5e_real t634 = t341 * t450;
-    const ur5e_real t635 = t333 * t460;
-    const ur5e_real t636 = t634 + t635;
-    const ur5e_real t637 = t319 * t465;
-    const ur5e_real t638 = t636 - t637;
-    const ur5e_real t639 = t258 * t470;
-    const ur5e_real t640 = t638 - t639;
-    const ur5e_real t641 = t640 + t640;
-    w->a[26] = t641;
-    const ur5e_real t643 = t341 * t509;
-    const ur5e_real t644 = t333 * t519;
-    const ur5e_real t645 = t643 + t644;
-    const ur5e_real t646 = t319 * t524;
-    const ur5e_real t647 = t645 - t646;
-    const ur5e_real t648 = t258 * t529;
-    const ur5e_real t649 = t647 - t648;
-    const ur5e_real t650 = t649 + t649;
-    w->a[27] = t650;
-    const ur5e_real t652 = t341 * t556;
-    const ur5e_real t653 = t333 * t566;
-    const ur5e_real t654 = t652 + t653;
-    const ur5e_real t655 = t319 * t571;
-    const ur5e_real t656 = t654 - t655;
-    const ur5e_real t657 = t258 * t576;
-    const ur5e_real t658 = t656 + t657;
-    const ur5e_real t659 = t658 + t658;
-    w->a[28] = t659;
-    const ur5e_real t661 = t341 * t591;
-    const ur5e_real t662 = t333 * t601;
-    const ur5e_real t663 = t661 + t662;
-    const ur5e_real t664 = t319 * t606;
-    const ur5e_real t665 = t663 + t664;
-    const ur5e_real t666 = t258 * t611;
-    const ur5e_real t667 = t665 + t666;
-    const ur5e_real t668 = t667 + t667;
-    w->a[29] = t668;
-    const ur5e_real t670 = t333 * t315;
-    const ur5e_real t671 = t341 * t328;
-    const ur5e_real t672 = t670 - t671;
-    const ur5e_real t673 = t258 * t336;
-    const ur5e_real t674 = t672 + t673;
-    const ur5e_real t675 = t319 * t344;
-    const ur5e_real t676 = t674 - t675;
-    const ur5e_real t677 = t676 + t676;
-    w->a[30] = t677;
-    const ur5e_real t679 = t333 * t387;
-    const ur5e_real t680 = t341 * t397;
-    const ur5e_real t681 = t679 - t680;
-    const ur5e_real t682 = t258 * t402;
-    const ur5e_real t683 = t681 + t682;
-    const ur5e_real t684 = t319 * t407;
-    const ur5e_real t685 = t683 - t684;
-    const ur5e_real t686 = t685 + t685;
-    w->a[31] = t686;
-    const ur5e_real t688 = t333 * t450;
-    const ur5e_real t689 = t341 * t460;
-    const ur5e_real t690 = t688 - t689;
-    const ur5e_real t691 = t258 * t465;
-    const ur5e_real t692 = t690 + t691;
-    const ur5e_real t693 = t319 * t470;
-    const ur5e_real t694 = t692 - t693;
-    const ur5e_real t695 = t694 + t694;
-    w->a[32] = t695;
-    const ur5e_real t697 = t333 * t509;
-    const ur5e_real t698 = t341 * t519;
-    const ur5e_real t699 = t697 - t698;
-    const ur5e_real t700 = t258 * t524;
-    const ur5e_real t701 = t699 + t700;
-    const ur5e_real t702 = t319 * t529;
-    const ur5e_real t703 = t701 - t702;
-    const ur5e_real t704 = t703 + t703;
-    w->a[33] = t704;
-    const ur5e_real t706 = t333 * t556;
-    const ur5e_real t707 = t341 * t566;
-    const ur5e_real t708 = t706 - t707;
-    const ur5e_real t709 = t258 * t571;
-    const ur5e_real t710 = t708 + t709;
-    const ur5e_real t711 = t319 * t576;
-    const ur5e_real t712 = t710 + t711;
-    const ur5e_real t713 = t712 + t712;
-    w->a[34] = t713;
-    const ur5e_real t715 = t333 * t591;
-    const ur5e_real t716 = t341 * t601;
-    const ur5e_real t717 = t715 - t716;
-    const ur5e_real t718 = t258 * t606;
-    const ur5e_real t719 = t717 - t718;
-    const ur5e_real t720 = t319 * t611;
-    const ur5e_real t721 = t719 + t720;
-    const ur5e_real t722 = t721 + t721;
-    w->a[35] = t722;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
-static UR5E_COLD int ur5e_inverse_pivoted(ur5e_inverse_work *w)
-{
-    static const ur5e_real scale[6] = { 0.921, 0.956, 0.913, 0.913, 0.918, 1.0 };
-    int sign = 1;
-    ur5e_inverse_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        ur5e_real largest = 0.0;
-        for (int r = c; r < 6; ++r) {
-            const ur5e_real size = fabs(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 3.552713678800501e-15 * scale[c])) {
-            w->spread = 0.0;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const ur5e_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const ur5e_real inverse = 1.0 / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const ur5e_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of ur5e_inverse_pivoted. */
-static UR5E_COLD void ur5e_inverse_pivoted_solve(ur5e_inverse_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const ur5e_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
-        const ur5e_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ur5e_inverse_pivoted. What is added to pivots is below the rounding of any other, and
- * keeps divisions by zero away. */
-static int ur5e_inverse_factor(ur5e_inverse_work *w)
-{
-    ur5e_real det;
-    w->pivoted = false;
-    /* pivot 1: row 2, unknown 1 */
-    const ur5e_real t0 = cos(w->x[1]);
-    const ur5e_real t1 = cos(w->x[2]);
-    const ur5e_real t2 = cos(w->x[3]);
-    const ur5e_real t3 = cos(w->x[4]);
-    const ur5e_real t4 = sin(w->x[5]);
-    const ur5e_real t5 = 7.904787935331113e-15 * t4;
-    const ur5e_real t6 = t3 * t5;
-    const ur5e_real t7 = sin(w->x[4]);
-    const ur5e_real t8 = cos(w->x[5]);
-    const ur5e_real t9 = -99.6 * t8;
-    const ur5e_real t10 = 1.0 - t8;
-    const ur5e_real t11 = 99.6 * t10;
-    const ur5e_real t12 = t9 - t11;
-    const ur5e_real t13 = t7 * t12;
-    const ur5e_real t14 = t6 + t13;
-    const ur5e_real t15 = t2 * t14;
-    const ur5e_real t16 = sin(w->x[3]);
-    const ur5e_real t17 = 1.4210854715202004e-14 * t8;
-    const ur5e_real t18 = 2.2115642650533117e-14 * t10;
-    const ur5e_real t19 = t17 + t18;
-    const ur5e_real t20 = 62.8 + t19;
-    const ur5e_real t21 = t20 - 162.5;
-    const ur5e_real t22 = t3 * t21;
-    const ur5e_real t23 = 1.0 - t3;
-    const ur5e_real t24 = t23 * t21;
-    const ur5e_real t25 = t22 + t24;
-    const ur5e_real t26 = t16 * t25;
-    const ur5e_real t27 = t15 - t26;
-    const ur5e_real t28 = -817.2 + t27;
-    const ur5e_real t29 = t28 - (-425.0);
-    const ur5e_real t30 = t1 * t29;
-    const ur5e_real t31 = sin(w->x[2]);
-    const ur5e_real t32 = t2 * t25;
-    const ur5e_real t33 = t16 * t14;
-    const ur5e_real t34 = t32 + t33;
-    const ur5e_real t35 = t31 * t34;
-    const ur5e_real t36 = t30 - t35;
-    const ur5e_real t37 = -425.0 + t36;
-    const ur5e_real t38 = t0 * t37;
-    const ur5e_real t39 = sin(w->x[1]);
-    const ur5e_real t40 = t1 * t34;
-    const ur5e_real t41 = t31 * t29;
-    const ur5e_real t42 = t40 + t41;
-    const ur5e_real t43 = t39 * t42;
-    const ur5e_real t44 = t38 - t43;
-    const ur5e_real t45 = sin(w->x[0]);
-    const ur5e_real t46 = t3 * t12;
-    const ur5e_real t47 = t7 * t5;
-    const ur5e_real t48 = t46 - t47;
-    const ur5e_real t49 = -133.3 + t48;
-    const ur5e_real t50 = t2 * t49;
-    const ur5e_real t51 = 1.0 - t2;
-    const ur5e_real t52 = t51 * t49;
-    const ur5e_real t53 = t50 + t52;
-    const ur5e_real t54 = t1 * t53;
-    const ur5e_real t55 = 1.0 - t1;
-    const ur5e_real t56 = t55 * t53;
-    const ur5e_real t57 = t54 + t56;
-    const ur5e_real t58 = t0 * t57;
-    const ur5e_real t59 = 1.0 - t0;
-    const ur5e_real t60 = t59 * t57;
-    const ur5e_real t61 = t58 + t60;
-    const ur5e_real t62 = cos(w->x[0]);
-    const ur5e_real t63 = t44 * t62;
-    const ur5e_real t64 = t61 * t45;
-    const ur5e_real t65 = t63 - t64;
-    const ur5e_real t66 = 0.0011851211647507592 * t65;
-    const ur5e_real t67 = -t66;
-    const ur5e_real t68 = t12 * t3;
-    const ur5e_real t69 = t5 * t7;
-    const ur5e_real t70 = t68 - t69;
-    const ur5e_real t71 = t2 * t70;
-    const ur5e_real t72 = t1 * t71;
-    const ur5e_real t73 = t16 * t70;
-    const ur5e_real t74 = t31 * t73;
-    const ur5e_real t75 = t72 - t74;
-    const ur5e_real t76 = t0 * t75;
-    const ur5e_real t77 = t1 * t73;
-    const ur5e_real t78 = t31 * t71;
-    const ur5e_real t79 = t77 + t78;
-    const ur5e_real t80 = t39 * t79;
-    const ur5e_real t81 = t76 - t80;
-    const ur5e_real t82 = t12 * t7;
-    const ur5e_real t83 = t5 * t3;
-    const ur5e_real t84 = t82 + t83;
-    const ur5e_real t85 = t2 * t84;
-    const ur5e_real t86 = t51 * t84;
-    const ur5e_real t87 = t85 + t86;
-    const ur5e_real t88 = t1 * t87;
-    const ur5e_real t89 = t55 * t87;
-    const ur5e_real t90 = t88 + t89;
-    const ur5e_real t91 = t0 * t90;
-    const ur5e_real t92 = t59 * t90;
-    const ur5e_real t93 = t91 + t92;
-    const ur5e_real t94 = t45 * t81;
-    const ur5e_real t95 = t62 * t93;
-    const ur5e_real t96 = t94 - t95;
-    const ur5e_real t97 = 0.0011851211647507592 * t96;
-    const ur5e_real t98 = -t97;
-    const ur5e_real t99 = t37 * t39;
-    const ur5e_real t100 = t42 * t0;
-    const ur5e_real t101 = t99 + t100;
-    const ur5e_real t102 = t45 * t101;
-    const ur5e_real t103 = 0.0011851211647507592 * t102;
-    const ur5e_real t104 = 7.904787935331113e-15 * t8;
-    const ur5e_real t105 = t3 * t104;
-    const ur5e_real t106 = -99.6 * t4;
-    const ur5e_real t107 = 99.6 * t4;
-    const ur5e_real t108 = t106 + t107;
-    const ur5e_real t109 = t7 * t108;
-    const ur5e_real t110 = t105 - t109;
-    const ur5e_real t111 = t2 * t110;
-    const ur5e_real t112 = 2.2115642650533117e-14 * t4;
-    const ur5e_real t113 = 1.4210854715202004e-14 * t4;
-    const ur5e_real t114 = t112 - t113;
-    const ur5e_real t115 = t3 * t114;
-    const ur5e_real t116 = t23 * t114;
-    const ur5e_real t117 = t115 + t116;
-    const ur5e_real t118 = t16 * t117;
-    const ur5e_real t119 = t111 - t118;
-    const ur5e_real t120 = t1 * t119;
-    const ur5e_real t121 = t2 * t117;
-    const ur5e_real t122 = t16 * t110;
-    const ur5e_real t123 = t121 + t122;
-    const ur5e_real t124 = t31 * t123;
-    const ur5e_real t125 = t120 - t124;
-    const ur5e_real t126 = t0 * t125;
-    const ur5e_real t127 = t1 * t123;
-    const ur5e_real t128 = t31 * t119;
-    const ur5e_real t129 = t127 + t128;
-    const ur5e_real t130 = t39 * t129;
-    const ur5e_real t131 = t126 - t130;
-    const ur5e_real t132 = t3 * t108;
-    const ur5e_real t133 = t7 * t104;
-    const ur5e_real t134 = t132 + t133;
-    const ur5e_real t135 = t2 * t134;
-    const ur5e_real t136 = t51 * t134;
-    const ur5e_real t137 = t135 + t136;
-    const ur5e_real t138 = t1 * t137;
-    const ur5e_real t139 = t55 * t137;
-    const ur5e_real t140 = t138 + t139;
-    const ur5e_real t141 = t0 * t140;
-    const ur5e_real t142 = t59 * t140;
-    const ur5e_real t143 = t141 + t142;
-    const ur5e_real t144 = t45 * t131;
-    const ur5e_real t145 = t62 * t143;
-    const ur5e_real t146 = t144 - t145;
-    const ur5e_real t147 = 0.0011851211647507592 * t146;
-    const ur5e_real t148 = -t147;
-    const ur5e_real t149 = t14 * t16;
-    const ur5e_real t150 = t25 * t2;
-    const ur5e_real t151 = t149 + t150;
-    const ur5e_real t152 = t1 * t151;
-    const ur5e_real t153 = t14 * t2;
-    const ur5e_real t154 = t25 * t16;
-    const ur5e_real t155 = t153 - t154;
-    const ur5e_real t156 = t31 * t155;
-    const ur5e_real t157 = t152 + t156;
-    const ur5e_real t158 = t0 * t157;
-    const ur5e_real t159 = t1 * t155;
-    const ur5e_real t160 = t31 * t151;
-    const ur5e_real t161 = t159 - t160;
-    const ur5e_real t162 = t39 * t161;
-    const ur5e_real t163 = t158 + t162;
-    const ur5e_real t164 = t45 * t163;
-    const ur5e_real t165 = 0.0011851211647507592 * t164;
-    const ur5e_real t166 = t29 * t31;
-    const ur5e_real t167 = t34 * t1;
-    const ur5e_real t168 = t166 + t167;
-    const ur5e_real t169 = t0 * t168;
-    const ur5e_real t170 = t29 * t1;
-    const ur5e_real t171 = t34 * t31;
-    const ur5e_real t172 = t170 - t171;
-    const ur5e_real t173 = t39 * t172;
-    const ur5e_real t174 = t169 + t173;
-    const ur5e_real t175 = t45 * t174;
-    const ur5e_real t176 = 0.0011851211647507592 * t175;
-    const ur5e_real t177 = 1.0 / (t67 + 3.6e-20);
-    w->a[0] = t177;
-    const ur5e_real t179 = t177 * 0.777324;
-    w->a[1] = t98;
-    w->a[2] = t103;
-    w->a[3] = t148;
-    w->a[4] = t165;
-    w->a[5] = t176;
-    /* pivot 2: row 6, unknown 5 */
-    const ur5e_real t185 = 0.7071067811865476 * w->k[4];
-    const ur5e_real t186 = 0.7071067811865475 * w->k[3];
-    const ur5e_real t187 = t185 - t186;
-    const ur5e_real t188 = 0.5 * w->x[5];
-    const ur5e_real t189 = cos(t188);
-    const ur5e_real t190 = 0.5 * w->x[4];
-    const ur5e_real t191 = cos(t190);
-    const ur5e_real t192 = 0.5 * w->x[3];
-    const ur5e_real t193 = cos(t192);
-    const ur5e_real t194 = 0.5 * w->x[2];
-    const ur5e_real t195 = sin(t194);
-    const ur5e_real t196 = 0.5 * w->x[1];
-    const ur5e_real t197 = sin(t196);
-    const ur5e_real t198 = 0.5 * w->x[0];
-    const ur5e_real t199 = sin(t198);
-    const ur5e_real t200 = 0.5 * t199;
-    const ur5e_real t201 = t197 * t200;
-    const ur5e_real t202 = t195 * t201;
-    const ur5e_real t203 = cos(t194);
-    const ur5e_real t204 = cos(t196);
-    const ur5e_real t205 = t204 * t200;
-    const ur5e_real t206 = t203 * t205;
-    const ur5e_real t207 = t202 - t206;
-    const ur5e_real t208 = t193 * t207;
-    const ur5e_real t209 = sin(t192);
-    const ur5e_real t210 = t195 * t205;
-    const ur5e_real t211 = t203 * t201;
-    const ur5e_real t212 = t210 + t211;
-    const ur5e_real t213 = t209 * t212;
-    const ur5e_real t214 = t208 + t213;
-    const ur5e_real t215 = t191 * t214;
-    const ur5e_real t216 = sin(t190);
-    const ur5e_real t217 = cos(t198);
-    const ur5e_real t218 = 0.5 * t217;
-    const ur5e_real t219 = t204 * t218;
-    const ur5e_real t220 = t203 * t219;
-    const ur5e_real t221 = t197 * t218;
-    const ur5e_real t222 = t195 * t221;
-    const ur5e_real t223 = t220 - t222;
-    const ur5e_real t224 = t193 * t223;
-    const ur5e_real t225 = t203 * t221;
-    const ur5e_real t226 = t195 * t219;
-    const ur5e_real t227 = t225 + t226;
-    const ur5e_real t228 = t209 * t227;
-    const ur5e_real t229 = t224 - t228;
-    const ur5e_real t230 = t216 * t229;
-    const ur5e_real t231 = t215 + t230;
-    const ur5e_real t232 = t189 * t231;
-    const ur5e_real t233 = sin(t188);
-    const ur5e_real t234 = t193 * t227;
-    const ur5e_real t235 = t209 * t223;
-    const ur5e_real t236 = t234 + t235;
-    const ur5e_real t237 = t216 * t236;
-    const ur5e_real t238 = t209 * t207;
-    const ur5e_real t239 = t193 * t212;
-    const ur5e_real t240 = t238 - t239;
-    const ur5e_real t241 = t191 * t240;
-    const ur5e_real t242 = t237 - t241;
-    const ur5e_real t243 = t233 * t242;
-    const ur5e_real t244 = t232 + t243;
-    const ur5e_real t245 = 0.7071067811865476 * w->k[3];
-    const ur5e_real t246 = 0.7071067811865475 * w->k[4];
-    const ur5e_real t247 = t245 + t246;
-    const ur5e_real t248 = t191 * t236;
-    const ur5e_real t249 = t216 * t240;
-    const ur5e_real t250 = t248 + t249;
-    const ur5e_real t251 = t189 * t250;
-    const ur5e_real t252 = t191 * t229;
-    const ur5e_real t253 = t216 * t214;
-    const ur5e_real t254 = t252 - t253;
-    const ur5e_real t255 = t233 * t254;
-    const ur5e_real t256 = t251 + t255;
-    const ur5e_real t257 = 0.7071067811865475 * w->k[5];
-    const ur5e_real t258 = 0.7071067811865476 * w->k[6];
-    const ur5e_real t259 = t257 + t258;
-    const ur5e_real t260 = t189 * t242;
-    const ur5e_real t261 = t233 * t231;
-    const ur5e_real t262 = t260 - t261;
-    const ur5e_real t263 = 0.7071067811865476 * w->k[5];
-    const ur5e_real t264 = 0.7071067811865475 * w->k[6];
-    const ur5e_real t265 = t263 - t264;
-    const ur5e_real t266 = t189 * t254;
-    const ur5e_real t267 = t233 * t250;
-    const ur5e_real t268 = t266 - t267;
-    const ur5e_real t269 = t259 * t244;
-    const ur5e_real t270 = t265 * t256;
-    const ur5e_real t271 = t269 - t270;
-    const ur5e_real t272 = t187 * t262;
-    const ur5e_real t273 = t271 + t272;
-    const ur5e_real t274 = t247 * t268;
-    const ur5e_real t275 = t273 - t274;
-    const ur5e_real t276 = t275 + t275;
-    const ur5e_real t277 = t199 * t204;
-    const ur5e_real t278 = t199 * t197;
-    const ur5e_real t279 = t217 * t204;
-    const ur5e_real t280 = t217 * t197;
-    const ur5e_real t281 = t277 * t203;
-    const ur5e_real t282 = t278 * t195;
-    const ur5e_real t283 = t281 - t282;
-    const ur5e_real t284 = t278 * t203;
-    const ur5e_real t285 = t277 * t195;
-    const ur5e_real t286 = t284 + t285;
-    const ur5e_real t287 = t279 * t203;
-    const ur5e_real t288 = t280 * t195;
-    const ur5e_real t289 = t287 - t288;
-    const ur5e_real t290 = t279 * t195;
-    const ur5e_real t291 = t280 * t203;
-    const ur5e_real t292 = t290 + t291;
-    const ur5e_real t293 = t283 * t193;
-    const ur5e_real t294 = t286 * t209;
-    const ur5e_real t295 = t293 - t294;
-    const ur5e_real t296 = 0.5 * t191;
-    const ur5e_real t297 = t295 * t296;
-    const ur5e_real t298 = t289 * t193;
-    const ur5e_real t299 = t292 * t209;
-    const ur5e_real t300 = t298 - t299;
-    const ur5e_real t301 = 0.5 * t216;
-    const ur5e_real t302 = t300 * t301;
-    const ur5e_real t303 = t297 - t302;
-    const ur5e_real t304 = t189 * t303;
-    const ur5e_real t305 = t286 * t193;
-    const ur5e_real t306 = t283 * t209;
-    const ur5e_real t307 = t305 + t306;
-    const ur5e_real t308 = t307 * t296;
-    const ur5e_real t309 = t289 * t209;
-    const ur5e_real t310 = t292 * t193;
-    const ur5e_real t311 = t309 + t310;
-    const ur5e_real t312 = t311 * t301;
-    const ur5e_real t313 = t308 + t312;
-    const ur5e_real t314 = t233 * t313;
-    const ur5e_real t315 = t304 + t314;
-    const ur5e_real t316 = t311 * t296;
-    const ur5e_real t317 = t307 * t301;
-    const ur5e_real t318 = t316 - t317;
-    const ur5e_real t319 = t189 * t318;
-    const ur5e_real t320 = t300 * t296;
-    const ur5e_real t321 = t295 * t301;
-    const ur5e_real t322 = t320 + t321;
-    const ur5e_real t323 = t233 * t322;
-    const ur5e_real t324 = t319 - t323;
-    const ur5e_real t325 = t189 * t313;
-    const ur5e_real t326 = t233 * t303;
-    const ur5e_real t327 = t325 - t326;
-    const ur5e_real t328 = t233 * t318;
-    const ur5e_real t329 = t189 * t322;
-    const ur5e_real t330 = t328 + t329;
-    const ur5e_real t331 = t259 * t315;
-    const ur5e_real t332 = t265 * t324;
-    const ur5e_real t333 = t331 - t332;
-    const ur5e_real t334 = t187 * t327;
-    const ur5e_real t335 = t333 + t334;
-    const ur5e_real t336 = t247 * t330;
-    const ur5e_real t337 = t335 + t336;
-    const ur5e_real t338 = t337 + t337;
-    const ur5e_real t339 = 0.5 * t204;
-    const ur5e_real t340 = t199 * t339;
-    const ur5e_real t341 = t203 * t340;
-    const ur5e_real t342 = 0.5 * t197;
-    const ur5e_real t343 = t199 * t342;
-    const ur5e_real t344 = t195 * t343;
-    const ur5e_real t345 = t341 - t344;
-    const ur5e_real t346 = t193 * t345;
-    const ur5e_real t347 = t203 * t343;
-    const ur5e_real t348 = t195 * t340;
-    const ur5e_real t349 = t347 + t348;
-    const ur5e_real t350 = t209 * t349;
-    const ur5e_real t351 = t346 - t350;
-    const ur5e_real t352 = t216 * t351;
-    const ur5e_real t353 = t217 * t339;
-    const ur5e_real t354 = t203 * t353;
-    const ur5e_real t355 = t217 * t342;
-    const ur5e_real t356 = t195 * t355;
-    const ur5e_real t357 = t354 - t356;
-    const ur5e_real t358 = t193 * t357;
-    const ur5e_real t359 = t203 * t355;
-    const ur5e_real t360 = t195 * t353;
-    const ur5e_real t361 = t359 + t360;
-    const ur5e_real t362 = t209 * t361;
-    const ur5e_real t363 = t358 - t362;
-    const ur5e_real t364 = t191 * t363;
-    const ur5e_real t365 = t352 - t364;
-    const ur5e_real t366 = t233 * t365;
-    const ur5e_real t367 = t193 * t361;
-    const ur5e_real t368 = t209 * t357;
-    const ur5e_real t369 = t367 + t368;
-    const ur5e_real t370 = t191 * t369;
-    const ur5e_real t371 = t193 * t349;
-    const ur5e_real t372 = t209 * t345;
-    const ur5e_real t373 = t371 + t372;
-    const ur5e_real t374 = t216 * t373;
-    const ur5e_real t375 = t370 + t374;
-    const ur5e_real t376 = t189 * t375;
-    const ur5e_real t377 = t366 - t376;
-    const ur5e_real t378 = t191 * t351;
-    const ur5e_real t379 = t216 * t363;
-    const ur5e_real t380 = t378 + t379;
-    const ur5e_real t381 = t189 * t380;
-    const ur5e_real t382 = t216 * t369;
-    const ur5e_real t383 = t191 * t373;
-    const ur5e_real t384 = t382 - t383;
-    const ur5e_real t385 = t233 * t384;
-    const ur5e_real t386 = t381 + t385;
-    const ur5e_real t387 = t189 * t365;
-    const ur5e_real t388 = t233 * t375;
-    const ur5e_real t389 = t387 + t388;
-    const ur5e_real t390 = t189 * t384;
-    const ur5e_real t391 = t233 * t380;
-    const ur5e_real t392 = t390 - t391;
-    const ur5e_real t393 = t259 * t377;
-    const ur5e_real t394 = t265 * t386;
-    const ur5e_real t395 = t393 - t394;
-    const ur5e_real t396 = t187 * t389;
-    const ur5e_real t397 = t395 + t396;
-    const ur5e_real t398 = t247 * t392;
-    const ur5e_real t399 = t397 - t398;
-    const ur5e_real t400 = t399 + t399;
-    const ur5e_real t401 = t307 * t216;
-    const ur5e_real t402 = t311 * t191;
-    const ur5e_real t403 = t401 - t402;
-    const ur5e_real t404 = 0.5 * t189;
-    const ur5e_real t405 = t403 * t404;
-    const ur5e_real t406 = t300 * t191;
-    const ur5e_real t407 = t295 * t216;
-    const ur5e_real t408 = t406 + t407;
-    const ur5e_real t409 = 0.5 * t233;
-    const ur5e_real t410 = t408 * t409;
-    const ur5e_real t411 = t405 - t410;
-    const ur5e_real t412 = t295 * t191;
-    const ur5e_real t413 = t300 * t216;
-    const ur5e_real t414 = t412 - t413;
-    const ur5e_real t415 = t414 * t404;
-    const ur5e_real t416 = t307 * t191;
-    const ur5e_real t417 = t311 * t216;
-    const ur5e_real t418 = t416 + t417;
-    const ur5e_real t419 = t418 * t409;
-    const ur5e_real t420 = t415 - t419;
-    const ur5e_real t421 = t403 * t409;
-    const ur5e_real t422 = t408 * t404;
-    const ur5e_real t423 = t421 + t422;
-    const ur5e_real t424 = t418 * t404;
-    const ur5e_real t425 = t414 * t409;
-    const ur5e_real t426 = t424 + t425;
-    const ur5e_real t427 = t259 * t411;
-    const ur5e_real t428 = t265 * t420;
-    const ur5e_real t429 = t427 - t428;
-    const ur5e_real t430 = t187 * t423;
-    const ur5e_real t431 = t429 - t430;
-    const ur5e_real t432 = t247 * t426;
-    const ur5e_real t433 = t431 + t432;
-    const ur5e_real t434 = t433 + t433;
-    const ur5e_real t435 = 0.5 * t193;
-    const ur5e_real t436 = t283 * t435;
-    const ur5e_real t437 = 0.5 * t209;
-    const ur5e_real t438 = t286 * t437;
-    const ur5e_real t439 = t436 - t438;
-    const ur5e_real t440 = t216 * t439;
-    const ur5e_real t441 = t289 * t435;
-    const ur5e_real t442 = t292 * t437;
-    const ur5e_real t443 = t441 - t442;
-    const ur5e_real t444 = t191 * t443;
-    const ur5e_real t445 = t440 - t444;
-    const ur5e_real t446 = t233 * t445;
-    const ur5e_real t447 = t289 * t437;
-    const ur5e_real t448 = t292 * t435;
-    const ur5e_real t449 = t447 + t448;
-    const ur5e_real t450 = t191 * t449;
-    const ur5e_real t451 = t286 * t435;
-    const ur5e_real t452 = t283 * t437;
-    const ur5e_real t453 = t451 + t452;
-    const ur5e_real t454 = t216 * t453;
-    const ur5e_real t455 = t450 + t454;
-    const ur5e_real t456 = t189 * t455;
-    const ur5e_real t457 = t446 - t456;
-    const ur5e_real t458 = t191 * t439;
-    const ur5e_real t459 = t216 * t443;
-    const ur5e_real t460 = t458 + t459;
-    const ur5e_real t461 = t189 * t460;
-    const ur5e_real t462 = t216 * t449;
-    const ur5e_real t463 = t191 * t453;
-    const ur5e_real t464 = t462 - t463;
-    const ur5e_real t465 = t233 * t464;
-    const ur5e_real t466 = t461 + t465;
-    const ur5e_real t467 = t189 * t445;
-    const ur5e_real t468 = t233 * t455;
-    const ur5e_real t469 = t467 + t468;
-    const ur5e_real t470 = t189 * t464;
-    const ur5e_real t471 = t233 * t460;
-    const ur5e_real t472 = t470 - t471;
-    const ur5e_real t473 = t259 * t457;
-    const ur5e_real t474 = t265 * t466;
-    const ur5e_real t475 = t473 - t474;
-    const ur5e_real t476 = t187 * t469;
-    const ur5e_real t477 = t475 + t476;
-    const ur5e_real t478 = t247 * t472;
-    const ur5e_real t479 = t477 - t478;
-    const ur5e_real t480 = t479 + t479;
-    const ur5e_real t481 = 0.5 * t203;
-    const ur5e_real t482 = t277 * t481;
-    const ur5e_real t483 = 0.5 * t195;
-    const ur5e_real t484 = t278 * t483;
-    const ur5e_real t485 = t482 - t484;
-    const ur5e_real t486 = t193 * t485;
-    const ur5e_real t487 = t278 * t481;
-    const ur5e_real t488 = t277 * t483;
-    const ur5e_real t489 = t487 + t488;
-    const ur5e_real t490 = t209 * t489;
-    const ur5e_real t491 = t486 - t490;
-    const ur5e_real t492 = t216 * t491;
-    const ur5e_real t493 = t279 * t481;
-    const ur5e_real t494 = t280 * t483;
-    const ur5e_real t495 = t493 - t494;
-    const ur5e_real t496 = t193 * t495;
-    const ur5e_real t497 = t279 * t483;
-    const ur5e_real t498 = t280 * t481;
-    const ur5e_real t499 = t497 + t498;
-    const ur5e_real t500 = t209 * t499;
-    const ur5e_real t501 = t496 - t500;
-    const ur5e_real t502 = t191 * t501;
-    const ur5e_real t503 = t492 - t502;
-    const ur5e_real t504 = t233 * t503;
-    const ur5e_real t505 = t193 * t499;
-    const ur5e_real t506 = t209 * t495;
-    const ur5e_real t507 = t505 + t506;
-    const ur5e_real t508 = t191 * t507;
-    const ur5e_real t509 = t193 * t489;
-    const ur5e_real t510 = t209 * t485;
-    const ur5e_real t511 = t509 + t510;
-    const ur5e_real t512 = t216 * t511;
-    const ur5e_real t513 = t508 + t512;
-    const ur5e_real t514 = t189 * t513;
-    const ur5e_real t515 = t504 - t514;
-    const ur5e_real t516 = t191 * t491;
-    const ur5e_real t517 = t216 * t501;
-    const ur5e_real t518 = t516 + t517;
-    const ur5e_real t519 = t189 * t518;
-    const ur5e_real t520 = t216 * t507;
-    const ur5e_real t521 = t191 * t511;
-    const ur5e_real t522 = t520 - t521;
-    const ur5e_real t523 = t233 * t522;
-    const ur5e_real t524 = t519 + t523;
-    const ur5e_real t525 = t189 * t503;
-    const ur5e_real t526 = t233 * t513;
-    const ur5e_real t527 = t525 + t526;
-    const ur5e_real t528 = t189 * t522;
-    const ur5e_real t529 = t233 * t518;
-    const ur5e_real t530 = t528 - t529;
-    const ur5e_real t531 = t259 * t515;
-    const ur5e_real t532 = t265 * t524;
-    const ur5e_real t533 = t531 - t532;
-    const ur5e_real t534 = t187 * t527;
-    const ur5e_real t535 = t533 + t534;
-    const ur5e_real t536 = t247 * t530;
-    const ur5e_real t537 = t535 - t536;
-    const ur5e_real t538 = t537 + t537;
-    const ur5e_real t539 = t276 * t177;
-    w->a[6] = t539;
-    const ur5e_real t541 = t338 - t539 * t98;
-    const ur5e_real t542 = t400 - t539 * t103;
-    const ur5e_real t543 = t434 - t539 * t148;
-    const ur5e_real t544 = t480 - t539 * t165;
-    const ur5e_real t545 = t538 - t539 * t176;
-    const ur5e_real t546 = 1.0 / (t541 + 3.6e-20);
-    w->a[7] = t546;
-    const ur5e_real t548 = t546 * 1.26684;
-    w->a[8] = t542;
-    w->a[9] = t543;
-    w->a[10] = t544;
-    w->a[11] = t545;
-    /* pivot 3: row 3, unknown 2 */
-    const ur5e_real t553 = 1.0 - t62;
-    const ur5e_real t554 = t0 * t79;
-    const ur5e_real t555 = t39 * t75;
-    const ur5e_real t556 = t554 + t555;
-    const ur5e_real t557 = t62 * t556;
-    const ur5e_real t558 = t553 * t556;
-    const ur5e_real t559 = t557 + t558;
-    const ur5e_real t560 = 0.0011851211647507592 * t559;
-    const ur5e_real t561 = -t560;
-    const ur5e_real t562 = t37 * t0;
-    const ur5e_real t563 = t42 * t39;
-    const ur5e_real t564 = t562 - t563;
-    const ur5e_real t565 = t62 * t564;
-    const ur5e_real t566 = t553 * t564;
-    const ur5e_real t567 = t565 + t566;
-    const ur5e_real t568 = 0.0011851211647507592 * t567;
-    const ur5e_real t569 = -t568;
-    const ur5e_real t570 = t0 * t129;
-    const ur5e_real t571 = t39 * t125;
-    const ur5e_real t572 = t570 + t571;
-    const ur5e_real t573 = t62 * t572;
-    const ur5e_real t574 = t553 * t572;
-    const ur5e_real t575 = t573 + t574;
-    const ur5e_real t576 = 0.0011851211647507592 * t575;
-    const ur5e_real t577 = -t576;
-    const ur5e_real t578 = t0 * t161;
-    const ur5e_real t579 = t39 * t157;
-    const ur5e_real t580 = t578 - t579;
-    const ur5e_real t581 = t62 * t580;
-    const ur5e_real t582 = t553 * t580;
-    const ur5e_real t583 = t581 + t582;
-    const ur5e_real t584 = 0.0011851211647507592 * t583;
-    const ur5e_real t585 = -t584;
-    const ur5e_real t586 = t0 * t172;
-    const ur5e_real t587 = t39 * t168;
-    const ur5e_real t588 = t586 - t587;
-    const ur5e_real t589 = t62 * t588;
-    const ur5e_real t590 = t553 * t588;
-    const ur5e_real t591 = t589 + t590;
-    const ur5e_real t592 = 0.0011851211647507592 * t591;
-    const ur5e_real t593 = -t592;
-    const ur5e_real t594 = t561 * t546;
-    w->a[13] = t594;
-    const ur5e_real t596 = t569 - t594 * t542;
-    const ur5e_real t597 = t577 - t594 * t543;
-    const ur5e_real t598 = t585 - t594 * t544;
-    const ur5e_real t599 = t593 - t594 * t545;
-    const ur5e_real t600 = 1.0 / (t596 + 3.6e-20);
-    w->a[14] = t600;
-    const ur5e_real t602 = t600 * 0.9521759999999999;
-    w->a[15] = t597;
-    w->a[16] = t598;
-    w->a[17] = t599;
-    /* pivot 4: row 5, unknown 6 */
-    const ur5e_real t606 = t265 * t244;
-    const ur5e_real t607 = t259 * t256;
-    const ur5e_real t608 = t606 + t607;
-    const ur5e_real t609 = t247 * t262;
-    const ur5e_real t610 = t608 - t609;
-    const ur5e_real t611 = t187 * t268;
-    const ur5e_real t612 = t610 - t611;
-    const ur5e_real t613 = t612 + t612;
-    const ur5e_real t614 = t265 * t315;
-    const ur5e_real t615 = t259 * t324;
-    const ur5e_real t616 = t614 + t615;
-    const ur5e_real t617 = t247 * t327;
-    const ur5e_real t618 = t616 - t617;
-    const ur5e_real t619 = t187 * t330;
-    const ur5e_real t620 = t618 + t619;
-    const ur5e_real t621 = t620 + t620;
-    const ur5e_real t622 = t265 * t377;
-    const ur5e_real t623 = t259 * t386;
-    const ur5e_real t624 = t622 + t623;
-    const ur5e_real t625 = t247 * t389;
-    const ur5e_real t626 = t624 - t625;
-    const ur5e_real t627 = t187 * t392;
-    const ur5e_real t628 = t626 - t627;
-    const ur5e_real t629 = t628 + t628;
-    const ur5e_real t630 = t265 * t411;
-    const ur5e_real t631 = t259 * t420;
-    const ur5e_real t632 = t630 + t631;
-    const ur5e_real t633 = t247 * t423;
-    const ur5e_real t634 = t632 + t633;
-    const ur5e_real t635 = t187 * t426;
-    const ur5e_real t636 = t634 + t635;
-    const ur5e_real t637 = t636 + t636;
-    const ur5e_real t638 = t265 * t457;
-    const ur5e_real t639 = t259 * t466;
-    const ur5e_real t640 = t638 + t639;
-    const ur5e_real t641 = t247 * t469;
-    const ur5e_real t642 = t640 - t641;
-    const ur5e_real t643 = t187 * t472;
-    const ur5e_real t644 = t642 - t643;
-    const ur5e_real t645 = t644 + t644;
-    const ur5e_real t646 = t265 * t515;
-    const ur5e_real t647 = t259 * t524;
-    const ur5e_real t648 = t646 + t647;
-    const ur5e_real t649 = t247 * t527;
-    const ur5e_real t650 = t648 - t649;
-    const ur5e_real t651 = t187 * t530;
-    const ur5e_real t652 = t650 - t651;
-    const ur5e_real t653 = t652 + t652;
-    const ur5e_real t654 = t613 * t177;
-    w->a[18] = t654;
-    const ur5e_real t656 = t621 - t654 * t98;
-    const ur5e_real t657 = t629 - t654 * t103;
-    const ur5e_real t658 = t637 - t654 * t148;
-    const ur5e_real t659 = t645 - t654 * t165;
-    const ur5e_real t660 = t653 - t654 * t176;
-    const ur5e_real t661 = t656 * t546;
-    w->a[19] = t661;
-    const ur5e_real t663 = t657 - t661 * t542;
-    const ur5e_real t664 = t658 - t661 * t543;
-    const ur5e_real t665 = t659 - t661 * t544;
-    const ur5e_real t666 = t660 - t661 * t545;
-    const ur5e_real t667 = t663 * t600;
-    w->a[20] = t667;
-    const ur5e_real t669 = t664 - t667 * t597;
-    const ur5e_real t670 = t665 - t667 * t598;
-    const ur5e_real t671 = t666 - t667 * t599;
-    const ur5e_real t672 = 1.0 / (t669 + 3.6e-20);
-    w->a[21] = t672;
-    const ur5e_real t674 = t672 * 2.01;
-    w->a[22] = t670;
-    w->a[23] = t671;
-    /* pivot 5: row 4, unknown 4 */
-    const ur5e_real t677 = t187 * t244;
-    const ur5e_real t678 = t247 * t256;
-    const ur5e_real t679 = t677 - t678;
-    const ur5e_real t680 = t259 * t262;
-    const ur5e_real t681 = t679 - t680;
-    const ur5e_real t682 = t265 * t268;
-    const ur5e_real t683 = t681 + t682;
-    const ur5e_real t684 = t683 + t683;
-    const ur5e_real t685 = t187 * t315;
-    const ur5e_real t686 = t247 * t324;
-    const ur5e_real t687 = t685 - t686;
-    const ur5e_real t688 = t259 * t327;
-    const ur5e_real t689 = t687 - t688;
-    const ur5e_real t690 = t265 * t330;
-    const ur5e_real t691 = t689 - t690;
-    const ur5e_real t692 = t691 + t691;
-    const ur5e_real t693 = t187 * t377;
-    const ur5e_real t694 = t247 * t386;
-    const ur5e_real t695 = t693 - t694;
-    const ur5e_real t696 = t259 * t389;
-    const ur5e_real t697 = t695 - t696;
-    const ur5e_real t698 = t265 * t392;
-    const ur5e_real t699 = t697 + t698;
-    const ur5e_real t700 = t699 + t699;
-    const ur5e_real t701 = t187 * t411;
-    const ur5e_real t702 = t247 * t420;
-    const ur5e_real t703 = t701 - t702;
-    const ur5e_real t704 = t259 * t423;
-    const ur5e_real t705 = t703 + t704;
-    const ur5e_real t706 = t265 * t426;
-    const ur5e_real t707 = t705 - t706;
-    const ur5e_real t708 = t707 + t707;
-    const ur5e_real t709 = t187 * t457;
-    const ur5e_real t710 = t247 * t466;
-    const ur5e_real t711 = t709 - t710;
-    const ur5e_real t712 = t259 * t469;
-    const ur5e_real t713 = t711 - t712;
-    const ur5e_real t714 = t265 * t472;
-    const ur5e_real t715 = t713 + t714;
-    const ur5e_real t716 = t715 + t715;
-    const ur5e_real t717 = t187 * t515;
-    const ur5e_real t718 = t247 * t524;
-    const ur5e_real t719 = t717 - t718;
-    const ur5e_real t720 = t259 * t527;
-    const ur5e_real t721 = t719 - t720;
-    const ur5e_real t722 = t265 * t530;
-    const ur5e_real t723 = t721 + t722;
-    const ur5e_real t724 = t723 + t723;
-    const ur5e_real t725 = t684 * t177;
-    w->a[24] = t725;
-    const ur5e_real t727 = t692 - t725 * t98;
-    const ur5e_real t728 = t700 - t725 * t103;
-    const ur5e_real t729 = t708 - t725 * t148;
-    const ur5e_real t730 = t716 - t725 * t165;
-    const ur5e_real t731 = t724 - t725 * t176;
-    const ur5e_real t732 = t727 * t546;
-    w->a[25] = t732;
-    const ur5e_real t734 = t728 - t732 * t542;
-    const ur5e_real t735 = t729 - t732 * t543;
-    const ur5e_real t736 = t730 - t732 * t544;
-    const ur5e_real t737 = t731 - t732 * t545;
-    const ur5e_real t738 = t734 * t600;
-    w->a[26] = t738;
-    const ur5e_real t740 = t735 - t738 * t597;
-    const ur5e_real t741 = t736 - t738 * t598;
-    const ur5e_real t742 = t737 - t738 * t599;
-    const ur5e_real t743 = t740 * t672;
-    w->a[27] = t743;
-    const ur5e_real t745 = t741 - t743 * t670;
-    const ur5e_real t746 = t742 - t743 * t671;
-    const ur5e_real t747 = 1.0 / (t745 + 3.6e-20);
-    w->a[28] = t747;
-    const ur5e_real t749 = t747 * 0.9403900000000001;
-    w->a[29] = t746;
-    /* pivot 6: row 1, unknown 3 */
-    const ur5e_real t751 = t44 * t45;
-    const ur5e_real t752 = t61 * t62;
-    const ur5e_real t753 = t751 + t752;
-    const ur5e_real t754 = 0.0011851211647507592 * t753;
-    const ur5e_real t755 = t62 * t81;
-    const ur5e_real t756 = t45 * t93;
-    const ur5e_real t757 = t755 + t756;
-    const ur5e_real t758 = 0.0011851211647507592 * t757;
-    const ur5e_real t759 = -t758;
-    const ur5e_real t760 = t62 * t101;
-    const ur5e_real t761 = 0.0011851211647507592 * t760;
-    const ur5e_real t762 = t62 * t131;
-    const ur5e_real t763 = t45 * t143;
-    const ur5e_real t764 = t762 + t763;
-    const ur5e_real t765 = 0.0011851211647507592 * t764;
-    const ur5e_real t766 = -t765;
-    const ur5e_real t767 = t62 * t163;
-    const ur5e_real t768 = 0.0011851211647507592 * t767;
-    const ur5e_real t769 = t62 * t174;
-    const ur5e_real t770 = 0.0011851211647507592 * t769;
-    const ur5e_real t771 = t754 * t177;
-    w->a[30] = t771;
-    const ur5e_real t773 = t759 - t771 * t98;
-    const ur5e_real t774 = t761 - t771 * t103;
-    const ur5e_real t775 = t766 - t771 * t148;
-    const ur5e_real t776 = t768 - t771 * t165;
-    const ur5e_real t777 = t770 - t771 * t176;
-    const ur5e_real t778 = t773 * t546;
-    w->a[31] = t778;
-    const ur5e_real t780 = t774 - t778 * t542;
-    const ur5e_real t781 = t775 - t778 * t543;
-    const ur5e_real t782 = t776 - t778 * t544;
-    const ur5e_real t783 = t777 - t778 * t545;
-    const ur5e_real t784 = t780 * t600;
-    w->a[32] = t784;
-    const ur5e_real t786 = t781 - t784 * t597;
-    const ur5e_real t787 = t782 - t784 * t598;
-    const ur5e_real t788 = t783 - t784 * t599;
-    const ur5e_real t789 = t786 * t672;
-    w->a[33] = t789;
-    const ur5e_real t791 = t787 - t789 * t670;
-    const ur5e_real t792 = t788 - t789 * t671;
-    const ur5e_real t793 = t791 * t747;
-    w->a[34] = t793;
-    const ur5e_real t795 = t792 - t793 * t746;
-    const ur5e_real t796 = 1.0 / (t795 + 2.52e-20);
-    w->a[35] = t796;
-    const ur5e_real t798 = t796 * 0.649143;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t177 * t546 * t596 * t669 * t745 * t796;
-    w->spread = t179 * t179 + t548 * t548 + t602 * t602 + t674 * t674 + t749 * t749 + t798 * t798;
-    return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void ur5e_inverse_solve(ur5e_inverse_work *w)
-{
-    if (w->pivoted) {
-        ur5e_inverse_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const ur5e_real y0 = w->f[1];
-    const ur5e_real y1 = w->f[5] - w->a[6] * y0;
-    const ur5e_real y2 = w->f[2] - w->a[13] * y1;
-    const ur5e_real y3 = w->f[4] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const ur5e_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const ur5e_real y5 = w->f[0] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
-    /* back substitution */
-    const ur5e_real s5 = (y5) * w->a[35];
-    const ur5e_real s4 = (y4 - w->a[29] * s5) * w->a[28];
-    const ur5e_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
-    const ur5e_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const ur5e_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
-    const ur5e_real s0 = (y0 - w->a[5] * s5 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[0] = s0;
-    w->f[4] = s1;
-    w->f[1] = s2;
-    w->f[5] = s3;
-    w->f[3] = s4;
-    w->f[2] = s5;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static UR5E_COLD bool ur5e_inverse_reaches_middle(ur5e_inverse_work *w, const ur5e_real to[7], ur5e_real middle, ur5e_real still2)
-{
-    ur5e_real end[6];
-    ur5e_real size[3];
-    for (int i = 0; i < 6; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    ur5e_inverse_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        ur5e_inverse_rows(w);
-        ur5e_inverse_solve(w);
-        size[i] = ur5e_inverse_apply_step(w);
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static ur5e_status ur5e_inverse_newton(ur5e_inverse_work *w, const ur5e_real to[7], const ur5e_config *config, ur5e_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const ur5e_real tolerance2 = config->tolerance * config->tolerance;
-    const ur5e_real longest2 = config->max_step * config->max_step;
-    ur5e_status status = UR5E_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    ur5e_real done = 0.0;
-    ur5e_real aim = 1.0;
-    /* squares of: the last step, kappa, the longest step allowed */
-    ur5e_real size = 0.0;
-    ur5e_real kappa2 = 0.00016129;
-    ur5e_real limit;
-    ur5e_real residual = HUGE_VAL;
-    ur5e_real still2 = 3.594635833548771e-23; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    ur5e_real turn2 = 0.0;
-    const ur5e_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
-    turn2 = 8.0 * (1.0 - fabs(cosine));
-    if (turn2 > 1.0) {
-        aim = 1.0 / sqrt(turn2);
-    }
-    ur5e_inverse_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    w->x0[4] = w->x[4];
-    w->x0[5] = w->x[5];
-    for (;;) {
-        ur5e_inverse_rows(w);
-        if (verify) {
-            residual = ur5e_inverse_residual(w);
-            if (residual <= config->tolerance + 5.995528194870549e-12) {
-                status = UR5E_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                ur5e_inverse_set_target(w, to, done);
-            }
-            int turn = ur5e_inverse_factor(w);
-            if (turn == 0) {
-                turn = ur5e_inverse_pivoted(w);
-            }
-            if (taken == 0U) {
-                ur5e_inverse_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = UR5E_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = UR5E_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0)) ? (5.616618489919955e-25 * w->spread) : 3.594635833548771e-23;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        ur5e_inverse_solve(w);
-        const ur5e_real before = size;
-        size = ur5e_inverse_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625 * before;
+    const ur5e_real number = angle * 0.15915494309189535;
+    ur5e_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        ur5e_real x = angle - 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
         } else {
-            limit = 0.140625 * before;
+            /* within a quarter turn */
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
-            accepted = ur5e_inverse_reaches_middle(w, to, done + 0.5 * (aim - done), still2);
-            ur5e_inverse_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                ur5e_real error2;
-                ur5e_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+        const ur5e_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
+ * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
+ * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
+ * meet. */
+static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned int wanted, ur5e_real found[][6], bool *undecided,
+    ur5e_real margin[6])
+{
+    int count = 0;
+    (void)margin;
+    (void)near;
+    (void)wanted;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const ur5e_real t0 = x[5] * x[6];
+    const ur5e_real t1 = x[3] * x[4];
+    const ur5e_real t2 = t0 - t1;
+    const ur5e_real t3 = -199.2 * t2;
+    const ur5e_real t4 = t3 + x[1];
+    const ur5e_real t5 = t4 * t4;
+    const ur5e_real t6 = x[4] * x[6];
+    const ur5e_real t7 = x[3] * x[5];
+    const ur5e_real t8 = t6 + t7;
+    const ur5e_real t9 = -199.2 * t8;
+    const ur5e_real t10 = t9 + x[0];
+    const ur5e_real t11 = t10 * t10;
+    const ur5e_real t12 = t5 + t11;
+    const ur5e_real t13 = t12 * 1.4045121751401963e-06;
+    if (t13 > 2.842170943040401e-14) {
+        const ur5e_real t15 = t12 - 17768.89;
+        const ur5e_real t16 = t15 * 1.4045121751401963e-06;
+        if (t16 > 2.842170943040401e-14) {
+            margin[0] = t16;
+            const ur5e_real t19 = t4 * near[1];
+            const ur5e_real t20 = t10 * near[0];
+            const ur5e_real t21 = t19 + t20;
+            const ur5e_real t22 = -t21;
+            const unsigned int bits0 = (wanted >> 0U) & 3U;
+            const unsigned int side0 = (t22 < 0.0) ? 2U : 1U;
+            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                    const ur5e_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
+                    const ur5e_real t28 = 133.3 * t10;
+                    const ur5e_real t29 = fabs(t15);
+                    const ur5e_real t30 = t15 + t29;
+                    const ur5e_real t31 = 0.5 * t30;
+                    const ur5e_real t32 = sqrt(t31);
+                    const ur5e_real t33 = sign0 * t32;
+                    const ur5e_real t34 = t4 * t33;
+                    const ur5e_real t35 = t28 - t34;
+                    const ur5e_real t36 = 1.0 / t12;
+                    const ur5e_real t37 = t35 * t36;
+                    const ur5e_real t38 = 133.3 * t4;
+                    const ur5e_real t39 = t10 * t33;
+                    const ur5e_real t40 = t38 + t39;
+                    const ur5e_real t41 = t40 * t36;
+                    const ur5e_real t42 = -t41;
+                    const ur5e_real t43 = atan2(t37, t42);
+                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+                    const ur5e_real t44 = t8 + t8;
+                    const ur5e_real t45 = t44 * t37;
+                    const ur5e_real t46 = t2 + t2;
+                    const ur5e_real t47 = t46 * t41;
+                    const ur5e_real t48 = t45 + t47;
+                    const ur5e_real t49 = t48 * t48;
+                    const ur5e_real t50 = 1.0 - t49;
+                    if (t50 > 2.842170943040401e-14) {
+                        margin[1] = t50;
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (near[3] < 0.0) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const ur5e_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
+                                const ur5e_real t58 = fabs(t50);
+                                const ur5e_real t59 = t50 + t58;
+                                const ur5e_real t60 = 0.5 * t59;
+                                const ur5e_real t61 = sqrt(t60);
+                                const ur5e_real t62 = sign1 * t61;
+                                const ur5e_real t63 = atan2(t62, t48);
+                                /* q6 turns the normal of q2, q3, q4 to where it must be */
+                                const ur5e_real t64 = x[5] * x[5];
+                                const ur5e_real t65 = x[6] * x[6];
+                                const ur5e_real t66 = t64 + t65;
+                                const ur5e_real t67 = t66 + t66;
+                                const ur5e_real t68 = 1.0 - t67;
+                                const ur5e_real t69 = t68 * t37;
+                                const ur5e_real t70 = x[4] * x[5];
+                                const ur5e_real t71 = x[3] * x[6];
+                                const ur5e_real t72 = t70 + t71;
+                                const ur5e_real t73 = t72 + t72;
+                                const ur5e_real t74 = t73 * t41;
+                                const ur5e_real t75 = t69 + t74;
+                                const ur5e_real t76 = t75 * t62;
+                                const ur5e_real t77 = t76 * t76;
+                                const ur5e_real t78 = t70 - t71;
+                                const ur5e_real t79 = t78 + t78;
+                                const ur5e_real t80 = t79 * t37;
+                                const ur5e_real t81 = x[4] * x[4];
+                                const ur5e_real t82 = t81 + t65;
+                                const ur5e_real t83 = t82 + t82;
+                                const ur5e_real t84 = 1.0 - t83;
+                                const ur5e_real t85 = t84 * t41;
+                                const ur5e_real t86 = t80 + t85;
+                                const ur5e_real t87 = t86 * t62;
+                                const ur5e_real t88 = t87 * t87;
+                                const ur5e_real t89 = t77 + t88;
+                                const ur5e_real t90 = sqrt(t89);
+                                if (t90 > 2.842170943040401e-14) {
+                                    margin[2] = t90;
+                                    const ur5e_real t93 = -t87;
+                                    const ur5e_real t94 = atan2(t93, t76);
+                                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+                                    const ur5e_real t95 = 1.0 / t90;
+                                    const ur5e_real t96 = t76 * t95;
+                                    const ur5e_real t97 = 133.3 * t62;
+                                    const ur5e_real t98 = -817.2 - t97;
+                                    const ur5e_real t99 = t98 - (-817.2);
+                                    const ur5e_real t100 = t96 * t99;
+                                    const ur5e_real t101 = -817.2 + t100;
+                                    const ur5e_real t102 = t87 * t95;
+                                    const ur5e_real t103 = -99.7 * t102;
+                                    const ur5e_real t104 = t101 + t103;
+                                    const ur5e_real t105 = t104 - (-817.2);
+                                    const ur5e_real t106 = t73 * t105;
+                                    const ur5e_real t107 = 99.7 * t96;
+                                    const ur5e_real t108 = 62.8 + t107;
+                                    const ur5e_real t109 = t102 * t99;
+                                    const ur5e_real t110 = t108 + t109;
+                                    const ur5e_real t111 = t110 - 62.8;
+                                    const ur5e_real t112 = t84 * t111;
+                                    const ur5e_real t113 = t106 + t112;
+                                    const ur5e_real t114 = 133.3 * t48;
+                                    const ur5e_real t115 = -133.3 + t114;
+                                    const ur5e_real t116 = t115 - (-232.9);
+                                    const ur5e_real t117 = t46 * t116;
+                                    const ur5e_real t118 = t113 - t117;
+                                    const ur5e_real t119 = t118 + x[1];
+                                    const ur5e_real t120 = t37 * t119;
+                                    const ur5e_real t121 = t68 * t105;
+                                    const ur5e_real t122 = t79 * t111;
+                                    const ur5e_real t123 = t121 + t122;
+                                    const ur5e_real t124 = t44 * t116;
+                                    const ur5e_real t125 = t123 - t124;
+                                    const ur5e_real t126 = t125 + x[0];
+                                    const ur5e_real t127 = t41 * t126;
+                                    const ur5e_real t128 = t120 - t127;
+                                    const ur5e_real t129 = t128 * t128;
+                                    const ur5e_real t130 = t41 * t119;
+                                    const ur5e_real t131 = t37 * t126;
+                                    const ur5e_real t132 = t130 + t131;
+                                    const ur5e_real t133 = t132 * t132;
+                                    const ur5e_real t134 = t129 + t133;
+                                    const ur5e_real t135 = t6 - t7;
+                                    const ur5e_real t136 = t135 + t135;
+                                    const ur5e_real t137 = t136 * t105;
+                                    const ur5e_real t138 = t0 + t1;
+                                    const ur5e_real t139 = t138 + t138;
+                                    const ur5e_real t140 = t139 * t111;
+                                    const ur5e_real t141 = t137 + t140;
+                                    const ur5e_real t142 = t81 + t64;
+                                    const ur5e_real t143 = t142 + t142;
+                                    const ur5e_real t144 = 1.0 - t143;
+                                    const ur5e_real t145 = t144 * t116;
+                                    const ur5e_real t146 = t141 - t145;
+                                    const ur5e_real t147 = t146 + x[2];
+                                    const ur5e_real t148 = t147 - 162.5;
+                                    const ur5e_real t149 = t148 * t148;
+                                    const ur5e_real t150 = t134 + t149;
+                                    const ur5e_real t151 = t150 - 180625.0;
+                                    const ur5e_real t152 = t151 - 153820.84;
+                                    const ur5e_real t153 = 0.5 * t152;
+                                    const ur5e_real t154 = t153 * t153;
+                                    const ur5e_real t155 = 27783889225.0 - t154;
+                                    const ur5e_real t156 = t155 * 1.9726544501170443e-12;
+                                    if (t156 > 2.842170943040401e-14) {
+                                        margin[3] = t156;
+                                        const ur5e_real t159 = 166685.0 * near[5];
+                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                        const unsigned int side2 = (t159 < 0.0) ? 2U : 1U;
+                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                                const ur5e_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
+                                                const ur5e_real t165 = fabs(t155);
+                                                const ur5e_real t166 = t155 + t165;
+                                                const ur5e_real t167 = 0.5 * t166;
+                                                const ur5e_real t168 = sqrt(t167);
+                                                const ur5e_real t169 = sign2 * t168;
+                                                const ur5e_real t170 = 2.9996700362960067e-06 * t152;
+                                                const ur5e_real t171 = 5.999340072592013e-06 * t169;
+                                                const ur5e_real t172 = atan2(t171, t170);
+                                                /* q2 turns a point of the axis of q4 to where it must be */
+                                                const ur5e_real t173 = -0.001176470588235294 * t152;
+                                                const ur5e_real t174 = -425.0 + t173;
+                                                const ur5e_real t175 = t174 * t128;
+                                                const ur5e_real t176 = -0.002352941176470588 * t169;
+                                                const ur5e_real t177 = t176 * t148;
+                                                const ur5e_real t178 = t175 + t177;
+                                                const ur5e_real t179 = t178 * t178;
+                                                const ur5e_real t180 = t176 * t128;
+                                                const ur5e_real t181 = t174 * t148;
+                                                const ur5e_real t182 = t180 - t181;
+                                                const ur5e_real t183 = t182 * t182;
+                                                const ur5e_real t184 = t179 + t183;
+                                                const ur5e_real t185 = sqrt(t184);
+                                                const ur5e_real t186 = t185 * 1.4045121751401963e-06;
+                                                if (t186 > 2.842170943040401e-14) {
+                                                    margin[4] = t186;
+                                                    const ur5e_real t189 = -t182;
+                                                    const ur5e_real t190 = atan2(t189, t178);
+                                                    /* q4 turns a direction of the tool to where it must be */
+                                                    const ur5e_real t191 = 1.0 / t185;
+                                                    const ur5e_real t192 = t178 * t191;
+                                                    const ur5e_real t193 = t96 * t48;
+                                                    const ur5e_real t194 = t73 * t193;
+                                                    const ur5e_real t195 = t102 * t48;
+                                                    const ur5e_real t196 = t84 * t195;
+                                                    const ur5e_real t197 = t194 + t196;
+                                                    const ur5e_real t198 = t46 * t62;
+                                                    const ur5e_real t199 = t197 - t198;
+                                                    const ur5e_real t200 = t37 * t199;
+                                                    const ur5e_real t201 = t68 * t193;
+                                                    const ur5e_real t202 = t79 * t195;
+                                                    const ur5e_real t203 = t201 + t202;
+                                                    const ur5e_real t204 = t44 * t62;
+                                                    const ur5e_real t205 = t203 - t204;
+                                                    const ur5e_real t206 = t41 * t205;
+                                                    const ur5e_real t207 = t200 - t206;
+                                                    const ur5e_real t208 = t192 * t207;
+                                                    const ur5e_real t209 = t182 * t191;
+                                                    const ur5e_real t210 = t136 * t193;
+                                                    const ur5e_real t211 = t139 * t195;
+                                                    const ur5e_real t212 = t210 + t211;
+                                                    const ur5e_real t213 = t144 * t62;
+                                                    const ur5e_real t214 = t212 - t213;
+                                                    const ur5e_real t215 = t209 * t214;
+                                                    const ur5e_real t216 = t208 - t215;
+                                                    const ur5e_real t217 = t170 * t216;
+                                                    const ur5e_real t218 = t192 * t214;
+                                                    const ur5e_real t219 = t209 * t207;
+                                                    const ur5e_real t220 = t218 + t219;
+                                                    const ur5e_real t221 = t171 * t220;
+                                                    const ur5e_real t222 = t217 + t221;
+                                                    const ur5e_real t223 = t222 * t222;
+                                                    const ur5e_real t224 = t170 * t220;
+                                                    const ur5e_real t225 = t171 * t216;
+                                                    const ur5e_real t226 = t224 - t225;
+                                                    const ur5e_real t227 = t226 * t226;
+                                                    const ur5e_real t228 = t223 + t227;
+                                                    const ur5e_real t229 = sqrt(t228);
+                                                    if (t229 > 2.842170943040401e-14) {
+                                                        margin[5] = t229;
+                                                        const ur5e_real t232 = atan2(t226, t222);
+                                                        found[count][0] = t43;
+                                                        found[count][1] = t190;
+                                                        found[count][2] = t172;
+                                                        found[count][3] = t232;
+                                                        found[count][4] = t63;
+                                                        found[count][5] = t94;
+                                                        ++count;
+                                                    } else {
+                                                        *undecided = true;
+                                                    }
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            }
+                                        }
+                                    } else if (t156 > -2.842170943040401e-14) {
+                                        *undecided = true;
+                                    } else {
+                                        /* out of reach */
+                                    }
+                                } else {
+                                    *undecided = true;
+                                }
+                            }
+                        }
+                    } else if (t50 > -2.842170943040401e-14) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
                     }
                 }
-                gain2 = 4.0 * ((fresh || !(before > 0.0)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0 <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const ur5e_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25)) ? (2.0 * part) : part;
-                if (aim > 0.999) {
-                    aim = 1.0;
-                }
-                for (int i = 0; i < 6; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                ur5e_inverse_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
             }
-        } else if (aim - done > 0.0009765625) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375 * (aim - done);
-            for (int i = 0; i < 6; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            ur5e_inverse_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
+        } else if (t16 > -2.842170943040401e-14) {
+            *undecided = true;
         } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = UR5E_WRONG_BRANCH;
-            break;
+            /* out of reach */
         }
+    } else {
+        *undecided = true;
     }
-    ur5e_write_info(info, count, residual, size, w->spread);
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const ur5e_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    ur5e_status status = UR5E_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == UR5E_OUT_OF_RANGE); ++round) {
+        const ur5e_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const ur5e_real number = (goal[i] - joints[i]) * 0.15915494309189535;
+            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
+                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                joints[i] += 6.283185307179586 * (ur5e_real)whole;
+            }
+        }
+        status = ur5e_check_limits(joints);
+    }
     return status;
 }
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6], unsigned int wanted, const ur5e_real about[6], ur5e_real joints[6])
+{
+    ur5e_real x[7];
+    ur5e_real found[1][6];
+    ur5e_real margin[6];
+    bool undecided = false;
+    ur5e_status status = ur5e_normalise_pose(pose, x);
+    if (status == UR5E_OK) {
+        if (ur5e_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = ur5e_turn_near(about, found[0]);
+        } else {
+            status = undecided ? UR5E_SINGULAR : UR5E_OUT_OF_RANGE;
+        }
+    }
+    if (status == UR5E_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[8][6])
+{
+    static const ur5e_real near[6] = { 0.0 };
+    static const ur5e_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    ur5e_real x[7];
+    int count = 0;
+    ur5e_real margin[6];
+    bool undecided = false;
+    ur5e_status status = ur5e_normalise_pose(pose, x);
+    if (status == UR5E_OK) {
+        const int all = ur5e_branches(x, near, 63U, joints, &undecided, margin);
+        for (int k = 0; k < all; ++k) {
+            if (ur5e_turn_near(middle, joints[k]) == UR5E_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch, ur5e_real joints[6])
+{
+    static const ur5e_real near[6] = { 0.0 };
+    static const ur5e_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    ur5e_status status = UR5E_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = ur5e_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6], ur5e_real joints[6])
+{
+    ur5e_status status = ur5e_check_finite(guess, 6, UR5E_OK);
+    if (status == UR5E_OK) {
+        ur5e_real near[6] = { 0.0 };
+        near[0] = ur5e_sine(guess[0] + 1.5707963267948966);
+        near[1] = ur5e_sine(guess[0]);
+        near[3] = ur5e_sine(guess[4]);
+        near[5] = ur5e_sine(guess[2]);
+        status = ur5e_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
+ * bits of the branch on which they lie. */
+static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], ur5e_real margin[6])
+{
+    ur5e_real u[12];
+    unsigned int wanted = 0U;
+    u[0] = cos(0.5 * joints[0]);
+    u[1] = sin(0.5 * joints[0]);
+    u[2] = cos(0.5 * joints[1]);
+    u[3] = sin(0.5 * joints[1]);
+    u[4] = cos(0.5 * joints[2]);
+    u[5] = sin(0.5 * joints[2]);
+    u[6] = cos(0.5 * joints[3]);
+    u[7] = sin(0.5 * joints[3]);
+    u[8] = cos(0.5 * joints[4]);
+    u[9] = sin(0.5 * joints[4]);
+    u[10] = cos(0.5 * joints[5]);
+    u[11] = sin(0.5 * joints[5]);
+    /* the tool's pose */
+    const ur5e_real t0 = u[0] * u[0];
+    const ur5e_real t1 = u[1] * u[1];
+    const ur5e_real t2 = t0 - t1;
+    const ur5e_real t3 = u[2] * u[2];
+    const ur5e_real t4 = u[3] * u[3];
+    const ur5e_real t5 = t3 - t4;
+    const ur5e_real t6 = u[4] * u[4];
+    const ur5e_real t7 = u[5] * u[5];
+    const ur5e_real t8 = t6 - t7;
+    const ur5e_real t9 = u[6] * u[6];
+    const ur5e_real t10 = u[7] * u[7];
+    const ur5e_real t11 = t9 - t10;
+    const ur5e_real t12 = u[8] + u[8];
+    const ur5e_real t13 = t12 * u[9];
+    const ur5e_real t14 = -99.6 * t13;
+    const ur5e_real t15 = t11 * t14;
+    const ur5e_real t16 = -817.2 + t15;
+    const ur5e_real t17 = u[6] + u[6];
+    const ur5e_real t18 = t17 * u[7];
+    const ur5e_real t19 = 99.7 * t18;
+    const ur5e_real t20 = t16 + t19;
+    const ur5e_real t21 = t20 - (-425.0);
+    const ur5e_real t22 = t8 * t21;
+    const ur5e_real t23 = -425.0 + t22;
+    const ur5e_real t24 = u[4] + u[4];
+    const ur5e_real t25 = t24 * u[5];
+    const ur5e_real t26 = -99.7 * t11;
+    const ur5e_real t27 = 162.5 + t26;
+    const ur5e_real t28 = t18 * t14;
+    const ur5e_real t29 = t27 + t28;
+    const ur5e_real t30 = t29 - 162.5;
+    const ur5e_real t31 = t25 * t30;
+    const ur5e_real t32 = t23 - t31;
+    const ur5e_real t33 = t5 * t32;
+    const ur5e_real t34 = u[2] + u[2];
+    const ur5e_real t35 = t34 * u[3];
+    const ur5e_real t36 = t8 * t30;
+    const ur5e_real t37 = 162.5 + t36;
+    const ur5e_real t38 = t25 * t21;
+    const ur5e_real t39 = t37 + t38;
+    const ur5e_real t40 = t39 - 162.5;
+    const ur5e_real t41 = t35 * t40;
+    const ur5e_real t42 = t33 - t41;
+    const ur5e_real t43 = t2 * t42;
+    const ur5e_real t44 = u[0] + u[0];
+    const ur5e_real t45 = t44 * u[1];
+    const ur5e_real t46 = u[8] * u[8];
+    const ur5e_real t47 = u[9] * u[9];
+    const ur5e_real t48 = t46 - t47;
+    const ur5e_real t49 = -99.6 * t48;
+    const ur5e_real t50 = -133.3 + t49;
+    const ur5e_real t51 = t45 * t50;
+    const ur5e_real t52 = t43 - t51;
+    x[0] = t52;
+    const ur5e_real t54 = t2 * t50;
+    const ur5e_real t55 = t45 * t42;
+    const ur5e_real t56 = t54 + t55;
+    x[1] = t56;
+    const ur5e_real t58 = t5 * t40;
+    const ur5e_real t59 = 162.5 + t58;
+    const ur5e_real t60 = t35 * t32;
+    const ur5e_real t61 = t59 + t60;
+    x[2] = t61;
+    const ur5e_real t63 = 0.7071067811865476 * u[10];
+    const ur5e_real t64 = u[8] * t63;
+    const ur5e_real t65 = 0.7071067811865475 * u[11];
+    const ur5e_real t66 = u[9] * t65;
+    const ur5e_real t67 = t64 + t66;
+    const ur5e_real t68 = u[6] * t67;
+    const ur5e_real t69 = 0.7071067811865476 * u[11];
+    const ur5e_real t70 = u[8] * t69;
+    const ur5e_real t71 = 0.7071067811865475 * u[10];
+    const ur5e_real t72 = u[9] * t71;
+    const ur5e_real t73 = t70 + t72;
+    const ur5e_real t74 = u[7] * t73;
+    const ur5e_real t75 = t68 - t74;
+    const ur5e_real t76 = u[4] * t75;
+    const ur5e_real t77 = u[6] * t73;
+    const ur5e_real t78 = u[7] * t67;
+    const ur5e_real t79 = t77 + t78;
+    const ur5e_real t80 = u[5] * t79;
+    const ur5e_real t81 = t76 - t80;
+    const ur5e_real t82 = u[2] * t81;
+    const ur5e_real t83 = u[4] * t79;
+    const ur5e_real t84 = u[5] * t75;
+    const ur5e_real t85 = t83 + t84;
+    const ur5e_real t86 = u[3] * t85;
+    const ur5e_real t87 = t82 - t86;
+    const ur5e_real t88 = u[0] * t87;
+    const ur5e_real t89 = u[8] * t65;
+    const ur5e_real t90 = u[9] * t63;
+    const ur5e_real t91 = t89 - t90;
+    const ur5e_real t92 = u[6] * t91;
+    const ur5e_real t93 = u[8] * t71;
+    const ur5e_real t94 = u[9] * t69;
+    const ur5e_real t95 = t93 - t94;
+    const ur5e_real t96 = u[7] * t95;
+    const ur5e_real t97 = t92 + t96;
+    const ur5e_real t98 = u[4] * t97;
+    const ur5e_real t99 = u[6] * t95;
+    const ur5e_real t100 = u[7] * t91;
+    const ur5e_real t101 = t99 - t100;
+    const ur5e_real t102 = u[5] * t101;
+    const ur5e_real t103 = t98 + t102;
+    const ur5e_real t104 = u[2] * t103;
+    const ur5e_real t105 = u[4] * t101;
+    const ur5e_real t106 = u[5] * t97;
+    const ur5e_real t107 = t105 - t106;
+    const ur5e_real t108 = u[3] * t107;
+    const ur5e_real t109 = t104 + t108;
+    const ur5e_real t110 = u[1] * t109;
+    const ur5e_real t111 = t88 - t110;
+    x[3] = t111;
+    const ur5e_real t113 = u[2] * t107;
+    const ur5e_real t114 = u[3] * t103;
+    const ur5e_real t115 = t113 - t114;
+    const ur5e_real t116 = u[0] * t115;
+    const ur5e_real t117 = u[2] * t85;
+    const ur5e_real t118 = u[3] * t81;
+    const ur5e_real t119 = t117 + t118;
+    const ur5e_real t120 = u[1] * t119;
+    const ur5e_real t121 = t116 + t120;
+    x[4] = t121;
+    const ur5e_real t123 = u[1] * t115;
+    const ur5e_real t124 = u[0] * t119;
+    const ur5e_real t125 = t123 - t124;
+    x[5] = t125;
+    const ur5e_real t127 = u[0] * t109;
+    const ur5e_real t128 = u[1] * t87;
+    const ur5e_real t129 = t127 + t128;
+    x[6] = t129;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const ur5e_real t131 = t125 * t129;
+    const ur5e_real t132 = t111 * t121;
+    const ur5e_real t133 = t131 - t132;
+    const ur5e_real t134 = -199.2 * t133;
+    const ur5e_real t135 = t134 + t56;
+    const ur5e_real t136 = t135 * t45;
+    const ur5e_real t137 = t121 * t129;
+    const ur5e_real t138 = t111 * t125;
+    const ur5e_real t139 = t137 + t138;
+    const ur5e_real t140 = -199.2 * t139;
+    const ur5e_real t141 = t140 + t52;
+    const ur5e_real t142 = t141 * t2;
+    const ur5e_real t143 = t136 + t142;
+    const ur5e_real t144 = t143 * 0.0011851211647507592;
+    const ur5e_real t145 = -t144;
+    margin[0] = t145 * t145;
+    wanted |= (t145 < 0.0) ? 2U : 1U;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    margin[1] = t13 * t13;
+    wanted |= (t13 < 0.0) ? 8U : 4U;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const ur5e_real t150 = t125 * t125;
+    const ur5e_real t151 = t129 * t129;
+    const ur5e_real t152 = t150 + t151;
+    const ur5e_real t153 = t152 + t152;
+    const ur5e_real t154 = 1.0 - t153;
+    const ur5e_real t155 = t154 * t45;
+    const ur5e_real t156 = t121 * t125;
+    const ur5e_real t157 = t111 * t129;
+    const ur5e_real t158 = t156 + t157;
+    const ur5e_real t159 = t158 + t158;
+    const ur5e_real t160 = t159 * t2;
+    const ur5e_real t161 = t155 - t160;
+    const ur5e_real t162 = t161 * t13;
+    const ur5e_real t163 = t162 * t162;
+    const ur5e_real t164 = t156 - t157;
+    const ur5e_real t165 = t164 + t164;
+    const ur5e_real t166 = t165 * t45;
+    const ur5e_real t167 = t121 * t121;
+    const ur5e_real t168 = t167 + t151;
+    const ur5e_real t169 = t168 + t168;
+    const ur5e_real t170 = 1.0 - t169;
+    const ur5e_real t171 = t170 * t2;
+    const ur5e_real t172 = t166 - t171;
+    const ur5e_real t173 = t172 * t13;
+    const ur5e_real t174 = t173 * t173;
+    const ur5e_real t175 = t163 + t174;
+    const ur5e_real t176 = sqrt(t175);
+    margin[2] = t176;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const ur5e_real t178 = 166685.0 * t25;
+    const ur5e_real t179 = t178 * 1.4045121751401963e-06;
+    margin[3] = t179 * t179;
+    wanted |= (t179 < 0.0) ? 32U : 16U;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const ur5e_real t182 = -392.2 * t8;
+    const ur5e_real t183 = -425.0 + t182;
+    const ur5e_real t184 = u[10] * u[10];
+    const ur5e_real t185 = u[11] * u[11];
+    const ur5e_real t186 = t184 - t185;
+    const ur5e_real t187 = 133.3 * t13;
+    const ur5e_real t188 = -817.2 - t187;
+    const ur5e_real t189 = t188 - (-817.2);
+    const ur5e_real t190 = t186 * t189;
+    const ur5e_real t191 = -817.2 + t190;
+    const ur5e_real t192 = u[10] + u[10];
+    const ur5e_real t193 = t192 * u[11];
+    const ur5e_real t194 = -99.7 * t193;
+    const ur5e_real t195 = t191 - t194;
+    const ur5e_real t196 = t195 - (-817.2);
+    const ur5e_real t197 = t154 * t196;
+    const ur5e_real t198 = 99.7 * t186;
+    const ur5e_real t199 = 62.8 + t198;
+    const ur5e_real t200 = t193 * t189;
+    const ur5e_real t201 = t199 - t200;
+    const ur5e_real t202 = t201 - 62.8;
+    const ur5e_real t203 = t165 * t202;
+    const ur5e_real t204 = t197 + t203;
+    const ur5e_real t205 = t139 + t139;
+    const ur5e_real t206 = 133.3 * t48;
+    const ur5e_real t207 = -133.3 + t206;
+    const ur5e_real t208 = t207 - (-232.9);
+    const ur5e_real t209 = t205 * t208;
+    const ur5e_real t210 = t204 - t209;
+    const ur5e_real t211 = t210 + t52;
+    const ur5e_real t212 = t2 * t211;
+    const ur5e_real t213 = t159 * t196;
+    const ur5e_real t214 = t170 * t202;
+    const ur5e_real t215 = t213 + t214;
+    const ur5e_real t216 = t133 + t133;
+    const ur5e_real t217 = t216 * t208;
+    const ur5e_real t218 = t215 - t217;
+    const ur5e_real t219 = t218 + t56;
+    const ur5e_real t220 = t45 * t219;
+    const ur5e_real t221 = t212 + t220;
+    const ur5e_real t222 = t183 * t221;
+    const ur5e_real t223 = -392.2 * t25;
+    const ur5e_real t224 = t137 - t138;
+    const ur5e_real t225 = t224 + t224;
+    const ur5e_real t226 = t225 * t196;
+    const ur5e_real t227 = t131 + t132;
+    const ur5e_real t228 = t227 + t227;
+    const ur5e_real t229 = t228 * t202;
+    const ur5e_real t230 = t226 + t229;
+    const ur5e_real t231 = t167 + t150;
+    const ur5e_real t232 = t231 + t231;
+    const ur5e_real t233 = 1.0 - t232;
+    const ur5e_real t234 = t233 * t208;
+    const ur5e_real t235 = t230 - t234;
+    const ur5e_real t236 = t235 + t61;
+    const ur5e_real t237 = t236 - 162.5;
+    const ur5e_real t238 = t223 * t237;
+    const ur5e_real t239 = t222 + t238;
+    const ur5e_real t240 = t239 * t239;
+    const ur5e_real t241 = t223 * t221;
+    const ur5e_real t242 = t183 * t237;
+    const ur5e_real t243 = t241 - t242;
+    const ur5e_real t244 = t243 * t243;
+    const ur5e_real t245 = t240 + t244;
+    const ur5e_real t246 = sqrt(t245);
+    const ur5e_real t247 = t246 * 1.4045121751401963e-06;
+    margin[4] = t247;
+    /* q4 turns a direction of the tool to where it must be */
+    const ur5e_real t249 = t186 * t48;
+    const ur5e_real t250 = t154 * t249;
+    const ur5e_real t251 = t193 * t48;
+    const ur5e_real t252 = t165 * t251;
+    const ur5e_real t253 = t250 - t252;
+    const ur5e_real t254 = t205 * t13;
+    const ur5e_real t255 = t253 - t254;
+    const ur5e_real t256 = t2 * t255;
+    const ur5e_real t257 = t159 * t249;
+    const ur5e_real t258 = t170 * t251;
+    const ur5e_real t259 = t257 - t258;
+    const ur5e_real t260 = t216 * t13;
+    const ur5e_real t261 = t259 - t260;
+    const ur5e_real t262 = t45 * t261;
+    const ur5e_real t263 = t256 + t262;
+    const ur5e_real t264 = t5 * t263;
+    const ur5e_real t265 = t225 * t249;
+    const ur5e_real t266 = t228 * t251;
+    const ur5e_real t267 = t265 - t266;
+    const ur5e_real t268 = t233 * t13;
+    const ur5e_real t269 = t267 - t268;
+    const ur5e_real t270 = t35 * t269;
+    const ur5e_real t271 = t264 + t270;
+    const ur5e_real t272 = t8 * t271;
+    const ur5e_real t273 = t5 * t269;
+    const ur5e_real t274 = t35 * t263;
+    const ur5e_real t275 = t273 - t274;
+    const ur5e_real t276 = t25 * t275;
+    const ur5e_real t277 = t272 + t276;
+    const ur5e_real t278 = t277 * t277;
+    const ur5e_real t279 = t8 * t275;
+    const ur5e_real t280 = t25 * t271;
+    const ur5e_real t281 = t279 - t280;
+    const ur5e_real t282 = t281 * t281;
+    const ur5e_real t283 = t278 + t282;
+    const ur5e_real t284 = sqrt(t283);
+    margin[5] = t284;
+    return wanted;
+}
+
+/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
+ * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
+ * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5e_real place, ur5e_real turn, const ur5e_real moved[6])
+{
+    ur5e_real largest = 0.0;
+    (void)a;
+    (void)b;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const ur5e_real bend0 = 5.59 * place + 1.17 * turn;
+    const ur5e_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
+    const ur5e_real share0 = bend0 / (2.0 * (a[0] + b[0]) + 4.0 * lesser0);
+    largest = (share0 > largest) ? share0 : largest;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    const ur5e_real bend1 = 10.0 * turn + 10.0 * moved[0];
+    const ur5e_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
+    const ur5e_real share1 = bend1 / (2.0 * (a[1] + b[1]) + 4.0 * lesser1);
+    largest = (share1 > largest) ? share1 : largest;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const ur5e_real bend2 = 5.0 * moved[4];
+    const ur5e_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
+    const ur5e_real share2 = bend2 / (2.0 * (a[2] + b[2]) + 4.0 * lesser2);
+    largest = (share2 > largest) ? share2 : largest;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const ur5e_real bend3 = 3.13 * place + 2.27 * turn + 1.28 * moved[4] + 1.29 * moved[5];
+    const ur5e_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
+    const ur5e_real share3 = bend3 / (2.0 * (a[3] + b[3]) + 4.0 * lesser3);
+    largest = (share3 > largest) ? share3 : largest;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const ur5e_real bend4 = 12.6 * place + 4.91 * turn + 5.94 * moved[0] + 2.65 * moved[4] + 3.14 * moved[5];
+    const ur5e_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
+    const ur5e_real share4 = bend4 / (2.0 * (a[4] + b[4]) + 4.0 * lesser4);
+    largest = (share4 > largest) ? share4 : largest;
+    /* q4 turns a direction of the tool to where it must be */
+    const ur5e_real bend5 = 10.0 * turn + 10.0 * moved[0] + 10.0 * moved[4];
+    const ur5e_real lesser5 = (a[5] < b[5]) ? a[5] : b[5];
+    const ur5e_real share5 = bend5 / (2.0 * (a[5] + b[5]) + 4.0 * lesser5);
+    largest = (share5 > largest) ? share5 : largest;
+    return largest;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
+ * halved where they are not. Angles go on from part to part, whole turns included. */
+static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *config, ur5e_real joints[6], ur5e_info *info)
+{
+    static const ur5e_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const ur5e_real near[6] = { 0.0 };
+    const ur5e_real most2 = config->max_step * config->max_step * 1.4045121751401959e-06;
+    ur5e_real at[7];
+    ur5e_real x[7];
+    ur5e_real left[6] = { 1.0 };
+    ur5e_real margin[6] = { 1.0 };
+    ur5e_real found[1][6];
+    ur5e_real done = 0.0;
+    ur5e_real part = 1.0;
+    ur5e_real moved[6];
+    ur5e_real way2 = 0.0;
+    ur5e_real least = 1.0;
+    unsigned int count = 0U;
+    const unsigned int wanted = ur5e_read_joints(joints, at, left);
+    /* of q and -q, one rotation, the one on the guess's side */
+    const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const ur5e_real side = (cosine < 0.0) ? -1.0 : 1.0;
+    const ur5e_real turn2 = 8.0 * ((1.0 - side * cosine) + 4.440892098500626e-16);
+    ur5e_real place2 = 0.0;
+    ur5e_status status = UR5E_MAX_ITERATIONS;
+    for (int i = 0; i < 3; ++i) {
+        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 1.4045121751401959e-06;
+    }
+    for (int k = 0; k < 6; ++k) {
+        if (!(left[k] > 2.842170943040401e-14)) {
+            status = UR5E_SINGULAR;
+        }
+    }
+    while ((status == UR5E_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
+        const ur5e_real end = (done + part < 0.999) ? (done + part) : 1.0;
+        bool undecided = false;
+        ++count;
+        for (int i = 0; i < 7; ++i) {
+            const ur5e_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0) {
+            const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        if (ur5e_branches(x, near, wanted, found, &undecided, margin) != 1) {
+            /* the guess's branch does not reach this point of the line */
+            status = undecided ? UR5E_SINGULAR : ((end < 1.0) ? UR5E_WRONG_BRANCH : UR5E_OUT_OF_RANGE);
+        } else {
+            way2 = 0.0;
+            for (int i = 0; i < 6; ++i) {
+                ur5e_real way = found[0][i] - joints[i];
+                const ur5e_real number = way * 0.15915494309189535;
+                if (angular[i] && (fabs(number) > 0.5)) {
+                    way -= 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                }
+                found[0][i] = joints[i] + way;
+                moved[i] = (way * per_length[i]) * (way * per_length[i]);
+                way2 += moved[i];
+            }
+            const ur5e_real share = ur5e_line_share(left, margin, part * part * place2, part * part * turn2, moved);
+            if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[i] = found[0][i];
+                }
+                for (int k = 0; k < 6; ++k) {
+                    left[k] = margin[k];
+                }
+                done = end;
+                part *= (share < 0.2) ? 2.0 : ((share < 0.6) ? 1.0 : 0.75);
+                if (done >= 1.0) {
+                    status = UR5E_OK;
+                }
+            } else {
+                part *= (share < 4.0) ? 0.5 : 0.25;
+                if (part < 0.000244140625) {
+                    status = UR5E_WRONG_BRANCH;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 6; ++k) {
+        least = (left[k] < least) ? left[k] : least;
+    }
+    ur5e_write_info(info, count, (status == UR5E_OK) ? 3.753200649988964e-09 : HUGE_VAL, way2 * 711990.9800000002, (least > 0.0) ? (1.0 / least) : 0.0);
+    return status;
+}
+
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
 {
@@ -2428,11 +1157,11 @@ ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* The joints by the closed form along the line of tool poses from the guess's to the given one. */
 ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const ur5e_real guess[6], ur5e_real joints[6], ur5e_info *info)
 {
     static const ur5e_config usual = { UR5E_TOLERANCE, UR5E_MAX_STEPS, UR5E_MAX_STEP };
-    ur5e_inverse_work w;
+    ur5e_real at[6];
     ur5e_real to[7];
     ur5e_status status = ur5e_check_finite(guess, 6, ur5e_normalise_pose(pose, to));
     ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -2448,27 +1177,26 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const
         status = ur5e_check_config(config, status);
     }
     if (status == UR5E_OK) {
-        w.x[0] = guess[0];
-        w.x[1] = guess[1];
-        w.x[2] = guess[2];
-        w.x[3] = guess[3];
-        w.x[4] = guess[4];
-        w.x[5] = guess[5];
-        ur5e_forward(w.x, w.at);
-        status = ur5e_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        at[0] = guess[0];
+        at[1] = guess[1];
+        at[2] = guess[2];
+        at[3] = guess[3];
+        at[4] = guess[4];
+        at[5] = guess[5];
+        status = ur5e_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == UR5E_OK) {
-            status = ur5e_check_limits(w.x);
+            status = ur5e_check_limits(at);
             if (info != NULL) {
-                info->joint = ur5e_first_beyond(w.x);
+                info->joint = ur5e_first_beyond(at);
             }
         }
         if (status == UR5E_OK) {
-            joints[0] = w.x[0];
-            joints[1] = w.x[1];
-            joints[2] = w.x[2];
-            joints[3] = w.x[3];
-            joints[4] = w.x[4];
-            joints[5] = w.x[5];
+            joints[0] = at[0];
+            joints[1] = at[1];
+            joints[2] = at[2];
+            joints[3] = at[3];
+            joints[4] = at[4];
+            joints[5] = at[5];
         }
     }
     return status;
@@ -3534,406 +2262,6 @@ ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *in
         } else {
             /* nobody asks which joint */
         }
-    }
-    return status;
-}
-
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
-static ur5e_real ur5e_sine(ur5e_real angle)
-{
-    const ur5e_real number = angle * 0.15915494309189535;
-    ur5e_real sine = 0.0;
-    if (fabs(number) < 10000.0) {
-        ur5e_real x = angle - 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
-        if (x > 1.5707963267948966) {
-            x = 3.141592653589793 - x;
-        } else if (x < -1.5707963267948966) {
-            x = -3.141592653589793 - x;
-        } else {
-            /* within a quarter turn */
-        }
-        const ur5e_real square = x * x;
-        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
-    }
-    return sine;
-}
-
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint. */
-static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned int wanted, ur5e_real found[][6], bool *undecided)
-{
-    int count = 0;
-    (void)near;
-    (void)wanted;
-    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
-    const ur5e_real t0 = x[5] * x[6];
-    const ur5e_real t1 = x[3] * x[4];
-    const ur5e_real t2 = t0 - t1;
-    const ur5e_real t3 = -199.2 * t2;
-    const ur5e_real t4 = t3 + x[1];
-    const ur5e_real t5 = t4 * t4;
-    const ur5e_real t6 = x[4] * x[6];
-    const ur5e_real t7 = x[3] * x[5];
-    const ur5e_real t8 = t6 + t7;
-    const ur5e_real t9 = -199.2 * t8;
-    const ur5e_real t10 = t9 + x[0];
-    const ur5e_real t11 = t10 * t10;
-    const ur5e_real t12 = t5 + t11;
-    const ur5e_real t13 = t12 * 1.4045121751401963e-06;
-    if (t13 > 2.842170943040401e-14) {
-        const ur5e_real t15 = t12 - 17768.89;
-        const ur5e_real t16 = t15 * 1.4045121751401963e-06;
-        if (t16 > 2.842170943040401e-14) {
-            const ur5e_real t18 = t4 * near[1];
-            const ur5e_real t19 = t10 * near[0];
-            const ur5e_real t20 = t18 + t19;
-            const ur5e_real t21 = -t20;
-            const unsigned int bits0 = (wanted >> 0U) & 3U;
-            const unsigned int side0 = (t21 < 0.0) ? 2U : 1U;
-            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
-                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
-                    const ur5e_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
-                    const ur5e_real t27 = 133.3 * t10;
-                    const ur5e_real t28 = fabs(t15);
-                    const ur5e_real t29 = t15 + t28;
-                    const ur5e_real t30 = 0.5 * t29;
-                    const ur5e_real t31 = sqrt(t30);
-                    const ur5e_real t32 = sign0 * t31;
-                    const ur5e_real t33 = t4 * t32;
-                    const ur5e_real t34 = t27 - t33;
-                    const ur5e_real t35 = 1.0 / t12;
-                    const ur5e_real t36 = t34 * t35;
-                    const ur5e_real t37 = 133.3 * t4;
-                    const ur5e_real t38 = t10 * t32;
-                    const ur5e_real t39 = t37 + t38;
-                    const ur5e_real t40 = t39 * t35;
-                    const ur5e_real t41 = -t40;
-                    const ur5e_real t42 = atan2(t36, t41);
-                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-                    const ur5e_real t43 = t8 + t8;
-                    const ur5e_real t44 = t43 * t36;
-                    const ur5e_real t45 = t2 + t2;
-                    const ur5e_real t46 = t45 * t40;
-                    const ur5e_real t47 = t44 + t46;
-                    const ur5e_real t48 = t47 * t47;
-                    const ur5e_real t49 = 1.0 - t48;
-                    if (t49 > 2.842170943040401e-14) {
-                        const unsigned int bits1 = (wanted >> 2U) & 3U;
-                        const unsigned int side1 = (near[3] < 0.0) ? 2U : 1U;
-                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
-                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
-                                const ur5e_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
-                                const ur5e_real t56 = fabs(t49);
-                                const ur5e_real t57 = t49 + t56;
-                                const ur5e_real t58 = 0.5 * t57;
-                                const ur5e_real t59 = sqrt(t58);
-                                const ur5e_real t60 = sign1 * t59;
-                                const ur5e_real t61 = atan2(t60, t47);
-                                /* q6 turns the normal of q2, q3, q4 to where it must be */
-                                const ur5e_real t62 = x[5] * x[5];
-                                const ur5e_real t63 = x[6] * x[6];
-                                const ur5e_real t64 = t62 + t63;
-                                const ur5e_real t65 = t64 + t64;
-                                const ur5e_real t66 = 1.0 - t65;
-                                const ur5e_real t67 = t66 * t36;
-                                const ur5e_real t68 = x[4] * x[5];
-                                const ur5e_real t69 = x[3] * x[6];
-                                const ur5e_real t70 = t68 + t69;
-                                const ur5e_real t71 = t70 + t70;
-                                const ur5e_real t72 = t71 * t40;
-                                const ur5e_real t73 = t67 + t72;
-                                const ur5e_real t74 = t73 * t60;
-                                const ur5e_real t75 = t74 * t74;
-                                const ur5e_real t76 = t68 - t69;
-                                const ur5e_real t77 = t76 + t76;
-                                const ur5e_real t78 = t77 * t36;
-                                const ur5e_real t79 = x[4] * x[4];
-                                const ur5e_real t80 = t79 + t63;
-                                const ur5e_real t81 = t80 + t80;
-                                const ur5e_real t82 = 1.0 - t81;
-                                const ur5e_real t83 = t82 * t40;
-                                const ur5e_real t84 = t78 + t83;
-                                const ur5e_real t85 = t84 * t60;
-                                const ur5e_real t86 = t85 * t85;
-                                const ur5e_real t87 = t75 + t86;
-                                const ur5e_real t88 = sqrt(t87);
-                                if (t88 > 2.842170943040401e-14) {
-                                    const ur5e_real t90 = -t85;
-                                    const ur5e_real t91 = atan2(t90, t74);
-                                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-                                    const ur5e_real t92 = 1.0 / t88;
-                                    const ur5e_real t93 = t74 * t92;
-                                    const ur5e_real t94 = 133.3 * t60;
-                                    const ur5e_real t95 = -817.2 - t94;
-                                    const ur5e_real t96 = t95 - (-817.2);
-                                    const ur5e_real t97 = t93 * t96;
-                                    const ur5e_real t98 = -817.2 + t97;
-                                    const ur5e_real t99 = t85 * t92;
-                                    const ur5e_real t100 = -99.7 * t99;
-                                    const ur5e_real t101 = t98 + t100;
-                                    const ur5e_real t102 = t101 - (-817.2);
-                                    const ur5e_real t103 = t71 * t102;
-                                    const ur5e_real t104 = 99.7 * t93;
-                                    const ur5e_real t105 = 62.8 + t104;
-                                    const ur5e_real t106 = t99 * t96;
-                                    const ur5e_real t107 = t105 + t106;
-                                    const ur5e_real t108 = t107 - 62.8;
-                                    const ur5e_real t109 = t82 * t108;
-                                    const ur5e_real t110 = t103 + t109;
-                                    const ur5e_real t111 = 133.3 * t47;
-                                    const ur5e_real t112 = -133.3 + t111;
-                                    const ur5e_real t113 = t112 - (-232.9);
-                                    const ur5e_real t114 = t45 * t113;
-                                    const ur5e_real t115 = t110 - t114;
-                                    const ur5e_real t116 = t115 + x[1];
-                                    const ur5e_real t117 = t36 * t116;
-                                    const ur5e_real t118 = t66 * t102;
-                                    const ur5e_real t119 = t77 * t108;
-                                    const ur5e_real t120 = t118 + t119;
-                                    const ur5e_real t121 = t43 * t113;
-                                    const ur5e_real t122 = t120 - t121;
-                                    const ur5e_real t123 = t122 + x[0];
-                                    const ur5e_real t124 = t40 * t123;
-                                    const ur5e_real t125 = t117 - t124;
-                                    const ur5e_real t126 = t125 * t125;
-                                    const ur5e_real t127 = t40 * t116;
-                                    const ur5e_real t128 = t36 * t123;
-                                    const ur5e_real t129 = t127 + t128;
-                                    const ur5e_real t130 = t129 * t129;
-                                    const ur5e_real t131 = t126 + t130;
-                                    const ur5e_real t132 = t6 - t7;
-                                    const ur5e_real t133 = t132 + t132;
-                                    const ur5e_real t134 = t133 * t102;
-                                    const ur5e_real t135 = t0 + t1;
-                                    const ur5e_real t136 = t135 + t135;
-                                    const ur5e_real t137 = t136 * t108;
-                                    const ur5e_real t138 = t134 + t137;
-                                    const ur5e_real t139 = t79 + t62;
-                                    const ur5e_real t140 = t139 + t139;
-                                    const ur5e_real t141 = 1.0 - t140;
-                                    const ur5e_real t142 = t141 * t113;
-                                    const ur5e_real t143 = t138 - t142;
-                                    const ur5e_real t144 = t143 + x[2];
-                                    const ur5e_real t145 = t144 - 162.5;
-                                    const ur5e_real t146 = t145 * t145;
-                                    const ur5e_real t147 = t131 + t146;
-                                    const ur5e_real t148 = t147 - 180625.0;
-                                    const ur5e_real t149 = t148 - 153820.84;
-                                    const ur5e_real t150 = 0.5 * t149;
-                                    const ur5e_real t151 = t150 * t150;
-                                    const ur5e_real t152 = 27783889225.0 - t151;
-                                    const ur5e_real t153 = t152 * 1.9726544501170443e-12;
-                                    if (t153 > 2.842170943040401e-14) {
-                                        const ur5e_real t155 = 166685.0 * near[5];
-                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t155 < 0.0) ? 2U : 1U;
-                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
-                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
-                                                const ur5e_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
-                                                const ur5e_real t161 = fabs(t152);
-                                                const ur5e_real t162 = t152 + t161;
-                                                const ur5e_real t163 = 0.5 * t162;
-                                                const ur5e_real t164 = sqrt(t163);
-                                                const ur5e_real t165 = sign2 * t164;
-                                                const ur5e_real t166 = 2.9996700362960067e-06 * t149;
-                                                const ur5e_real t167 = 5.999340072592013e-06 * t165;
-                                                const ur5e_real t168 = atan2(t167, t166);
-                                                /* q2 turns a point of the axis of q4 to where it must be */
-                                                const ur5e_real t169 = -0.001176470588235294 * t149;
-                                                const ur5e_real t170 = -425.0 + t169;
-                                                const ur5e_real t171 = t170 * t125;
-                                                const ur5e_real t172 = -0.002352941176470588 * t165;
-                                                const ur5e_real t173 = t172 * t145;
-                                                const ur5e_real t174 = t171 + t173;
-                                                const ur5e_real t175 = t174 * t174;
-                                                const ur5e_real t176 = t172 * t125;
-                                                const ur5e_real t177 = t170 * t145;
-                                                const ur5e_real t178 = t176 - t177;
-                                                const ur5e_real t179 = t178 * t178;
-                                                const ur5e_real t180 = t175 + t179;
-                                                const ur5e_real t181 = sqrt(t180);
-                                                const ur5e_real t182 = t181 * 1.4045121751401963e-06;
-                                                if (t182 > 2.842170943040401e-14) {
-                                                    const ur5e_real t184 = -t178;
-                                                    const ur5e_real t185 = atan2(t184, t174);
-                                                    /* q4 turns a direction of the tool to where it must be */
-                                                    const ur5e_real t186 = 1.0 / t181;
-                                                    const ur5e_real t187 = t174 * t186;
-                                                    const ur5e_real t188 = t93 * t47;
-                                                    const ur5e_real t189 = t71 * t188;
-                                                    const ur5e_real t190 = t99 * t47;
-                                                    const ur5e_real t191 = t82 * t190;
-                                                    const ur5e_real t192 = t189 + t191;
-                                                    const ur5e_real t193 = t45 * t60;
-                                                    const ur5e_real t194 = t192 - t193;
-                                                    const ur5e_real t195 = t36 * t194;
-                                                    const ur5e_real t196 = t66 * t188;
-                                                    const ur5e_real t197 = t77 * t190;
-                                                    const ur5e_real t198 = t196 + t197;
-                                                    const ur5e_real t199 = t43 * t60;
-                                                    const ur5e_real t200 = t198 - t199;
-                                                    const ur5e_real t201 = t40 * t200;
-                                                    const ur5e_real t202 = t195 - t201;
-                                                    const ur5e_real t203 = t187 * t202;
-                                                    const ur5e_real t204 = t178 * t186;
-                                                    const ur5e_real t205 = t133 * t188;
-                                                    const ur5e_real t206 = t136 * t190;
-                                                    const ur5e_real t207 = t205 + t206;
-                                                    const ur5e_real t208 = t141 * t60;
-                                                    const ur5e_real t209 = t207 - t208;
-                                                    const ur5e_real t210 = t204 * t209;
-                                                    const ur5e_real t211 = t203 - t210;
-                                                    const ur5e_real t212 = t166 * t211;
-                                                    const ur5e_real t213 = t187 * t209;
-                                                    const ur5e_real t214 = t204 * t202;
-                                                    const ur5e_real t215 = t213 + t214;
-                                                    const ur5e_real t216 = t167 * t215;
-                                                    const ur5e_real t217 = t212 + t216;
-                                                    const ur5e_real t218 = t217 * t217;
-                                                    const ur5e_real t219 = t166 * t215;
-                                                    const ur5e_real t220 = t167 * t211;
-                                                    const ur5e_real t221 = t219 - t220;
-                                                    const ur5e_real t222 = t221 * t221;
-                                                    const ur5e_real t223 = t218 + t222;
-                                                    const ur5e_real t224 = sqrt(t223);
-                                                    if (t224 > 2.842170943040401e-14) {
-                                                        const ur5e_real t226 = atan2(t221, t217);
-                                                        found[count][0] = t42;
-                                                        found[count][1] = t185;
-                                                        found[count][2] = t168;
-                                                        found[count][3] = t226;
-                                                        found[count][4] = t61;
-                                                        found[count][5] = t91;
-                                                        ++count;
-                                                    } else {
-                                                        *undecided = true;
-                                                    }
-                                                } else {
-                                                    *undecided = true;
-                                                }
-                                            }
-                                        }
-                                    } else if (t153 > -2.842170943040401e-14) {
-                                        *undecided = true;
-                                    } else {
-                                        /* out of reach */
-                                    }
-                                } else {
-                                    *undecided = true;
-                                }
-                            }
-                        }
-                    } else if (t49 > -2.842170943040401e-14) {
-                        *undecided = true;
-                    } else {
-                        /* out of reach */
-                    }
-                }
-            }
-        } else if (t16 > -2.842170943040401e-14) {
-            *undecided = true;
-        } else {
-            /* out of reach */
-        }
-    } else {
-        *undecided = true;
-    }
-    return count;
-}
-
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
-static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
-{
-    static const bool angular[6] = { true, true, true, true, true, true };
-    static const ur5e_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    ur5e_status status = UR5E_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == UR5E_OUT_OF_RANGE); ++round) {
-        const ur5e_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < 6; ++i) {
-            const ur5e_real number = (goal[i] - joints[i]) * 0.15915494309189535;
-            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
-                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
-                joints[i] += 6.283185307179586 * (ur5e_real)whole;
-            }
-        }
-        status = ur5e_check_limits(joints);
-    }
-    return status;
-}
-
-/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6], unsigned int wanted, const ur5e_real about[6], ur5e_real joints[6])
-{
-    ur5e_real x[7];
-    ur5e_real found[1][6];
-    bool undecided = false;
-    ur5e_status status = ur5e_normalise_pose(pose, x);
-    if (status == UR5E_OK) {
-        if (ur5e_branches(x, near, wanted, found, &undecided) == 1) {
-            status = ur5e_turn_near(about, found[0]);
-        } else {
-            status = undecided ? UR5E_SINGULAR : UR5E_OUT_OF_RANGE;
-        }
-    }
-    if (status == UR5E_OK) {
-        for (int i = 0; i < 6; ++i) {
-            joints[i] = found[0][i];
-        }
-    }
-    return status;
-}
-
-/* All branches with the given tool pose. */
-int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[8][6])
-{
-    static const ur5e_real near[6] = { 0.0 };
-    static const ur5e_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    ur5e_real x[7];
-    int count = 0;
-    bool undecided = false;
-    ur5e_status status = ur5e_normalise_pose(pose, x);
-    if (status == UR5E_OK) {
-        const int all = ur5e_branches(x, near, 63U, joints, &undecided);
-        for (int k = 0; k < all; ++k) {
-            if (ur5e_turn_near(middle, joints[k]) == UR5E_OK) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
-/* The branch named by the choices' bits. */
-ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch, ur5e_real joints[6])
-{
-    static const ur5e_real near[6] = { 0.0 };
-    static const ur5e_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    ur5e_status status = UR5E_OUT_OF_RANGE;
-    if (branch < 8U) {
-        unsigned int wanted = 0U;
-        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
-        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
-        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
-        status = ur5e_one_branch(pose, near, wanted, middle, joints);
-    }
-    return status;
-}
-
-/* The branch nearest to the guess, choice by choice. */
-ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6], ur5e_real joints[6])
-{
-    ur5e_status status = ur5e_check_finite(guess, 6, UR5E_OK);
-    if (status == UR5E_OK) {
-        ur5e_real near[6] = { 0.0 };
-        near[0] = ur5e_sine(guess[0] + 1.5707963267948966);
-        near[1] = ur5e_sine(guess[0]);
-        near[3] = ur5e_sine(guess[4]);
-        near[5] = ur5e_sine(guess[2]);
-        status = ur5e_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

@@ -33,7 +33,9 @@ static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real value
 static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
-    const yao2020_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 556000.0) && (fabs(pose->position[1]) <= 556000.0) && (fabs(pose->position[2]) <= 556000.0);
+    const yao2020_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
     yao2020_status status = YAO2020_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -230,1765 +232,691 @@ static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
     x[6] = t111;
 }
 
-/* Work space of yao2020_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta1, theta2, theta3, theta4, theta5, L6
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    yao2020_real x[6]; /* state */
-    yao2020_real x0[6]; /* state at the part of the line that is done, to which a failed try returns */
-    yao2020_real at[7]; /* known values at the guess, where the line begins */
-    yao2020_real k[7]; /* known values aimed at */
-    yao2020_real f[6]; /* rows; the linear solver leaves the step in their place */
-    yao2020_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    yao2020_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} yao2020_inverse_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void yao2020_inverse_rows(yao2020_inverse_work *w)
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+static yao2020_real yao2020_sine(yao2020_real angle)
 {
-    /* row 1 */
-    const yao2020_real t0 = cos(w->x[0]);
-    const yao2020_real t1 = cos(w->x[1]);
-    const yao2020_real t2 = cos(w->x[2]);
-    const yao2020_real t3 = cos(w->x[3]);
-    const yao2020_real t4 = cos(w->x[4]);
-    const yao2020_real t5 = -545.0 + w->x[5];
-    const yao2020_real t6 = t5 - (-385.0);
-    const yao2020_real t7 = t4 * t6;
-    const yao2020_real t8 = -385.0 + t7;
-    const yao2020_real t9 = t8 - (-300.0);
-    const yao2020_real t10 = t3 * t9;
-    const yao2020_real t11 = sin(w->x[3]);
-    const yao2020_real t12 = 105.0 * t11;
-    const yao2020_real t13 = t10 + t12;
-    const yao2020_real t14 = -300.0 + t13;
-    const yao2020_real t15 = t2 * t14;
-    const yao2020_real t16 = 1.0 - t2;
-    const yao2020_real t17 = t16 * t14;
-    const yao2020_real t18 = t15 + t17;
-    const yao2020_real t19 = t1 * t18;
-    const yao2020_real t20 = sin(w->x[1]);
-    const yao2020_real t21 = 105.0 * t3;
-    const yao2020_real t22 = t11 * t9;
-    const yao2020_real t23 = t21 - t22;
-    const yao2020_real t24 = t2 * t23;
-    const yao2020_real t25 = sin(w->x[2]);
-    const yao2020_real t26 = sin(w->x[4]);
-    const yao2020_real t27 = t26 * t6;
-    const yao2020_real t28 = t3 * t27;
-    const yao2020_real t29 = 1.0 - t3;
-    const yao2020_real t30 = t29 * t27;
-    const yao2020_real t31 = t28 + t30;
-    const yao2020_real t32 = t25 * t31;
-    const yao2020_real t33 = t24 + t32;
-    const yao2020_real t34 = t20 * t33;
-    const yao2020_real t35 = t19 + t34;
-    const yao2020_real t36 = t0 * t35;
-    const yao2020_real t37 = sin(w->x[0]);
-    const yao2020_real t38 = t2 * t31;
-    const yao2020_real t39 = t25 * t23;
-    const yao2020_real t40 = t38 - t39;
-    const yao2020_real t41 = t1 * t40;
-    const yao2020_real t42 = 1.0 - t1;
-    const yao2020_real t43 = t42 * t40;
-    const yao2020_real t44 = t41 + t43;
-    const yao2020_real t45 = t37 * t44;
-    const yao2020_real t46 = t36 - t45;
-    const yao2020_real t47 = w->k[0] - t46;
-    const yao2020_real t48 = -t47;
-    w->f[0] = t48;
-    /* row 2 */
-    const yao2020_real t50 = t0 * t44;
-    const yao2020_real t51 = t37 * t35;
-    const yao2020_real t52 = t50 + t51;
-    const yao2020_real t53 = w->k[1] - t52;
-    const yao2020_real t54 = -t53;
-    w->f[1] = t54;
-    /* row 3 */
-    const yao2020_real t56 = t1 * t33;
-    const yao2020_real t57 = t20 * t18;
-    const yao2020_real t58 = t56 - t57;
-    const yao2020_real t59 = t0 * t58;
-    const yao2020_real t60 = 1.0 - t0;
-    const yao2020_real t61 = t60 * t58;
-    const yao2020_real t62 = t59 + t61;
-    const yao2020_real t63 = w->k[2] - t62;
-    const yao2020_real t64 = -t63;
-    w->f[2] = t64;
-    /* row 4 */
-    const yao2020_real t66 = 0.5 * w->x[0];
-    const yao2020_real t67 = cos(t66);
-    const yao2020_real t68 = 0.5 * w->x[1];
-    const yao2020_real t69 = cos(t68);
-    const yao2020_real t70 = t67 * t69;
-    const yao2020_real t71 = 0.5 * w->x[2];
-    const yao2020_real t72 = cos(t71);
-    const yao2020_real t73 = t70 * t72;
-    const yao2020_real t74 = sin(t66);
-    const yao2020_real t75 = sin(t68);
-    const yao2020_real t76 = t74 * t75;
-    const yao2020_real t77 = sin(t71);
-    const yao2020_real t78 = t76 * t77;
-    const yao2020_real t79 = t73 + t78;
-    const yao2020_real t80 = 0.5 * w->x[3];
-    const yao2020_real t81 = cos(t80);
-    const yao2020_real t82 = t79 * t81;
-    const yao2020_real t83 = t67 * t75;
-    const yao2020_real t84 = t83 * t72;
-    const yao2020_real t85 = t74 * t69;
-    const yao2020_real t86 = t85 * t77;
-    const yao2020_real t87 = t84 + t86;
-    const yao2020_real t88 = sin(t80);
-    const yao2020_real t89 = t87 * t88;
-    const yao2020_real t90 = t82 - t89;
-    const yao2020_real t91 = 0.5 * w->x[4];
-    const yao2020_real t92 = cos(t91);
-    const yao2020_real t93 = t90 * t92;
-    const yao2020_real t94 = t70 * t77;
-    const yao2020_real t95 = t76 * t72;
-    const yao2020_real t96 = t94 - t95;
-    const yao2020_real t97 = t96 * t88;
-    const yao2020_real t98 = t85 * t72;
-    const yao2020_real t99 = t83 * t77;
-    const yao2020_real t100 = t98 - t99;
-    const yao2020_real t101 = t100 * t81;
-    const yao2020_real t102 = t97 + t101;
-    const yao2020_real t103 = sin(t91);
-    const yao2020_real t104 = t102 * t103;
-    const yao2020_real t105 = t93 - t104;
-    const yao2020_real t106 = t105 * w->k[4];
-    const yao2020_real t107 = t96 * t81;
-    const yao2020_real t108 = t100 * t88;
-    const yao2020_real t109 = t107 - t108;
-    const yao2020_real t110 = t109 * t92;
-    const yao2020_real t111 = t79 * t88;
-    const yao2020_real t112 = t87 * t81;
-    const yao2020_real t113 = t111 + t112;
-    const yao2020_real t114 = t113 * t103;
-    const yao2020_real t115 = t110 + t114;
-    const yao2020_real t116 = t115 * w->k[3];
-    const yao2020_real t117 = t106 - t116;
-    const yao2020_real t118 = t113 * t92;
-    const yao2020_real t119 = t109 * t103;
-    const yao2020_real t120 = t118 - t119;
-    const yao2020_real t121 = t120 * w->k[6];
-    const yao2020_real t122 = t117 - t121;
-    const yao2020_real t123 = t90 * t103;
-    const yao2020_real t124 = t102 * t92;
-    const yao2020_real t125 = t123 + t124;
-    const yao2020_real t126 = t125 * w->k[5];
-    const yao2020_real t127 = t122 + t126;
-    const yao2020_real t128 = 1110.045044131093 * t127;
-    const yao2020_real t129 = -t128;
-    w->f[3] = t129;
-    /* row 5 */
-    const yao2020_real t131 = t105 * w->k[5];
-    const yao2020_real t132 = t115 * w->k[6];
-    const yao2020_real t133 = t131 + t132;
-    const yao2020_real t134 = t120 * w->k[3];
-    const yao2020_real t135 = t133 - t134;
-    const yao2020_real t136 = t125 * w->k[4];
-    const yao2020_real t137 = t135 - t136;
-    const yao2020_real t138 = 1110.045044131093 * t137;
-    const yao2020_real t139 = -t138;
-    w->f[4] = t139;
-    /* row 6 */
-    const yao2020_real t141 = t105 * w->k[6];
-    const yao2020_real t142 = t115 * w->k[5];
-    const yao2020_real t143 = t141 - t142;
-    const yao2020_real t144 = t120 * w->k[4];
-    const yao2020_real t145 = t143 + t144;
-    const yao2020_real t146 = t125 * w->k[3];
-    const yao2020_real t147 = t145 - t146;
-    const yao2020_real t148 = 1110.045044131093 * t147;
-    const yao2020_real t149 = -t148;
-    w->f[5] = t149;
+    const yao2020_real number = angle * 0.15915494309189535;
+    yao2020_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const yao2020_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
 }
 
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static YAO2020_SHARED yao2020_real yao2020_inverse_residual(const yao2020_inverse_work *w)
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
+ * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
+ * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
+ * meet. */
+static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6], unsigned int wanted, yao2020_real found[][6], bool *undecided,
+    yao2020_real margin[5])
 {
-    yao2020_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
-    sum += w->f[3] * w->f[3];
-    sum += w->f[4] * w->f[4];
-    sum += w->f[5] * w->f[5];
-    return sqrt(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
-static yao2020_real yao2020_inverse_apply_step(yao2020_inverse_work *w)
-{
-    const yao2020_real t0 = 0.0018017286871142555 * w->f[0];
-    const yao2020_real t1 = w->x[0] + t0;
-    const yao2020_real t2 = 0.0018017286871142555 * w->f[1];
-    const yao2020_real t3 = w->x[1] + t2;
-    const yao2020_real t4 = 0.0018017286871142555 * w->f[2];
-    const yao2020_real t5 = w->x[2] + t4;
-    const yao2020_real t6 = 0.0018017286871142555 * w->f[3];
-    const yao2020_real t7 = w->x[3] + t6;
-    const yao2020_real t8 = 0.0018017286871142555 * w->f[4];
-    const yao2020_real t9 = w->x[4] + t8;
-    const yao2020_real t10 = w->x[5] + w->f[5];
-    const yao2020_real t11 = w->f[0] * w->f[0];
-    const yao2020_real t12 = w->f[1] * w->f[1];
+    int count = 0;
+    (void)margin;
+    (void)near;
+    (void)wanted;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
+    const yao2020_real t0 = x[4] * x[6];
+    const yao2020_real t1 = x[3] * x[5];
+    const yao2020_real t2 = t0 + t1;
+    const yao2020_real t3 = t2 + t2;
+    const yao2020_real t4 = t3 * x[0];
+    const yao2020_real t5 = x[5] * x[6];
+    const yao2020_real t6 = x[3] * x[4];
+    const yao2020_real t7 = t5 - t6;
+    const yao2020_real t8 = t7 + t7;
+    const yao2020_real t9 = t8 * x[1];
+    const yao2020_real t10 = t4 + t9;
+    const yao2020_real t11 = x[4] * x[4];
+    const yao2020_real t12 = x[5] * x[5];
     const yao2020_real t13 = t11 + t12;
-    const yao2020_real t14 = w->f[2] * w->f[2];
-    const yao2020_real t15 = t13 + t14;
-    const yao2020_real t16 = w->f[3] * w->f[3];
-    const yao2020_real t17 = t15 + t16;
-    const yao2020_real t18 = w->f[4] * w->f[4];
-    const yao2020_real t19 = t17 + t18;
-    const yao2020_real t20 = w->f[5] * w->f[5];
-    const yao2020_real t21 = t19 + t20;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    w->x[4] = t9;
-    w->x[5] = t10;
-    return t21;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static YAO2020_SHARED void yao2020_inverse_set_target(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const yao2020_real inverse = 1.0 / sqrt(w->k[3] * w->k[3] + w->k[4] * w->k[4] + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void yao2020_inverse_matrix(yao2020_inverse_work *w)
-{
-    const yao2020_real t0 = cos(w->x[1]);
-    const yao2020_real t1 = cos(w->x[2]);
-    const yao2020_real t2 = cos(w->x[3]);
-    const yao2020_real t3 = cos(w->x[4]);
-    const yao2020_real t4 = -545.0 + w->x[5];
-    const yao2020_real t5 = t4 - (-385.0);
-    const yao2020_real t6 = t3 * t5;
-    const yao2020_real t7 = -385.0 + t6;
-    const yao2020_real t8 = t7 - (-300.0);
-    const yao2020_real t9 = t2 * t8;
-    const yao2020_real t10 = sin(w->x[3]);
-    const yao2020_real t11 = 105.0 * t10;
-    const yao2020_real t12 = t9 + t11;
-    const yao2020_real t13 = -300.0 + t12;
-    const yao2020_real t14 = t1 * t13;
-    const yao2020_real t15 = 1.0 - t1;
-    const yao2020_real t16 = t15 * t13;
-    const yao2020_real t17 = t14 + t16;
-    const yao2020_real t18 = t0 * t17;
-    const yao2020_real t19 = sin(w->x[1]);
-    const yao2020_real t20 = 105.0 * t2;
-    const yao2020_real t21 = t10 * t8;
-    const yao2020_real t22 = t20 - t21;
-    const yao2020_real t23 = t1 * t22;
-    const yao2020_real t24 = sin(w->x[2]);
-    const yao2020_real t25 = sin(w->x[4]);
-    const yao2020_real t26 = t25 * t5;
-    const yao2020_real t27 = t2 * t26;
-    const yao2020_real t28 = 1.0 - t2;
-    const yao2020_real t29 = t28 * t26;
-    const yao2020_real t30 = t27 + t29;
-    const yao2020_real t31 = t24 * t30;
-    const yao2020_real t32 = t23 + t31;
-    const yao2020_real t33 = t19 * t32;
-    const yao2020_real t34 = t18 + t33;
-    const yao2020_real t35 = sin(w->x[0]);
-    const yao2020_real t36 = t34 * t35;
-    const yao2020_real t37 = t1 * t30;
-    const yao2020_real t38 = t24 * t22;
-    const yao2020_real t39 = t37 - t38;
-    const yao2020_real t40 = t0 * t39;
-    const yao2020_real t41 = 1.0 - t0;
-    const yao2020_real t42 = t41 * t39;
-    const yao2020_real t43 = t40 + t42;
-    const yao2020_real t44 = cos(w->x[0]);
-    const yao2020_real t45 = t43 * t44;
-    const yao2020_real t46 = t36 + t45;
-    const yao2020_real t47 = 0.0018017286871142555 * t46;
-    w->a[0] = t47;
-    const yao2020_real t49 = t32 * t0;
-    const yao2020_real t50 = t17 * t19;
-    const yao2020_real t51 = t49 - t50;
-    const yao2020_real t52 = t44 * t51;
-    const yao2020_real t53 = 0.0018017286871142555 * t52;
-    const yao2020_real t54 = -t53;
-    w->a[1] = t54;
-    const yao2020_real t56 = t30 * t1;
-    const yao2020_real t57 = t22 * t24;
-    const yao2020_real t58 = t56 - t57;
-    const yao2020_real t59 = t19 * t58;
-    const yao2020_real t60 = t44 * t59;
-    const yao2020_real t61 = t30 * t24;
-    const yao2020_real t62 = t22 * t1;
-    const yao2020_real t63 = t61 + t62;
-    const yao2020_real t64 = t0 * t63;
-    const yao2020_real t65 = t41 * t63;
-    const yao2020_real t66 = t64 + t65;
-    const yao2020_real t67 = t35 * t66;
-    const yao2020_real t68 = t60 + t67;
-    const yao2020_real t69 = 0.0018017286871142555 * t68;
-    const yao2020_real t70 = -t69;
-    w->a[2] = t70;
-    const yao2020_real t72 = t8 * t10;
-    const yao2020_real t73 = t20 - t72;
-    const yao2020_real t74 = t1 * t73;
-    const yao2020_real t75 = t15 * t73;
-    const yao2020_real t76 = t74 + t75;
-    const yao2020_real t77 = t0 * t76;
-    const yao2020_real t78 = t8 * t2;
-    const yao2020_real t79 = t11 + t78;
-    const yao2020_real t80 = t1 * t79;
-    const yao2020_real t81 = t19 * t80;
-    const yao2020_real t82 = t77 - t81;
-    const yao2020_real t83 = t44 * t82;
-    const yao2020_real t84 = t24 * t79;
-    const yao2020_real t85 = t0 * t84;
-    const yao2020_real t86 = t41 * t84;
-    const yao2020_real t87 = t85 + t86;
-    const yao2020_real t88 = t35 * t87;
-    const yao2020_real t89 = t83 - t88;
-    const yao2020_real t90 = 0.0018017286871142555 * t89;
-    const yao2020_real t91 = -t90;
-    w->a[3] = t91;
-    const yao2020_real t93 = t5 * t25;
-    const yao2020_real t94 = t10 * t93;
-    const yao2020_real t95 = t1 * t94;
-    const yao2020_real t96 = t5 * t3;
-    const yao2020_real t97 = t2 * t96;
-    const yao2020_real t98 = t28 * t96;
-    const yao2020_real t99 = t97 + t98;
-    const yao2020_real t100 = t24 * t99;
-    const yao2020_real t101 = t95 + t100;
-    const yao2020_real t102 = t19 * t101;
-    const yao2020_real t103 = t2 * t93;
-    const yao2020_real t104 = t1 * t103;
-    const yao2020_real t105 = t15 * t103;
-    const yao2020_real t106 = t104 + t105;
-    const yao2020_real t107 = t0 * t106;
-    const yao2020_real t108 = t102 - t107;
-    const yao2020_real t109 = t44 * t108;
-    const yao2020_real t110 = t1 * t99;
-    const yao2020_real t111 = t24 * t94;
-    const yao2020_real t112 = t110 - t111;
-    const yao2020_real t113 = t0 * t112;
-    const yao2020_real t114 = t41 * t112;
-    const yao2020_real t115 = t113 + t114;
-    const yao2020_real t116 = t35 * t115;
-    const yao2020_real t117 = t109 - t116;
-    const yao2020_real t118 = 0.0018017286871142555 * t117;
-    const yao2020_real t119 = -t118;
-    w->a[4] = t119;
-    const yao2020_real t121 = t2 * t3;
-    const yao2020_real t122 = t1 * t121;
-    const yao2020_real t123 = t15 * t121;
-    const yao2020_real t124 = t122 + t123;
-    const yao2020_real t125 = t0 * t124;
-    const yao2020_real t126 = t2 * t25;
-    const yao2020_real t127 = t28 * t25;
-    const yao2020_real t128 = t126 + t127;
-    const yao2020_real t129 = t24 * t128;
-    const yao2020_real t130 = t10 * t3;
-    const yao2020_real t131 = t1 * t130;
-    const yao2020_real t132 = t129 - t131;
-    const yao2020_real t133 = t19 * t132;
-    const yao2020_real t134 = t125 + t133;
-    const yao2020_real t135 = t44 * t134;
-    const yao2020_real t136 = t1 * t128;
-    const yao2020_real t137 = t24 * t130;
-    const yao2020_real t138 = t136 + t137;
-    const yao2020_real t139 = t0 * t138;
-    const yao2020_real t140 = t41 * t138;
-    const yao2020_real t141 = t139 + t140;
-    const yao2020_real t142 = t35 * t141;
-    const yao2020_real t143 = t135 - t142;
-    const yao2020_real t144 = -t143;
-    w->a[5] = t144;
-    const yao2020_real t146 = t34 * t44;
-    const yao2020_real t147 = t43 * t35;
-    const yao2020_real t148 = t146 - t147;
-    const yao2020_real t149 = 0.0018017286871142555 * t148;
-    const yao2020_real t150 = -t149;
-    w->a[6] = t150;
-    const yao2020_real t152 = t35 * t51;
-    const yao2020_real t153 = 0.0018017286871142555 * t152;
-    const yao2020_real t154 = -t153;
-    w->a[7] = t154;
-    const yao2020_real t156 = t35 * t59;
-    const yao2020_real t157 = t44 * t66;
-    const yao2020_real t158 = t156 - t157;
-    const yao2020_real t159 = 0.0018017286871142555 * t158;
-    const yao2020_real t160 = -t159;
-    w->a[8] = t160;
-    const yao2020_real t162 = t44 * t87;
-    const yao2020_real t163 = t35 * t82;
-    const yao2020_real t164 = t162 + t163;
-    const yao2020_real t165 = 0.0018017286871142555 * t164;
-    const yao2020_real t166 = -t165;
-    w->a[9] = t166;
-    const yao2020_real t168 = t44 * t115;
-    const yao2020_real t169 = t35 * t108;
-    const yao2020_real t170 = t168 + t169;
-    const yao2020_real t171 = 0.0018017286871142555 * t170;
-    const yao2020_real t172 = -t171;
-    w->a[10] = t172;
-    const yao2020_real t174 = t44 * t141;
-    const yao2020_real t175 = t35 * t134;
-    const yao2020_real t176 = t174 + t175;
-    const yao2020_real t177 = -t176;
-    w->a[11] = t177;
-    w->a[12] = 0.0;
-    const yao2020_real t180 = t32 * t19;
-    const yao2020_real t181 = t17 * t0;
-    const yao2020_real t182 = t180 + t181;
-    const yao2020_real t183 = t44 * t182;
-    const yao2020_real t184 = 1.0 - t44;
-    const yao2020_real t185 = t184 * t182;
-    const yao2020_real t186 = t183 + t185;
-    const yao2020_real t187 = 0.0018017286871142555 * t186;
-    w->a[13] = t187;
-    const yao2020_real t189 = t0 * t58;
-    const yao2020_real t190 = t44 * t189;
-    const yao2020_real t191 = t184 * t189;
-    const yao2020_real t192 = t190 + t191;
-    const yao2020_real t193 = 0.0018017286871142555 * t192;
-    const yao2020_real t194 = -t193;
-    w->a[14] = t194;
-    const yao2020_real t196 = t0 * t80;
-    const yao2020_real t197 = t19 * t76;
-    const yao2020_real t198 = t196 + t197;
-    const yao2020_real t199 = t44 * t198;
-    const yao2020_real t200 = t184 * t198;
-    const yao2020_real t201 = t199 + t200;
-    const yao2020_real t202 = 0.0018017286871142555 * t201;
-    w->a[15] = t202;
-    const yao2020_real t204 = t0 * t101;
-    const yao2020_real t205 = t19 * t106;
-    const yao2020_real t206 = t204 + t205;
-    const yao2020_real t207 = t44 * t206;
-    const yao2020_real t208 = t184 * t206;
-    const yao2020_real t209 = t207 + t208;
-    const yao2020_real t210 = 0.0018017286871142555 * t209;
-    const yao2020_real t211 = -t210;
-    w->a[16] = t211;
-    const yao2020_real t213 = t0 * t132;
-    const yao2020_real t214 = t19 * t124;
-    const yao2020_real t215 = t213 - t214;
-    const yao2020_real t216 = t44 * t215;
-    const yao2020_real t217 = t184 * t215;
-    const yao2020_real t218 = t216 + t217;
-    const yao2020_real t219 = -t218;
-    w->a[17] = t219;
-    const yao2020_real t221 = 0.5 * w->x[4];
-    const yao2020_real t222 = cos(t221);
-    const yao2020_real t223 = 0.5 * w->x[3];
-    const yao2020_real t224 = cos(t223);
-    const yao2020_real t225 = 0.5 * w->x[2];
-    const yao2020_real t226 = sin(t225);
-    const yao2020_real t227 = 0.5 * w->x[1];
-    const yao2020_real t228 = sin(t227);
-    const yao2020_real t229 = 0.5 * w->x[0];
-    const yao2020_real t230 = cos(t229);
-    const yao2020_real t231 = 0.5 * t230;
-    const yao2020_real t232 = t228 * t231;
-    const yao2020_real t233 = t226 * t232;
-    const yao2020_real t234 = cos(t225);
-    const yao2020_real t235 = cos(t227);
-    const yao2020_real t236 = sin(t229);
-    const yao2020_real t237 = 0.5 * t236;
-    const yao2020_real t238 = t235 * t237;
-    const yao2020_real t239 = t234 * t238;
-    const yao2020_real t240 = t233 - t239;
-    const yao2020_real t241 = t224 * t240;
-    const yao2020_real t242 = sin(t223);
-    const yao2020_real t243 = t235 * t231;
-    const yao2020_real t244 = t226 * t243;
-    const yao2020_real t245 = t228 * t237;
-    const yao2020_real t246 = t234 * t245;
-    const yao2020_real t247 = t244 - t246;
-    const yao2020_real t248 = t242 * t247;
-    const yao2020_real t249 = t241 - t248;
-    const yao2020_real t250 = t222 * t249;
-    const yao2020_real t251 = sin(t221);
-    const yao2020_real t252 = t234 * t243;
-    const yao2020_real t253 = t226 * t245;
-    const yao2020_real t254 = t252 + t253;
-    const yao2020_real t255 = t224 * t254;
-    const yao2020_real t256 = t226 * t238;
-    const yao2020_real t257 = t234 * t232;
-    const yao2020_real t258 = t256 + t257;
-    const yao2020_real t259 = t242 * t258;
-    const yao2020_real t260 = t255 - t259;
-    const yao2020_real t261 = t251 * t260;
-    const yao2020_real t262 = t250 - t261;
-    const yao2020_real t263 = w->k[4] * t262;
-    const yao2020_real t264 = t242 * t240;
-    const yao2020_real t265 = t224 * t247;
-    const yao2020_real t266 = t264 + t265;
-    const yao2020_real t267 = t251 * t266;
-    const yao2020_real t268 = t224 * t258;
-    const yao2020_real t269 = t242 * t254;
-    const yao2020_real t270 = t268 + t269;
-    const yao2020_real t271 = t222 * t270;
-    const yao2020_real t272 = t267 - t271;
-    const yao2020_real t273 = w->k[3] * t272;
-    const yao2020_real t274 = t263 - t273;
-    const yao2020_real t275 = t222 * t266;
-    const yao2020_real t276 = t251 * t270;
-    const yao2020_real t277 = t275 + t276;
-    const yao2020_real t278 = w->k[6] * t277;
-    const yao2020_real t279 = t274 - t278;
-    const yao2020_real t280 = t251 * t249;
-    const yao2020_real t281 = t222 * t260;
-    const yao2020_real t282 = t280 + t281;
-    const yao2020_real t283 = w->k[5] * t282;
-    const yao2020_real t284 = t279 + t283;
-    const yao2020_real t285 = t284 + t284;
-    w->a[18] = t285;
-    const yao2020_real t287 = 0.5 * t235;
-    const yao2020_real t288 = t236 * t287;
-    const yao2020_real t289 = t226 * t288;
-    const yao2020_real t290 = 0.5 * t228;
-    const yao2020_real t291 = t230 * t290;
-    const yao2020_real t292 = t234 * t291;
-    const yao2020_real t293 = t289 - t292;
-    const yao2020_real t294 = t224 * t293;
-    const yao2020_real t295 = t230 * t287;
-    const yao2020_real t296 = t234 * t295;
-    const yao2020_real t297 = t236 * t290;
-    const yao2020_real t298 = t226 * t297;
-    const yao2020_real t299 = t296 - t298;
-    const yao2020_real t300 = t242 * t299;
-    const yao2020_real t301 = t294 - t300;
-    const yao2020_real t302 = t222 * t301;
-    const yao2020_real t303 = t226 * t291;
-    const yao2020_real t304 = t234 * t288;
-    const yao2020_real t305 = t303 + t304;
-    const yao2020_real t306 = t242 * t305;
-    const yao2020_real t307 = t234 * t297;
-    const yao2020_real t308 = t226 * t295;
-    const yao2020_real t309 = t307 + t308;
-    const yao2020_real t310 = t224 * t309;
-    const yao2020_real t311 = t306 + t310;
-    const yao2020_real t312 = t251 * t311;
-    const yao2020_real t313 = t302 + t312;
-    const yao2020_real t314 = w->k[4] * t313;
-    const yao2020_real t315 = t242 * t309;
-    const yao2020_real t316 = t224 * t305;
-    const yao2020_real t317 = t315 - t316;
-    const yao2020_real t318 = t222 * t317;
-    const yao2020_real t319 = t242 * t293;
-    const yao2020_real t320 = t224 * t299;
-    const yao2020_real t321 = t319 + t320;
-    const yao2020_real t322 = t251 * t321;
-    const yao2020_real t323 = t318 + t322;
-    const yao2020_real t324 = w->k[3] * t323;
-    const yao2020_real t325 = t314 - t324;
-    const yao2020_real t326 = t222 * t321;
-    const yao2020_real t327 = t251 * t317;
-    const yao2020_real t328 = t326 - t327;
-    const yao2020_real t329 = w->k[6] * t328;
-    const yao2020_real t330 = t325 - t329;
-    const yao2020_real t331 = t251 * t301;
-    const yao2020_real t332 = t222 * t311;
-    const yao2020_real t333 = t331 - t332;
-    const yao2020_real t334 = w->k[5] * t333;
-    const yao2020_real t335 = t330 + t334;
-    const yao2020_real t336 = t335 + t335;
-    w->a[19] = t336;
-    const yao2020_real t338 = t236 * t228;
-    const yao2020_real t339 = 0.5 * t234;
-    const yao2020_real t340 = t338 * t339;
-    const yao2020_real t341 = t230 * t235;
-    const yao2020_real t342 = 0.5 * t226;
-    const yao2020_real t343 = t341 * t342;
-    const yao2020_real t344 = t340 - t343;
-    const yao2020_real t345 = t224 * t344;
-    const yao2020_real t346 = t236 * t235;
-    const yao2020_real t347 = t346 * t339;
-    const yao2020_real t348 = t230 * t228;
-    const yao2020_real t349 = t348 * t342;
-    const yao2020_real t350 = t347 - t349;
-    const yao2020_real t351 = t242 * t350;
-    const yao2020_real t352 = t345 - t351;
-    const yao2020_real t353 = t222 * t352;
-    const yao2020_real t354 = t341 * t339;
-    const yao2020_real t355 = t338 * t342;
-    const yao2020_real t356 = t354 + t355;
-    const yao2020_real t357 = t242 * t356;
-    const yao2020_real t358 = t346 * t342;
-    const yao2020_real t359 = t348 * t339;
-    const yao2020_real t360 = t358 + t359;
-    const yao2020_real t361 = t224 * t360;
-    const yao2020_real t362 = t357 - t361;
-    const yao2020_real t363 = t251 * t362;
-    const yao2020_real t364 = t353 - t363;
-    const yao2020_real t365 = w->k[4] * t364;
-    const yao2020_real t366 = t224 * t356;
-    const yao2020_real t367 = t242 * t360;
-    const yao2020_real t368 = t366 + t367;
-    const yao2020_real t369 = t222 * t368;
-    const yao2020_real t370 = t242 * t344;
-    const yao2020_real t371 = t224 * t350;
-    const yao2020_real t372 = t370 + t371;
-    const yao2020_real t373 = t251 * t372;
-    const yao2020_real t374 = t369 + t373;
-    const yao2020_real t375 = w->k[3] * t374;
-    const yao2020_real t376 = t365 - t375;
-    const yao2020_real t377 = t222 * t372;
-    const yao2020_real t378 = t251 * t368;
-    const yao2020_real t379 = t377 - t378;
-    const yao2020_real t380 = w->k[6] * t379;
-    const yao2020_real t381 = t376 - t380;
-    const yao2020_real t382 = t251 * t352;
-    const yao2020_real t383 = t222 * t362;
-    const yao2020_real t384 = t382 + t383;
-    const yao2020_real t385 = w->k[5] * t384;
-    const yao2020_real t386 = t381 + t385;
-    const yao2020_real t387 = t386 + t386;
-    w->a[20] = t387;
-    const yao2020_real t389 = t341 * t226;
-    const yao2020_real t390 = t338 * t234;
-    const yao2020_real t391 = t389 - t390;
-    const yao2020_real t392 = 0.5 * t224;
-    const yao2020_real t393 = t391 * t392;
-    const yao2020_real t394 = t346 * t234;
-    const yao2020_real t395 = t348 * t226;
-    const yao2020_real t396 = t394 - t395;
-    const yao2020_real t397 = 0.5 * t242;
-    const yao2020_real t398 = t396 * t397;
-    const yao2020_real t399 = t393 - t398;
-    const yao2020_real t400 = t222 * t399;
-    const yao2020_real t401 = t341 * t234;
-    const yao2020_real t402 = t338 * t226;
-    const yao2020_real t403 = t401 + t402;
-    const yao2020_real t404 = t403 * t397;
-    const yao2020_real t405 = t348 * t234;
-    const yao2020_real t406 = t346 * t226;
-    const yao2020_real t407 = t405 + t406;
-    const yao2020_real t408 = t407 * t392;
-    const yao2020_real t409 = t404 + t408;
-    const yao2020_real t410 = t251 * t409;
-    const yao2020_real t411 = t400 - t410;
-    const yao2020_real t412 = w->k[5] * t411;
-    const yao2020_real t413 = t222 * t409;
-    const yao2020_real t414 = t251 * t399;
-    const yao2020_real t415 = t413 + t414;
-    const yao2020_real t416 = w->k[4] * t415;
-    const yao2020_real t417 = t403 * t392;
-    const yao2020_real t418 = t407 * t397;
-    const yao2020_real t419 = t417 - t418;
-    const yao2020_real t420 = t251 * t419;
-    const yao2020_real t421 = t391 * t397;
-    const yao2020_real t422 = t396 * t392;
-    const yao2020_real t423 = t421 + t422;
-    const yao2020_real t424 = t222 * t423;
-    const yao2020_real t425 = t420 - t424;
-    const yao2020_real t426 = w->k[3] * t425;
-    const yao2020_real t427 = t416 + t426;
-    const yao2020_real t428 = t222 * t419;
-    const yao2020_real t429 = t251 * t423;
-    const yao2020_real t430 = t428 + t429;
-    const yao2020_real t431 = w->k[6] * t430;
-    const yao2020_real t432 = t427 + t431;
-    const yao2020_real t433 = t412 - t432;
-    const yao2020_real t434 = t433 + t433;
-    w->a[21] = t434;
-    const yao2020_real t436 = t403 * t242;
-    const yao2020_real t437 = t407 * t224;
-    const yao2020_real t438 = t436 + t437;
-    const yao2020_real t439 = 0.5 * t251;
-    const yao2020_real t440 = t438 * t439;
-    const yao2020_real t441 = t391 * t224;
-    const yao2020_real t442 = t396 * t242;
-    const yao2020_real t443 = t441 - t442;
-    const yao2020_real t444 = 0.5 * t222;
-    const yao2020_real t445 = t443 * t444;
-    const yao2020_real t446 = t440 + t445;
-    const yao2020_real t447 = w->k[6] * t446;
-    const yao2020_real t448 = t403 * t224;
-    const yao2020_real t449 = t407 * t242;
-    const yao2020_real t450 = t448 - t449;
-    const yao2020_real t451 = t450 * t439;
-    const yao2020_real t452 = t391 * t242;
-    const yao2020_real t453 = t396 * t224;
-    const yao2020_real t454 = t452 + t453;
-    const yao2020_real t455 = t454 * t444;
-    const yao2020_real t456 = t451 + t455;
-    const yao2020_real t457 = w->k[4] * t456;
-    const yao2020_real t458 = t438 * t444;
-    const yao2020_real t459 = t443 * t439;
-    const yao2020_real t460 = t458 - t459;
-    const yao2020_real t461 = w->k[3] * t460;
-    const yao2020_real t462 = t457 + t461;
-    const yao2020_real t463 = t447 - t462;
-    const yao2020_real t464 = t450 * t444;
-    const yao2020_real t465 = t454 * t439;
-    const yao2020_real t466 = t464 - t465;
-    const yao2020_real t467 = w->k[5] * t466;
-    const yao2020_real t468 = t463 + t467;
-    const yao2020_real t469 = t468 + t468;
-    w->a[22] = t469;
-    w->a[23] = 0.0;
-    const yao2020_real t472 = w->k[5] * t262;
-    const yao2020_real t473 = w->k[6] * t272;
-    const yao2020_real t474 = t472 + t473;
-    const yao2020_real t475 = w->k[3] * t277;
-    const yao2020_real t476 = t474 - t475;
-    const yao2020_real t477 = w->k[4] * t282;
-    const yao2020_real t478 = t476 - t477;
-    const yao2020_real t479 = t478 + t478;
-    w->a[24] = t479;
-    const yao2020_real t481 = w->k[5] * t313;
-    const yao2020_real t482 = w->k[6] * t323;
-    const yao2020_real t483 = t481 + t482;
-    const yao2020_real t484 = w->k[3] * t328;
-    const yao2020_real t485 = t483 - t484;
-    const yao2020_real t486 = w->k[4] * t333;
-    const yao2020_real t487 = t485 - t486;
-    const yao2020_real t488 = t487 + t487;
-    w->a[25] = t488;
-    const yao2020_real t490 = w->k[5] * t364;
-    const yao2020_real t491 = w->k[6] * t374;
-    const yao2020_real t492 = t490 + t491;
-    const yao2020_real t493 = w->k[3] * t379;
-    const yao2020_real t494 = t492 - t493;
-    const yao2020_real t495 = w->k[4] * t384;
-    const yao2020_real t496 = t494 - t495;
-    const yao2020_real t497 = t496 + t496;
-    w->a[26] = t497;
-    const yao2020_real t499 = w->k[6] * t425;
-    const yao2020_real t500 = w->k[5] * t415;
-    const yao2020_real t501 = t499 - t500;
-    const yao2020_real t502 = w->k[3] * t430;
-    const yao2020_real t503 = t501 - t502;
-    const yao2020_real t504 = w->k[4] * t411;
-    const yao2020_real t505 = t503 - t504;
-    const yao2020_real t506 = t505 + t505;
-    w->a[27] = t506;
-    const yao2020_real t508 = w->k[6] * t460;
-    const yao2020_real t509 = w->k[5] * t456;
-    const yao2020_real t510 = t508 - t509;
-    const yao2020_real t511 = w->k[3] * t446;
-    const yao2020_real t512 = t510 + t511;
-    const yao2020_real t513 = w->k[4] * t466;
-    const yao2020_real t514 = t512 - t513;
-    const yao2020_real t515 = t514 + t514;
-    w->a[28] = t515;
-    w->a[29] = 0.0;
-    const yao2020_real t518 = w->k[6] * t262;
-    const yao2020_real t519 = w->k[5] * t272;
-    const yao2020_real t520 = t518 - t519;
-    const yao2020_real t521 = w->k[4] * t277;
-    const yao2020_real t522 = t520 + t521;
-    const yao2020_real t523 = w->k[3] * t282;
-    const yao2020_real t524 = t522 - t523;
-    const yao2020_real t525 = t524 + t524;
-    w->a[30] = t525;
-    const yao2020_real t527 = w->k[6] * t313;
-    const yao2020_real t528 = w->k[5] * t323;
-    const yao2020_real t529 = t527 - t528;
-    const yao2020_real t530 = w->k[4] * t328;
-    const yao2020_real t531 = t529 + t530;
-    const yao2020_real t532 = w->k[3] * t333;
-    const yao2020_real t533 = t531 - t532;
-    const yao2020_real t534 = t533 + t533;
-    w->a[31] = t534;
-    const yao2020_real t536 = w->k[6] * t364;
-    const yao2020_real t537 = w->k[5] * t374;
-    const yao2020_real t538 = t536 - t537;
-    const yao2020_real t539 = w->k[4] * t379;
-    const yao2020_real t540 = t538 + t539;
-    const yao2020_real t541 = w->k[3] * t384;
-    const yao2020_real t542 = t540 - t541;
-    const yao2020_real t543 = t542 + t542;
-    w->a[32] = t543;
-    const yao2020_real t545 = w->k[4] * t430;
-    const yao2020_real t546 = w->k[6] * t415;
-    const yao2020_real t547 = w->k[5] * t425;
-    const yao2020_real t548 = t546 + t547;
-    const yao2020_real t549 = t545 - t548;
-    const yao2020_real t550 = w->k[3] * t411;
-    const yao2020_real t551 = t549 - t550;
-    const yao2020_real t552 = t551 + t551;
-    w->a[33] = t552;
-    const yao2020_real t554 = w->k[6] * t456;
-    const yao2020_real t555 = w->k[5] * t460;
-    const yao2020_real t556 = t554 + t555;
-    const yao2020_real t557 = w->k[4] * t446;
-    const yao2020_real t558 = t556 + t557;
-    const yao2020_real t559 = w->k[3] * t466;
-    const yao2020_real t560 = t558 + t559;
-    const yao2020_real t561 = t560 + t560;
-    const yao2020_real t562 = -t561;
-    w->a[34] = t562;
-    w->a[35] = 0.0;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
-static YAO2020_COLD int yao2020_inverse_pivoted(yao2020_inverse_work *w)
-{
-    static const yao2020_real scale[6] = { 0.825, 0.863, 0.793, 0.913, 1.0, 0.819 };
-    int sign = 1;
-    yao2020_inverse_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        yao2020_real largest = 0.0;
-        for (int r = c; r < 6; ++r) {
-            const yao2020_real size = fabs(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 3.552713678800501e-15 * scale[c])) {
-            w->spread = 0.0;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const yao2020_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const yao2020_real inverse = 1.0 / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const yao2020_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of yao2020_inverse_pivoted. */
-static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const yao2020_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
-        const yao2020_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to yao2020_inverse_pivoted. What is added to pivots is below the rounding of any other, and
- * keeps divisions by zero away. */
-static int yao2020_inverse_factor(yao2020_inverse_work *w)
-{
-    yao2020_real det;
-    w->pivoted = false;
-    /* pivot 1: row 5, unknown 4 */
-    const yao2020_real t0 = 0.5 * w->x[4];
-    const yao2020_real t1 = cos(t0);
-    const yao2020_real t2 = 0.5 * w->x[3];
-    const yao2020_real t3 = cos(t2);
-    const yao2020_real t4 = 0.5 * w->x[2];
-    const yao2020_real t5 = sin(t4);
-    const yao2020_real t6 = 0.5 * w->x[1];
-    const yao2020_real t7 = sin(t6);
-    const yao2020_real t8 = 0.5 * w->x[0];
-    const yao2020_real t9 = cos(t8);
-    const yao2020_real t10 = cos(t4);
-    const yao2020_real t11 = cos(t6);
-    const yao2020_real t12 = sin(t8);
-    const yao2020_real t13 = sin(t2);
-    const yao2020_real t14 = sin(t0);
-    const yao2020_real t15 = t12 * t7;
-    const yao2020_real t16 = t9 * t11;
-    const yao2020_real t17 = t12 * t11;
-    const yao2020_real t18 = t9 * t7;
-    const yao2020_real t19 = t16 * t5;
-    const yao2020_real t20 = t15 * t10;
-    const yao2020_real t21 = t19 - t20;
-    const yao2020_real t22 = 0.5 * t3;
-    const yao2020_real t23 = t21 * t22;
-    const yao2020_real t24 = t17 * t10;
-    const yao2020_real t25 = t18 * t5;
-    const yao2020_real t26 = t24 - t25;
-    const yao2020_real t27 = 0.5 * t13;
-    const yao2020_real t28 = t26 * t27;
-    const yao2020_real t29 = t23 - t28;
-    const yao2020_real t30 = t1 * t29;
-    const yao2020_real t31 = t16 * t10;
-    const yao2020_real t32 = t15 * t5;
-    const yao2020_real t33 = t31 + t32;
-    const yao2020_real t34 = t33 * t27;
-    const yao2020_real t35 = t18 * t10;
-    const yao2020_real t36 = t17 * t5;
-    const yao2020_real t37 = t35 + t36;
-    const yao2020_real t38 = t37 * t22;
-    const yao2020_real t39 = t34 + t38;
-    const yao2020_real t40 = t14 * t39;
-    const yao2020_real t41 = t30 - t40;
-    const yao2020_real t42 = t1 * t39;
-    const yao2020_real t43 = t14 * t29;
-    const yao2020_real t44 = t42 + t43;
-    const yao2020_real t45 = t33 * t22;
-    const yao2020_real t46 = t37 * t27;
-    const yao2020_real t47 = t45 - t46;
-    const yao2020_real t48 = t14 * t47;
-    const yao2020_real t49 = t21 * t27;
-    const yao2020_real t50 = t26 * t22;
-    const yao2020_real t51 = t49 + t50;
-    const yao2020_real t52 = t1 * t51;
-    const yao2020_real t53 = t48 - t52;
-    const yao2020_real t54 = t1 * t47;
-    const yao2020_real t55 = t14 * t51;
-    const yao2020_real t56 = t54 + t55;
-    const yao2020_real t57 = w->k[6] * t53;
-    const yao2020_real t58 = w->k[5] * t44;
-    const yao2020_real t59 = t57 - t58;
-    const yao2020_real t60 = w->k[3] * t56;
-    const yao2020_real t61 = t59 - t60;
-    const yao2020_real t62 = w->k[4] * t41;
-    const yao2020_real t63 = t61 - t62;
-    const yao2020_real t64 = t63 + t63;
-    const yao2020_real t65 = 0.5 * t10;
-    const yao2020_real t66 = t15 * t65;
-    const yao2020_real t67 = 0.5 * t5;
-    const yao2020_real t68 = t16 * t67;
-    const yao2020_real t69 = t66 - t68;
-    const yao2020_real t70 = t3 * t69;
-    const yao2020_real t71 = t17 * t65;
-    const yao2020_real t72 = t18 * t67;
-    const yao2020_real t73 = t71 - t72;
-    const yao2020_real t74 = t13 * t73;
-    const yao2020_real t75 = t70 - t74;
-    const yao2020_real t76 = t1 * t75;
-    const yao2020_real t77 = t16 * t65;
-    const yao2020_real t78 = t15 * t67;
-    const yao2020_real t79 = t77 + t78;
-    const yao2020_real t80 = t13 * t79;
-    const yao2020_real t81 = t17 * t67;
-    const yao2020_real t82 = t18 * t65;
-    const yao2020_real t83 = t81 + t82;
-    const yao2020_real t84 = t3 * t83;
-    const yao2020_real t85 = t80 - t84;
-    const yao2020_real t86 = t14 * t85;
-    const yao2020_real t87 = t76 - t86;
-    const yao2020_real t88 = t3 * t79;
-    const yao2020_real t89 = t13 * t83;
-    const yao2020_real t90 = t88 + t89;
-    const yao2020_real t91 = t1 * t90;
-    const yao2020_real t92 = t13 * t69;
-    const yao2020_real t93 = t3 * t73;
-    const yao2020_real t94 = t92 + t93;
-    const yao2020_real t95 = t14 * t94;
-    const yao2020_real t96 = t91 + t95;
-    const yao2020_real t97 = t1 * t94;
-    const yao2020_real t98 = t14 * t90;
-    const yao2020_real t99 = t97 - t98;
-    const yao2020_real t100 = t14 * t75;
-    const yao2020_real t101 = t1 * t85;
-    const yao2020_real t102 = t100 + t101;
-    const yao2020_real t103 = w->k[5] * t87;
-    const yao2020_real t104 = w->k[6] * t96;
-    const yao2020_real t105 = t103 + t104;
-    const yao2020_real t106 = w->k[3] * t99;
-    const yao2020_real t107 = t105 - t106;
-    const yao2020_real t108 = w->k[4] * t102;
-    const yao2020_real t109 = t107 - t108;
-    const yao2020_real t110 = t109 + t109;
-    const yao2020_real t111 = t33 * t13;
-    const yao2020_real t112 = t37 * t3;
-    const yao2020_real t113 = t111 + t112;
-    const yao2020_real t114 = 0.5 * t14;
-    const yao2020_real t115 = t113 * t114;
-    const yao2020_real t116 = t21 * t3;
-    const yao2020_real t117 = t26 * t13;
-    const yao2020_real t118 = t116 - t117;
-    const yao2020_real t119 = 0.5 * t1;
-    const yao2020_real t120 = t118 * t119;
-    const yao2020_real t121 = t115 + t120;
-    const yao2020_real t122 = t33 * t3;
-    const yao2020_real t123 = t37 * t13;
-    const yao2020_real t124 = t122 - t123;
-    const yao2020_real t125 = t124 * t114;
-    const yao2020_real t126 = t21 * t13;
-    const yao2020_real t127 = t26 * t3;
-    const yao2020_real t128 = t126 + t127;
-    const yao2020_real t129 = t128 * t119;
-    const yao2020_real t130 = t125 + t129;
-    const yao2020_real t131 = t113 * t119;
-    const yao2020_real t132 = t118 * t114;
-    const yao2020_real t133 = t131 - t132;
-    const yao2020_real t134 = t124 * t119;
-    const yao2020_real t135 = t128 * t114;
-    const yao2020_real t136 = t134 - t135;
-    const yao2020_real t137 = w->k[6] * t133;
-    const yao2020_real t138 = w->k[5] * t130;
-    const yao2020_real t139 = t137 - t138;
-    const yao2020_real t140 = w->k[3] * t121;
-    const yao2020_real t141 = t139 + t140;
-    const yao2020_real t142 = w->k[4] * t136;
-    const yao2020_real t143 = t141 - t142;
-    const yao2020_real t144 = t143 + t143;
-    const yao2020_real t145 = 0.5 * t9;
-    const yao2020_real t146 = t7 * t145;
-    const yao2020_real t147 = t5 * t146;
-    const yao2020_real t148 = 0.5 * t12;
-    const yao2020_real t149 = t11 * t148;
-    const yao2020_real t150 = t10 * t149;
-    const yao2020_real t151 = t147 - t150;
-    const yao2020_real t152 = t3 * t151;
-    const yao2020_real t153 = t11 * t145;
-    const yao2020_real t154 = t5 * t153;
-    const yao2020_real t155 = t7 * t148;
-    const yao2020_real t156 = t10 * t155;
-    const yao2020_real t157 = t154 - t156;
-    const yao2020_real t158 = t13 * t157;
-    const yao2020_real t159 = t152 - t158;
-    const yao2020_real t160 = t1 * t159;
-    const yao2020_real t161 = t10 * t153;
-    const yao2020_real t162 = t5 * t155;
-    const yao2020_real t163 = t161 + t162;
-    const yao2020_real t164 = t3 * t163;
-    const yao2020_real t165 = t5 * t149;
-    const yao2020_real t166 = t10 * t146;
-    const yao2020_real t167 = t165 + t166;
-    const yao2020_real t168 = t13 * t167;
-    const yao2020_real t169 = t164 - t168;
-    const yao2020_real t170 = t14 * t169;
-    const yao2020_real t171 = t160 - t170;
-    const yao2020_real t172 = t13 * t151;
-    const yao2020_real t173 = t3 * t157;
-    const yao2020_real t174 = t172 + t173;
-    const yao2020_real t175 = t14 * t174;
-    const yao2020_real t176 = t3 * t167;
-    const yao2020_real t177 = t13 * t163;
-    const yao2020_real t178 = t176 + t177;
-    const yao2020_real t179 = t1 * t178;
-    const yao2020_real t180 = t175 - t179;
-    const yao2020_real t181 = t1 * t174;
-    const yao2020_real t182 = t14 * t178;
-    const yao2020_real t183 = t181 + t182;
-    const yao2020_real t184 = t14 * t159;
-    const yao2020_real t185 = t1 * t169;
-    const yao2020_real t186 = t184 + t185;
-    const yao2020_real t187 = w->k[5] * t171;
-    const yao2020_real t188 = w->k[6] * t180;
-    const yao2020_real t189 = t187 + t188;
-    const yao2020_real t190 = w->k[3] * t183;
-    const yao2020_real t191 = t189 - t190;
-    const yao2020_real t192 = w->k[4] * t186;
-    const yao2020_real t193 = t191 - t192;
-    const yao2020_real t194 = t193 + t193;
-    const yao2020_real t195 = 0.5 * t11;
-    const yao2020_real t196 = t12 * t195;
-    const yao2020_real t197 = t5 * t196;
-    const yao2020_real t198 = 0.5 * t7;
-    const yao2020_real t199 = t9 * t198;
-    const yao2020_real t200 = t10 * t199;
-    const yao2020_real t201 = t197 - t200;
-    const yao2020_real t202 = t3 * t201;
-    const yao2020_real t203 = t9 * t195;
-    const yao2020_real t204 = t10 * t203;
-    const yao2020_real t205 = t12 * t198;
-    const yao2020_real t206 = t5 * t205;
-    const yao2020_real t207 = t204 - t206;
-    const yao2020_real t208 = t13 * t207;
-    const yao2020_real t209 = t202 - t208;
-    const yao2020_real t210 = t1 * t209;
-    const yao2020_real t211 = t5 * t199;
-    const yao2020_real t212 = t10 * t196;
-    const yao2020_real t213 = t211 + t212;
-    const yao2020_real t214 = t13 * t213;
-    const yao2020_real t215 = t10 * t205;
-    const yao2020_real t216 = t5 * t203;
-    const yao2020_real t217 = t215 + t216;
-    const yao2020_real t218 = t3 * t217;
-    const yao2020_real t219 = t214 + t218;
-    const yao2020_real t220 = t14 * t219;
-    const yao2020_real t221 = t210 + t220;
-    const yao2020_real t222 = t13 * t217;
-    const yao2020_real t223 = t3 * t213;
-    const yao2020_real t224 = t222 - t223;
-    const yao2020_real t225 = t1 * t224;
-    const yao2020_real t226 = t13 * t201;
-    const yao2020_real t227 = t3 * t207;
-    const yao2020_real t228 = t226 + t227;
-    const yao2020_real t229 = t14 * t228;
-    const yao2020_real t230 = t225 + t229;
-    const yao2020_real t231 = t1 * t228;
-    const yao2020_real t232 = t14 * t224;
-    const yao2020_real t233 = t231 - t232;
-    const yao2020_real t234 = t14 * t209;
-    const yao2020_real t235 = t1 * t219;
-    const yao2020_real t236 = t234 - t235;
-    const yao2020_real t237 = w->k[5] * t221;
-    const yao2020_real t238 = w->k[6] * t230;
-    const yao2020_real t239 = t237 + t238;
-    const yao2020_real t240 = w->k[3] * t233;
-    const yao2020_real t241 = t239 - t240;
-    const yao2020_real t242 = w->k[4] * t236;
-    const yao2020_real t243 = t241 - t242;
-    const yao2020_real t244 = t243 + t243;
-    const yao2020_real t245 = 1.0 / (t64 + 5.27e-20);
-    w->a[0] = t245;
-    const yao2020_real t247 = t245 * 1.42428;
-    w->a[1] = t110;
-    w->a[2] = t144;
-    w->a[3] = t194;
-    w->a[4] = t244;
-    /* pivot 2: row 4, unknown 3 */
-    const yao2020_real t252 = w->k[5] * t41;
-    const yao2020_real t253 = w->k[4] * t44;
-    const yao2020_real t254 = w->k[3] * t53;
-    const yao2020_real t255 = t253 + t254;
-    const yao2020_real t256 = w->k[6] * t56;
-    const yao2020_real t257 = t255 + t256;
-    const yao2020_real t258 = t252 - t257;
-    const yao2020_real t259 = t258 + t258;
-    const yao2020_real t260 = w->k[4] * t87;
-    const yao2020_real t261 = w->k[3] * t96;
-    const yao2020_real t262 = t260 - t261;
-    const yao2020_real t263 = w->k[6] * t99;
-    const yao2020_real t264 = t262 - t263;
-    const yao2020_real t265 = w->k[5] * t102;
-    const yao2020_real t266 = t264 + t265;
-    const yao2020_real t267 = t266 + t266;
-    const yao2020_real t268 = w->k[6] * t121;
-    const yao2020_real t269 = w->k[4] * t130;
-    const yao2020_real t270 = w->k[3] * t133;
-    const yao2020_real t271 = t269 + t270;
-    const yao2020_real t272 = t268 - t271;
-    const yao2020_real t273 = w->k[5] * t136;
-    const yao2020_real t274 = t272 + t273;
-    const yao2020_real t275 = t274 + t274;
-    const yao2020_real t276 = w->k[4] * t171;
-    const yao2020_real t277 = w->k[3] * t180;
-    const yao2020_real t278 = t276 - t277;
-    const yao2020_real t279 = w->k[6] * t183;
-    const yao2020_real t280 = t278 - t279;
-    const yao2020_real t281 = w->k[5] * t186;
-    const yao2020_real t282 = t280 + t281;
-    const yao2020_real t283 = t282 + t282;
-    const yao2020_real t284 = w->k[4] * t221;
-    const yao2020_real t285 = w->k[3] * t230;
-    const yao2020_real t286 = t284 - t285;
-    const yao2020_real t287 = w->k[6] * t233;
-    const yao2020_real t288 = t286 - t287;
-    const yao2020_real t289 = w->k[5] * t236;
-    const yao2020_real t290 = t288 + t289;
-    const yao2020_real t291 = t290 + t290;
-    const yao2020_real t292 = t259 * t245;
-    w->a[6] = t292;
-    const yao2020_real t294 = t267 - t292 * t110;
-    const yao2020_real t295 = t275 - t292 * t144;
-    const yao2020_real t296 = t283 - t292 * t194;
-    const yao2020_real t297 = t291 - t292 * t244;
-    const yao2020_real t298 = 1.0 / (t294 + 5.27e-20);
-    w->a[7] = t298;
-    const yao2020_real t300 = t298 * 1.08641;
-    w->a[8] = t295;
-    w->a[9] = t296;
-    w->a[10] = t297;
-    /* pivot 3: row 6, unknown 5 */
-    const yao2020_real t304 = w->k[4] * t56;
-    const yao2020_real t305 = w->k[6] * t44;
-    const yao2020_real t306 = w->k[5] * t53;
-    const yao2020_real t307 = t305 + t306;
-    const yao2020_real t308 = t304 - t307;
-    const yao2020_real t309 = w->k[3] * t41;
-    const yao2020_real t310 = t308 - t309;
-    const yao2020_real t311 = t310 + t310;
-    const yao2020_real t312 = w->k[6] * t87;
-    const yao2020_real t313 = w->k[5] * t96;
-    const yao2020_real t314 = t312 - t313;
-    const yao2020_real t315 = w->k[4] * t99;
-    const yao2020_real t316 = t314 + t315;
-    const yao2020_real t317 = w->k[3] * t102;
-    const yao2020_real t318 = t316 - t317;
-    const yao2020_real t319 = t318 + t318;
-    const yao2020_real t320 = w->k[6] * t130;
-    const yao2020_real t321 = w->k[5] * t133;
-    const yao2020_real t322 = t320 + t321;
-    const yao2020_real t323 = w->k[4] * t121;
-    const yao2020_real t324 = t322 + t323;
-    const yao2020_real t325 = w->k[3] * t136;
-    const yao2020_real t326 = t324 + t325;
-    const yao2020_real t327 = t326 + t326;
-    const yao2020_real t328 = -t327;
-    const yao2020_real t329 = w->k[6] * t171;
-    const yao2020_real t330 = w->k[5] * t180;
-    const yao2020_real t331 = t329 - t330;
-    const yao2020_real t332 = w->k[4] * t183;
-    const yao2020_real t333 = t331 + t332;
-    const yao2020_real t334 = w->k[3] * t186;
-    const yao2020_real t335 = t333 - t334;
-    const yao2020_real t336 = t335 + t335;
-    const yao2020_real t337 = w->k[6] * t221;
-    const yao2020_real t338 = w->k[5] * t230;
-    const yao2020_real t339 = t337 - t338;
-    const yao2020_real t340 = w->k[4] * t233;
-    const yao2020_real t341 = t339 + t340;
-    const yao2020_real t342 = w->k[3] * t236;
-    const yao2020_real t343 = t341 - t342;
-    const yao2020_real t344 = t343 + t343;
-    const yao2020_real t345 = t311 * t245;
-    w->a[12] = t345;
-    const yao2020_real t347 = t319 - t345 * t110;
-    const yao2020_real t348 = t328 - t345 * t144;
-    const yao2020_real t349 = t336 - t345 * t194;
-    const yao2020_real t350 = t344 - t345 * t244;
-    const yao2020_real t351 = t347 * t298;
-    w->a[13] = t351;
-    const yao2020_real t353 = t348 - t351 * t295;
-    const yao2020_real t354 = t349 - t351 * t296;
-    const yao2020_real t355 = t350 - t351 * t297;
-    const yao2020_real t356 = 1.0 / (t353 + 5.27e-20);
-    w->a[14] = t356;
-    const yao2020_real t358 = t356 * 1.51;
-    w->a[15] = t354;
-    w->a[16] = t355;
-    /* pivot 4: row 2, unknown 1 */
-    const yao2020_real t361 = cos(w->x[1]);
-    const yao2020_real t362 = cos(w->x[2]);
-    const yao2020_real t363 = cos(w->x[3]);
-    const yao2020_real t364 = cos(w->x[4]);
-    const yao2020_real t365 = -545.0 + w->x[5];
-    const yao2020_real t366 = t365 - (-385.0);
-    const yao2020_real t367 = t364 * t366;
-    const yao2020_real t368 = -385.0 + t367;
-    const yao2020_real t369 = t368 - (-300.0);
-    const yao2020_real t370 = sin(w->x[3]);
-    const yao2020_real t371 = 105.0 * t370;
-    const yao2020_real t372 = 1.0 - t362;
-    const yao2020_real t373 = sin(w->x[1]);
-    const yao2020_real t374 = 105.0 * t363;
-    const yao2020_real t375 = sin(w->x[2]);
-    const yao2020_real t376 = sin(w->x[0]);
-    const yao2020_real t377 = 1.0 - t361;
-    const yao2020_real t378 = cos(w->x[0]);
-    const yao2020_real t379 = t369 * t370;
-    const yao2020_real t380 = t374 - t379;
-    const yao2020_real t381 = t362 * t380;
-    const yao2020_real t382 = t372 * t380;
-    const yao2020_real t383 = t381 + t382;
-    const yao2020_real t384 = t361 * t383;
-    const yao2020_real t385 = t369 * t363;
-    const yao2020_real t386 = t371 + t385;
-    const yao2020_real t387 = t362 * t386;
-    const yao2020_real t388 = t373 * t387;
-    const yao2020_real t389 = t384 - t388;
-    const yao2020_real t390 = t375 * t386;
-    const yao2020_real t391 = t361 * t390;
-    const yao2020_real t392 = t377 * t390;
-    const yao2020_real t393 = t391 + t392;
-    const yao2020_real t394 = t378 * t393;
-    const yao2020_real t395 = t376 * t389;
-    const yao2020_real t396 = t394 + t395;
-    const yao2020_real t397 = 0.0018017286871142555 * t396;
-    const yao2020_real t398 = -t397;
-    const yao2020_real t399 = t370 * t369;
-    const yao2020_real t400 = t374 - t399;
-    const yao2020_real t401 = sin(w->x[4]);
-    const yao2020_real t402 = t401 * t366;
-    const yao2020_real t403 = t363 * t402;
-    const yao2020_real t404 = 1.0 - t363;
-    const yao2020_real t405 = t404 * t402;
-    const yao2020_real t406 = t403 + t405;
-    const yao2020_real t407 = t406 * t362;
-    const yao2020_real t408 = t400 * t375;
-    const yao2020_real t409 = t407 - t408;
-    const yao2020_real t410 = t373 * t409;
-    const yao2020_real t411 = t406 * t375;
-    const yao2020_real t412 = t400 * t362;
-    const yao2020_real t413 = t411 + t412;
-    const yao2020_real t414 = t361 * t413;
-    const yao2020_real t415 = t377 * t413;
-    const yao2020_real t416 = t414 + t415;
-    const yao2020_real t417 = t376 * t410;
-    const yao2020_real t418 = t378 * t416;
-    const yao2020_real t419 = t417 - t418;
-    const yao2020_real t420 = 0.0018017286871142555 * t419;
-    const yao2020_real t421 = -t420;
-    const yao2020_real t422 = t366 * t401;
-    const yao2020_real t423 = t370 * t422;
-    const yao2020_real t424 = t362 * t423;
-    const yao2020_real t425 = t366 * t364;
-    const yao2020_real t426 = t363 * t425;
-    const yao2020_real t427 = t404 * t425;
-    const yao2020_real t428 = t426 + t427;
-    const yao2020_real t429 = t375 * t428;
-    const yao2020_real t430 = t424 + t429;
-    const yao2020_real t431 = t373 * t430;
-    const yao2020_real t432 = t363 * t422;
-    const yao2020_real t433 = t362 * t432;
-    const yao2020_real t434 = t372 * t432;
-    const yao2020_real t435 = t433 + t434;
-    const yao2020_real t436 = t361 * t435;
-    const yao2020_real t437 = t431 - t436;
-    const yao2020_real t438 = t362 * t428;
-    const yao2020_real t439 = t375 * t423;
-    const yao2020_real t440 = t438 - t439;
-    const yao2020_real t441 = t361 * t440;
-    const yao2020_real t442 = t377 * t440;
-    const yao2020_real t443 = t441 + t442;
-    const yao2020_real t444 = t378 * t443;
-    const yao2020_real t445 = t376 * t437;
-    const yao2020_real t446 = t444 + t445;
-    const yao2020_real t447 = 0.0018017286871142555 * t446;
-    const yao2020_real t448 = -t447;
-    const yao2020_real t449 = t363 * t369;
-    const yao2020_real t450 = t449 + t371;
-    const yao2020_real t451 = -300.0 + t450;
-    const yao2020_real t452 = t362 * t451;
-    const yao2020_real t453 = t372 * t451;
-    const yao2020_real t454 = t452 + t453;
-    const yao2020_real t455 = t361 * t454;
-    const yao2020_real t456 = t362 * t400;
-    const yao2020_real t457 = t375 * t406;
-    const yao2020_real t458 = t456 + t457;
-    const yao2020_real t459 = t373 * t458;
-    const yao2020_real t460 = t455 + t459;
-    const yao2020_real t461 = t362 * t406;
-    const yao2020_real t462 = t375 * t400;
-    const yao2020_real t463 = t461 - t462;
-    const yao2020_real t464 = t361 * t463;
-    const yao2020_real t465 = t377 * t463;
-    const yao2020_real t466 = t464 + t465;
-    const yao2020_real t467 = t460 * t378;
-    const yao2020_real t468 = t466 * t376;
-    const yao2020_real t469 = t467 - t468;
-    const yao2020_real t470 = 0.0018017286871142555 * t469;
-    const yao2020_real t471 = -t470;
-    const yao2020_real t472 = t458 * t361;
-    const yao2020_real t473 = t454 * t373;
-    const yao2020_real t474 = t472 - t473;
-    const yao2020_real t475 = t376 * t474;
-    const yao2020_real t476 = 0.0018017286871142555 * t475;
-    const yao2020_real t477 = -t476;
-    const yao2020_real t478 = t363 * t364;
-    const yao2020_real t479 = t362 * t478;
-    const yao2020_real t480 = t372 * t478;
-    const yao2020_real t481 = t479 + t480;
-    const yao2020_real t482 = t361 * t481;
-    const yao2020_real t483 = t363 * t401;
-    const yao2020_real t484 = t404 * t401;
-    const yao2020_real t485 = t483 + t484;
-    const yao2020_real t486 = t375 * t485;
-    const yao2020_real t487 = t370 * t364;
-    const yao2020_real t488 = t362 * t487;
-    const yao2020_real t489 = t486 - t488;
-    const yao2020_real t490 = t373 * t489;
-    const yao2020_real t491 = t482 + t490;
-    const yao2020_real t492 = t362 * t485;
-    const yao2020_real t493 = t375 * t487;
-    const yao2020_real t494 = t492 + t493;
-    const yao2020_real t495 = t361 * t494;
-    const yao2020_real t496 = t377 * t494;
-    const yao2020_real t497 = t495 + t496;
-    const yao2020_real t498 = t378 * t497;
-    const yao2020_real t499 = t376 * t491;
-    const yao2020_real t500 = t498 + t499;
-    const yao2020_real t501 = -t500;
-    const yao2020_real t502 = t398 * t245;
-    w->a[18] = t502;
-    const yao2020_real t504 = t421 - t502 * t110;
-    const yao2020_real t505 = t448 - t502 * t144;
-    const yao2020_real t506 = t471 - t502 * t194;
-    const yao2020_real t507 = t477 - t502 * t244;
-    const yao2020_real t508 = t504 * t298;
-    w->a[19] = t508;
-    const yao2020_real t510 = t505 - t508 * t295;
-    const yao2020_real t511 = t506 - t508 * t296;
-    const yao2020_real t512 = t507 - t508 * t297;
-    const yao2020_real t513 = t510 * t356;
-    w->a[20] = t513;
-    const yao2020_real t515 = t511 - t513 * t354;
-    const yao2020_real t516 = t512 - t513 * t355;
-    const yao2020_real t517 = 1.0 / (t515 + 5.27e-20);
-    w->a[21] = t517;
-    const yao2020_real t519 = t517 * 0.9487499999999999;
-    w->a[22] = t516;
-    w->a[23] = t501;
-    /* pivot 5: row 3, unknown 2 */
-    const yao2020_real t522 = 1.0 - t378;
-    const yao2020_real t523 = t361 * t387;
-    const yao2020_real t524 = t373 * t383;
-    const yao2020_real t525 = t523 + t524;
-    const yao2020_real t526 = t378 * t525;
-    const yao2020_real t527 = t522 * t525;
-    const yao2020_real t528 = t526 + t527;
-    const yao2020_real t529 = 0.0018017286871142555 * t528;
-    const yao2020_real t530 = t361 * t409;
-    const yao2020_real t531 = t378 * t530;
-    const yao2020_real t532 = t522 * t530;
-    const yao2020_real t533 = t531 + t532;
-    const yao2020_real t534 = 0.0018017286871142555 * t533;
-    const yao2020_real t535 = -t534;
-    const yao2020_real t536 = t361 * t430;
-    const yao2020_real t537 = t373 * t435;
-    const yao2020_real t538 = t536 + t537;
-    const yao2020_real t539 = t378 * t538;
-    const yao2020_real t540 = t522 * t538;
-    const yao2020_real t541 = t539 + t540;
-    const yao2020_real t542 = 0.0018017286871142555 * t541;
-    const yao2020_real t543 = -t542;
-    const yao2020_real t544 = t458 * t373;
-    const yao2020_real t545 = t454 * t361;
-    const yao2020_real t546 = t544 + t545;
-    const yao2020_real t547 = t378 * t546;
-    const yao2020_real t548 = t522 * t546;
-    const yao2020_real t549 = t547 + t548;
-    const yao2020_real t550 = 0.0018017286871142555 * t549;
-    const yao2020_real t551 = t361 * t489;
-    const yao2020_real t552 = t373 * t481;
-    const yao2020_real t553 = t551 - t552;
-    const yao2020_real t554 = t378 * t553;
-    const yao2020_real t555 = t522 * t553;
-    const yao2020_real t556 = t554 + t555;
-    const yao2020_real t557 = -t556;
-    const yao2020_real t558 = t529 * t245;
-    w->a[24] = t558;
-    const yao2020_real t560 = t535 - t558 * t110;
-    const yao2020_real t561 = t543 - t558 * t144;
-    const yao2020_real t562 = -(t558 * t194);
-    const yao2020_real t563 = t550 - t558 * t244;
-    const yao2020_real t564 = t560 * t298;
-    w->a[25] = t564;
-    const yao2020_real t566 = t561 - t564 * t295;
-    const yao2020_real t567 = t562 - t564 * t296;
-    const yao2020_real t568 = t563 - t564 * t297;
-    const yao2020_real t569 = t566 * t356;
-    w->a[26] = t569;
-    const yao2020_real t571 = t567 - t569 * t354;
-    const yao2020_real t572 = t568 - t569 * t355;
-    const yao2020_real t573 = t571 * t517;
-    w->a[27] = t573;
-    const yao2020_real t575 = t572 - t573 * t516;
-    const yao2020_real t576 = t557 - t573 * t501;
-    const yao2020_real t577 = 1.0 / (t575 + 5.27e-20);
-    w->a[28] = t577;
-    const yao2020_real t579 = t577 * 1.0097099999999999;
-    w->a[29] = t576;
-    /* pivot 6: row 1, unknown 6 */
-    const yao2020_real t581 = t378 * t389;
-    const yao2020_real t582 = t376 * t393;
-    const yao2020_real t583 = t581 - t582;
-    const yao2020_real t584 = 0.0018017286871142555 * t583;
-    const yao2020_real t585 = -t584;
-    const yao2020_real t586 = t378 * t410;
-    const yao2020_real t587 = t376 * t416;
-    const yao2020_real t588 = t586 + t587;
-    const yao2020_real t589 = 0.0018017286871142555 * t588;
-    const yao2020_real t590 = -t589;
-    const yao2020_real t591 = t378 * t437;
-    const yao2020_real t592 = t376 * t443;
-    const yao2020_real t593 = t591 - t592;
-    const yao2020_real t594 = 0.0018017286871142555 * t593;
-    const yao2020_real t595 = -t594;
-    const yao2020_real t596 = t460 * t376;
-    const yao2020_real t597 = t466 * t378;
-    const yao2020_real t598 = t596 + t597;
-    const yao2020_real t599 = 0.0018017286871142555 * t598;
-    const yao2020_real t600 = t378 * t474;
-    const yao2020_real t601 = 0.0018017286871142555 * t600;
-    const yao2020_real t602 = -t601;
-    const yao2020_real t603 = t378 * t491;
-    const yao2020_real t604 = t376 * t497;
-    const yao2020_real t605 = t603 - t604;
-    const yao2020_real t606 = -t605;
-    const yao2020_real t607 = t585 * t245;
-    w->a[30] = t607;
-    const yao2020_real t609 = t590 - t607 * t110;
-    const yao2020_real t610 = t595 - t607 * t144;
-    const yao2020_real t611 = t599 - t607 * t194;
-    const yao2020_real t612 = t602 - t607 * t244;
-    const yao2020_real t613 = t609 * t298;
-    w->a[31] = t613;
-    const yao2020_real t615 = t610 - t613 * t295;
-    const yao2020_real t616 = t611 - t613 * t296;
-    const yao2020_real t617 = t612 - t613 * t297;
-    const yao2020_real t618 = t615 * t356;
-    w->a[32] = t618;
-    const yao2020_real t620 = t616 - t618 * t354;
-    const yao2020_real t621 = t617 - t618 * t355;
-    const yao2020_real t622 = t620 * t517;
-    w->a[33] = t622;
-    const yao2020_real t624 = t621 - t622 * t516;
-    const yao2020_real t625 = t606 - t622 * t501;
-    const yao2020_real t626 = t624 * t577;
-    w->a[34] = t626;
-    const yao2020_real t628 = t625 - t626 * t576;
-    const yao2020_real t629 = 1.0 / (t628 + 3.69e-20);
-    w->a[35] = t629;
-    const yao2020_real t631 = t629 * 0.9500399999999999;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t245 * t294 * t356 * t515 * t577 * t628;
-    w->spread = t247 * t247 + t300 * t300 + t358 * t358 + t519 * t519 + t579 * t579 + t631 * t631;
-    return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void yao2020_inverse_solve(yao2020_inverse_work *w)
-{
-    if (w->pivoted) {
-        yao2020_inverse_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const yao2020_real y0 = w->f[4];
-    const yao2020_real y1 = w->f[3] - w->a[6] * y0;
-    const yao2020_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
-    const yao2020_real y3 = w->f[1] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const yao2020_real y4 = w->f[2] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const yao2020_real y5 = w->f[0] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
-    /* back substitution */
-    const yao2020_real s5 = (y5) * w->a[35];
-    const yao2020_real s4 = (y4 - w->a[29] * s5) * w->a[28];
-    const yao2020_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
-    const yao2020_real s2 = (y2 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const yao2020_real s1 = (y1 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
-    const yao2020_real s0 = (y0 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[3] = s0;
-    w->f[2] = s1;
-    w->f[4] = s2;
-    w->f[0] = s3;
-    w->f[1] = s4;
-    w->f[5] = s5;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the part's begin with its factors, each
- * judged by the next. Where known values turn, the rows' change is bent: both ends of a part may have a configuration, and
- * points between them none. */
-static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w, const yao2020_real to[7], yao2020_real middle, yao2020_real still2)
-{
-    yao2020_real end[6];
-    yao2020_real size[3];
-    for (int i = 0; i < 6; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    yao2020_inverse_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        yao2020_inverse_rows(w);
-        yao2020_inverse_solve(w);
-        size[i] = yao2020_inverse_apply_step(w);
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0]) && (size[2] <= 0.140625 * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known values turn by at most 1 rad is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2020_real to[7], const yao2020_config *config, yao2020_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const yao2020_real tolerance2 = config->tolerance * config->tolerance;
-    const yao2020_real longest2 = config->max_step * config->max_step;
-    yao2020_status status = YAO2020_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    yao2020_real done = 0.0;
-    yao2020_real aim = 1.0;
-    /* squares of: the last step, kappa, the longest step allowed */
-    yao2020_real size = 0.0;
-    yao2020_real kappa2 = 1.05625e-05;
-    yao2020_real limit;
-    yao2020_real residual = HUGE_VAL;
-    yao2020_real still2 = 1.5552550518613292e-23; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
-    w->spread = 0.0;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */
-    yao2020_real turn2 = 0.0;
-    const yao2020_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6]; /* of half the turn */
-    turn2 = 8.0 * (1.0 - fabs(cosine));
-    if (turn2 > 1.0) {
-        aim = 1.0 / sqrt(turn2);
-    }
-    yao2020_inverse_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    w->x0[4] = w->x[4];
-    w->x0[5] = w->x[5];
-    for (;;) {
-        yao2020_inverse_rows(w);
-        if (verify) {
-            residual = yao2020_inverse_residual(w);
-            if (residual <= config->tolerance + 3.9436722123692396e-12) {
-                status = YAO2020_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                yao2020_inverse_set_target(w, to, done);
-            }
-            int turn = yao2020_inverse_factor(w);
-            if (turn == 0) {
-                turn = yao2020_inverse_pivoted(w);
-            }
-            if (taken == 0U) {
-                yao2020_inverse_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = YAO2020_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = YAO2020_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0)) ? (2.430086018533327e-25 * w->spread) : 1.5552550518613292e-23;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
-        yao2020_inverse_solve(w);
-        const yao2020_real before = size;
-        size = yao2020_inverse_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625 * before;
-        } else {
-            limit = 0.140625 * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
-            accepted = yao2020_inverse_reaches_middle(w, to, done + 0.5 * (aim - done), still2);
-            yao2020_inverse_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                yao2020_real error2;
-                yao2020_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+    const yao2020_real t14 = t13 + t13;
+    const yao2020_real t15 = 1.0 - t14;
+    const yao2020_real t16 = t15 * x[2];
+    const yao2020_real t17 = t10 + t16;
+    const yao2020_real t18 = 105.0 - t17;
+    const yao2020_real t19 = t18 * t18;
+    const yao2020_real t20 = 90000.0 - t19;
+    const yao2020_real t21 = t20 * 3.2462262619704594e-06;
+    if (t21 > 2.842170943040401e-14) {
+        margin[0] = t21;
+        const yao2020_real t24 = 300.0 * near[0];
+        const yao2020_real t25 = -t24;
+        const unsigned int bits0 = (wanted >> 0U) & 3U;
+        const unsigned int side0 = (t25 < 0.0) ? 2U : 1U;
+        for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+            if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                const yao2020_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
+                const yao2020_real t31 = fabs(t20);
+                const yao2020_real t32 = t20 + t31;
+                const yao2020_real t33 = 0.5 * t32;
+                const yao2020_real t34 = sqrt(t33);
+                const yao2020_real t35 = sign0 * t34;
+                const yao2020_real t36 = 0.0033333333333333335 * t35;
+                const yao2020_real t37 = 0.0033333333333333335 * t18;
+                const yao2020_real t38 = -t36;
+                const yao2020_real t39 = atan2(t37, t38);
+                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+                const yao2020_real t40 = -300.0 - t35;
+                const yao2020_real t41 = t40 - (-385.0);
+                const yao2020_real t42 = t41 * t41;
+                const yao2020_real t43 = t42 * 3.2462262619704594e-06;
+                if (t43 > 2.842170943040401e-14) {
+                    const yao2020_real t45 = x[4] * x[5];
+                    const yao2020_real t46 = x[3] * x[6];
+                    const yao2020_real t47 = t45 - t46;
+                    const yao2020_real t48 = t47 + t47;
+                    const yao2020_real t49 = t48 * x[0];
+                    const yao2020_real t50 = x[6] * x[6];
+                    const yao2020_real t51 = t11 + t50;
+                    const yao2020_real t52 = t51 + t51;
+                    const yao2020_real t53 = 1.0 - t52;
+                    const yao2020_real t54 = t53 * x[1];
+                    const yao2020_real t55 = t49 + t54;
+                    const yao2020_real t56 = t5 + t6;
+                    const yao2020_real t57 = t56 + t56;
+                    const yao2020_real t58 = t57 * x[2];
+                    const yao2020_real t59 = t55 + t58;
+                    const yao2020_real t60 = t59 * t59;
+                    const yao2020_real t61 = t42 - t60;
+                    const yao2020_real t62 = t61 * 3.2462262619704594e-06;
+                    if (t62 > 2.842170943040401e-14) {
+                        margin[1] = t62;
+                        const yao2020_real t65 = t41 * near[2];
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (t65 < 0.0) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const yao2020_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
+                                const yao2020_real t71 = t41 * t59;
+                                const yao2020_real t72 = 1.0 / t42;
+                                const yao2020_real t73 = t71 * t72;
+                                const yao2020_real t74 = fabs(t61);
+                                const yao2020_real t75 = t61 + t74;
+                                const yao2020_real t76 = 0.5 * t75;
+                                const yao2020_real t77 = sqrt(t76);
+                                const yao2020_real t78 = sign1 * t77;
+                                const yao2020_real t79 = t41 * t78;
+                                const yao2020_real t80 = t79 * t72;
+                                const yao2020_real t81 = atan2(t73, t80);
+                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be */
+                                const yao2020_real t82 = t0 - t1;
+                                const yao2020_real t83 = t82 + t82;
+                                const yao2020_real t84 = t12 + t50;
+                                const yao2020_real t85 = t84 + t84;
+                                const yao2020_real t86 = 1.0 - t85;
+                                const yao2020_real t87 = t45 + t46;
+                                const yao2020_real t88 = t87 + t87;
+                                const yao2020_real t89 = t86 * x[0];
+                                const yao2020_real t90 = t88 * x[1];
+                                const yao2020_real t91 = t89 + t90;
+                                const yao2020_real t92 = t83 * x[2];
+                                const yao2020_real t93 = t91 + t92;
+                                const yao2020_real t94 = -545.0 - t93;
+                                const yao2020_real t95 = t80 * t41;
+                                const yao2020_real t96 = -385.0 + t95;
+                                const yao2020_real t97 = t94 - t96;
+                                const yao2020_real t98 = -t97;
+                                /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+                                const yao2020_real t99 = t73 * t36;
+                                const yao2020_real t100 = t57 * t99;
+                                const yao2020_real t101 = t80 * t36;
+                                const yao2020_real t102 = t83 * t101;
+                                const yao2020_real t103 = t100 - t102;
+                                const yao2020_real t104 = t15 * t37;
+                                const yao2020_real t105 = t103 + t104;
+                                const yao2020_real t106 = t105 * t105;
+                                const yao2020_real t107 = 1.0 - t106;
+                                if (t107 > 2.842170943040401e-14) {
+                                    margin[2] = t107;
+                                    const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                    const unsigned int side2 = (near[4] < 0.0) ? 2U : 1U;
+                                    for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                        if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                            const yao2020_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
+                                            const yao2020_real t115 = fabs(t107);
+                                            const yao2020_real t116 = t107 + t115;
+                                            const yao2020_real t117 = 0.5 * t116;
+                                            const yao2020_real t118 = sqrt(t117);
+                                            const yao2020_real t119 = sign2 * t118;
+                                            const yao2020_real t120 = -t105;
+                                            const yao2020_real t121 = atan2(t120, t119);
+                                            /* theta1 turns the axis of theta3 to where it must be */
+                                            const yao2020_real t122 = t48 * t99;
+                                            const yao2020_real t123 = t86 * t101;
+                                            const yao2020_real t124 = t122 - t123;
+                                            const yao2020_real t125 = t3 * t37;
+                                            const yao2020_real t126 = t124 + t125;
+                                            const yao2020_real t127 = t119 * t126;
+                                            const yao2020_real t128 = t127 * t127;
+                                            const yao2020_real t129 = t53 * t99;
+                                            const yao2020_real t130 = t88 * t101;
+                                            const yao2020_real t131 = t129 - t130;
+                                            const yao2020_real t132 = t8 * t37;
+                                            const yao2020_real t133 = t131 + t132;
+                                            const yao2020_real t134 = t119 * t133;
+                                            const yao2020_real t135 = t134 * t134;
+                                            const yao2020_real t136 = t128 + t135;
+                                            const yao2020_real t137 = sqrt(t136);
+                                            if (t137 > 2.842170943040401e-14) {
+                                                margin[3] = t137;
+                                                const yao2020_real t140 = atan2(t134, t127);
+                                                /* theta3 turns a direction of the tool to where it must be */
+                                                const yao2020_real t141 = 1.0 / t137;
+                                                const yao2020_real t142 = t127 * t141;
+                                                const yao2020_real t143 = t88 * t73;
+                                                const yao2020_real t144 = t53 * t80;
+                                                const yao2020_real t145 = t143 + t144;
+                                                const yao2020_real t146 = t142 * t145;
+                                                const yao2020_real t147 = t134 * t141;
+                                                const yao2020_real t148 = t86 * t73;
+                                                const yao2020_real t149 = t48 * t80;
+                                                const yao2020_real t150 = t148 + t149;
+                                                const yao2020_real t151 = t147 * t150;
+                                                const yao2020_real t152 = t146 - t151;
+                                                const yao2020_real t153 = t152 * t152;
+                                                const yao2020_real t154 = t83 * t73;
+                                                const yao2020_real t155 = t57 * t80;
+                                                const yao2020_real t156 = t154 + t155;
+                                                const yao2020_real t157 = t119 * t156;
+                                                const yao2020_real t158 = t142 * t150;
+                                                const yao2020_real t159 = t147 * t145;
+                                                const yao2020_real t160 = t158 + t159;
+                                                const yao2020_real t161 = t105 * t160;
+                                                const yao2020_real t162 = t157 - t161;
+                                                const yao2020_real t163 = t162 * t162;
+                                                const yao2020_real t164 = t153 + t163;
+                                                const yao2020_real t165 = sqrt(t164);
+                                                if (t165 > 2.842170943040401e-14) {
+                                                    margin[4] = t165;
+                                                    const yao2020_real t168 = atan2(t162, t152);
+                                                    found[count][0] = t140;
+                                                    found[count][1] = t121;
+                                                    found[count][2] = t168;
+                                                    found[count][3] = t39;
+                                                    found[count][4] = t81;
+                                                    found[count][5] = t98;
+                                                    ++count;
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            } else {
+                                                *undecided = true;
+                                            }
+                                        }
+                                    }
+                                } else if (t107 > -2.842170943040401e-14) {
+                                    *undecided = true;
+                                } else {
+                                    /* out of reach */
+                                }
+                            }
+                        }
+                    } else if (t62 > -2.842170943040401e-14) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
                     }
+                } else {
+                    *undecided = true;
                 }
-                gain2 = 4.0 * ((fresh || !(before > 0.0)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U) && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0 <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
-                const yao2020_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25)) ? (2.0 * part) : part;
-                if (aim > 0.999) {
-                    aim = 1.0;
-                }
-                for (int i = 0; i < 6; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                yao2020_inverse_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
             }
-        } else if (aim - done > 0.0009765625) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375 * (aim - done);
-            for (int i = 0; i < 6; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            yao2020_inverse_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = YAO2020_WRONG_BRANCH;
-            break;
         }
+    } else if (t21 > -2.842170943040401e-14) {
+        *undecided = true;
+    } else {
+        /* out of reach */
     }
-    yao2020_write_info(info, count, residual, size, w->spread);
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, false };
+    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    yao2020_status status = YAO2020_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == YAO2020_OUT_OF_RANGE); ++round) {
+        const yao2020_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const yao2020_real number = (goal[i] - joints[i]) * 0.15915494309189535;
+            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
+                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                joints[i] += 6.283185307179586 * (yao2020_real)whole;
+            }
+        }
+        status = yao2020_check_limits(joints);
+    }
     return status;
 }
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6], unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
+{
+    yao2020_real x[7];
+    yao2020_real found[1][6];
+    yao2020_real margin[5];
+    bool undecided = false;
+    yao2020_status status = yao2020_normalise_pose(pose, x);
+    if (status == YAO2020_OK) {
+        if (yao2020_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = yao2020_turn_near(about, found[0]);
+        } else {
+            status = undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
+        }
+    }
+    if (status == YAO2020_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
+{
+    static const yao2020_real near[6] = { 0.0 };
+    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    yao2020_real x[7];
+    int count = 0;
+    yao2020_real margin[5];
+    bool undecided = false;
+    yao2020_status status = yao2020_normalise_pose(pose, x);
+    if (status == YAO2020_OK) {
+        const int all = yao2020_branches(x, near, 63U, joints, &undecided, margin);
+        for (int k = 0; k < all; ++k) {
+            if (yao2020_turn_near(middle, joints[k]) == YAO2020_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch, yao2020_real joints[6])
+{
+    static const yao2020_real near[6] = { 0.0 };
+    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    yao2020_status status = YAO2020_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = yao2020_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6])
+{
+    yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
+    if (status == YAO2020_OK) {
+        yao2020_real near[6] = { 0.0 };
+        near[0] = yao2020_sine(guess[3] + 1.5707963267948966);
+        near[2] = yao2020_sine(guess[4] + 1.5707963267948966);
+        near[4] = yao2020_sine(guess[1] + 1.5707963267948966);
+        status = yao2020_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
+ * bits of the branch on which they lie. */
+static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_real x[7], yao2020_real margin[5])
+{
+    yao2020_real u[12];
+    unsigned int wanted = 0U;
+    u[0] = cos(0.5 * joints[0]);
+    u[1] = sin(0.5 * joints[0]);
+    u[2] = cos(0.5 * joints[1]);
+    u[3] = sin(0.5 * joints[1]);
+    u[4] = cos(0.5 * joints[2]);
+    u[5] = sin(0.5 * joints[2]);
+    u[6] = cos(0.5 * joints[3]);
+    u[7] = sin(0.5 * joints[3]);
+    u[8] = cos(0.5 * joints[4]);
+    u[9] = sin(0.5 * joints[4]);
+    u[10] = joints[5];
+    u[11] = 0.0;
+    /* the tool's pose */
+    const yao2020_real t0 = u[0] * u[0];
+    const yao2020_real t1 = u[1] * u[1];
+    const yao2020_real t2 = t0 - t1;
+    const yao2020_real t3 = u[2] * u[2];
+    const yao2020_real t4 = u[3] * u[3];
+    const yao2020_real t5 = t3 - t4;
+    const yao2020_real t6 = u[6] * u[6];
+    const yao2020_real t7 = u[7] * u[7];
+    const yao2020_real t8 = t6 - t7;
+    const yao2020_real t9 = u[8] * u[8];
+    const yao2020_real t10 = u[9] * u[9];
+    const yao2020_real t11 = t9 - t10;
+    const yao2020_real t12 = -545.0 + u[10];
+    const yao2020_real t13 = t12 - (-385.0);
+    const yao2020_real t14 = t11 * t13;
+    const yao2020_real t15 = -385.0 + t14;
+    const yao2020_real t16 = t15 - (-300.0);
+    const yao2020_real t17 = t8 * t16;
+    const yao2020_real t18 = -300.0 + t17;
+    const yao2020_real t19 = u[6] + u[6];
+    const yao2020_real t20 = t19 * u[7];
+    const yao2020_real t21 = 105.0 * t20;
+    const yao2020_real t22 = t18 + t21;
+    const yao2020_real t23 = t5 * t22;
+    const yao2020_real t24 = u[2] + u[2];
+    const yao2020_real t25 = t24 * u[3];
+    const yao2020_real t26 = u[4] * u[4];
+    const yao2020_real t27 = u[5] * u[5];
+    const yao2020_real t28 = t26 - t27;
+    const yao2020_real t29 = 105.0 * t8;
+    const yao2020_real t30 = t20 * t16;
+    const yao2020_real t31 = t29 - t30;
+    const yao2020_real t32 = t28 * t31;
+    const yao2020_real t33 = u[4] + u[4];
+    const yao2020_real t34 = t33 * u[5];
+    const yao2020_real t35 = u[8] + u[8];
+    const yao2020_real t36 = t35 * u[9];
+    const yao2020_real t37 = t36 * t13;
+    const yao2020_real t38 = t34 * t37;
+    const yao2020_real t39 = t32 + t38;
+    const yao2020_real t40 = t25 * t39;
+    const yao2020_real t41 = t23 + t40;
+    const yao2020_real t42 = t2 * t41;
+    const yao2020_real t43 = u[0] + u[0];
+    const yao2020_real t44 = t43 * u[1];
+    const yao2020_real t45 = t28 * t37;
+    const yao2020_real t46 = t34 * t31;
+    const yao2020_real t47 = t45 - t46;
+    const yao2020_real t48 = t44 * t47;
+    const yao2020_real t49 = t42 - t48;
+    x[0] = t49;
+    const yao2020_real t51 = t2 * t47;
+    const yao2020_real t52 = t44 * t41;
+    const yao2020_real t53 = t51 + t52;
+    x[1] = t53;
+    const yao2020_real t55 = t5 * t39;
+    const yao2020_real t56 = t25 * t22;
+    const yao2020_real t57 = t55 - t56;
+    x[2] = t57;
+    const yao2020_real t59 = u[6] * u[8];
+    const yao2020_real t60 = u[4] * t59;
+    const yao2020_real t61 = u[7] * u[9];
+    const yao2020_real t62 = u[5] * t61;
+    const yao2020_real t63 = t60 - t62;
+    const yao2020_real t64 = u[2] * t63;
+    const yao2020_real t65 = u[7] * u[8];
+    const yao2020_real t66 = u[4] * t65;
+    const yao2020_real t67 = u[6] * u[9];
+    const yao2020_real t68 = u[5] * t67;
+    const yao2020_real t69 = t66 - t68;
+    const yao2020_real t70 = u[3] * t69;
+    const yao2020_real t71 = t64 - t70;
+    const yao2020_real t72 = u[0] * t71;
+    const yao2020_real t73 = u[4] * t67;
+    const yao2020_real t74 = u[5] * t65;
+    const yao2020_real t75 = t73 + t74;
+    const yao2020_real t76 = u[2] * t75;
+    const yao2020_real t77 = u[4] * t61;
+    const yao2020_real t78 = u[5] * t59;
+    const yao2020_real t79 = t77 + t78;
+    const yao2020_real t80 = u[3] * t79;
+    const yao2020_real t81 = t76 - t80;
+    const yao2020_real t82 = u[1] * t81;
+    const yao2020_real t83 = t72 - t82;
+    x[3] = t83;
+    const yao2020_real t85 = u[2] * t79;
+    const yao2020_real t86 = u[3] * t75;
+    const yao2020_real t87 = t85 + t86;
+    const yao2020_real t88 = u[0] * t87;
+    const yao2020_real t89 = u[2] * t69;
+    const yao2020_real t90 = u[3] * t63;
+    const yao2020_real t91 = t89 + t90;
+    const yao2020_real t92 = u[1] * t91;
+    const yao2020_real t93 = t88 - t92;
+    x[4] = t93;
+    const yao2020_real t95 = u[0] * t91;
+    const yao2020_real t96 = u[1] * t87;
+    const yao2020_real t97 = t95 + t96;
+    x[5] = t97;
+    const yao2020_real t99 = u[0] * t81;
+    const yao2020_real t100 = u[1] * t71;
+    const yao2020_real t101 = t99 + t100;
+    x[6] = t101;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
+    const yao2020_real t103 = 300.0 * t8;
+    const yao2020_real t104 = t103 * 0.0018017286871142555;
+    const yao2020_real t105 = -t104;
+    margin[0] = t105 * t105;
+    wanted |= (t105 < 0.0) ? 2U : 1U;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+    const yao2020_real t108 = -300.0 + t103;
+    const yao2020_real t109 = t108 - (-385.0);
+    const yao2020_real t110 = t109 * t11;
+    const yao2020_real t111 = t110 * 0.0018017286871142555;
+    margin[1] = t111 * t111;
+    wanted |= (t111 < 0.0) ? 8U : 4U;
+    /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+    margin[2] = t5 * t5;
+    wanted |= (t5 < 0.0) ? 32U : 16U;
+    /* theta1 turns the axis of theta3 to where it must be */
+    const yao2020_real t116 = t97 * t97;
+    const yao2020_real t117 = t101 * t101;
+    const yao2020_real t118 = t116 + t117;
+    const yao2020_real t119 = t118 + t118;
+    const yao2020_real t120 = 1.0 - t119;
+    const yao2020_real t121 = t11 * t8;
+    const yao2020_real t122 = t120 * t121;
+    const yao2020_real t123 = t93 * t97;
+    const yao2020_real t124 = t83 * t101;
+    const yao2020_real t125 = t123 - t124;
+    const yao2020_real t126 = t125 + t125;
+    const yao2020_real t127 = t36 * t8;
+    const yao2020_real t128 = t126 * t127;
+    const yao2020_real t129 = t122 - t128;
+    const yao2020_real t130 = t93 * t101;
+    const yao2020_real t131 = t83 * t97;
+    const yao2020_real t132 = t130 + t131;
+    const yao2020_real t133 = t132 + t132;
+    const yao2020_real t134 = t133 * t20;
+    const yao2020_real t135 = t129 + t134;
+    const yao2020_real t136 = t5 * t135;
+    const yao2020_real t137 = t136 * t136;
+    const yao2020_real t138 = t123 + t124;
+    const yao2020_real t139 = t138 + t138;
+    const yao2020_real t140 = t139 * t121;
+    const yao2020_real t141 = t93 * t93;
+    const yao2020_real t142 = t141 + t117;
+    const yao2020_real t143 = t142 + t142;
+    const yao2020_real t144 = 1.0 - t143;
+    const yao2020_real t145 = t144 * t127;
+    const yao2020_real t146 = t140 - t145;
+    const yao2020_real t147 = t97 * t101;
+    const yao2020_real t148 = t83 * t93;
+    const yao2020_real t149 = t147 - t148;
+    const yao2020_real t150 = t149 + t149;
+    const yao2020_real t151 = t150 * t20;
+    const yao2020_real t152 = t146 + t151;
+    const yao2020_real t153 = t5 * t152;
+    const yao2020_real t154 = t153 * t153;
+    const yao2020_real t155 = t137 + t154;
+    const yao2020_real t156 = sqrt(t155);
+    margin[3] = t156;
+    /* theta3 turns a direction of the tool to where it must be */
+    const yao2020_real t158 = t139 * t36;
+    const yao2020_real t159 = t144 * t11;
+    const yao2020_real t160 = t158 + t159;
+    const yao2020_real t161 = t2 * t160;
+    const yao2020_real t162 = t120 * t36;
+    const yao2020_real t163 = t126 * t11;
+    const yao2020_real t164 = t162 + t163;
+    const yao2020_real t165 = t44 * t164;
+    const yao2020_real t166 = t161 - t165;
+    const yao2020_real t167 = t166 * t166;
+    const yao2020_real t168 = t130 - t131;
+    const yao2020_real t169 = t168 + t168;
+    const yao2020_real t170 = t169 * t36;
+    const yao2020_real t171 = t147 + t148;
+    const yao2020_real t172 = t171 + t171;
+    const yao2020_real t173 = t172 * t11;
+    const yao2020_real t174 = t170 + t173;
+    const yao2020_real t175 = t5 * t174;
+    const yao2020_real t176 = t2 * t164;
+    const yao2020_real t177 = t44 * t160;
+    const yao2020_real t178 = t176 + t177;
+    const yao2020_real t179 = t25 * t178;
+    const yao2020_real t180 = t175 + t179;
+    const yao2020_real t181 = t180 * t180;
+    const yao2020_real t182 = t167 + t181;
+    const yao2020_real t183 = sqrt(t182);
+    margin[4] = t183;
+    return wanted;
+}
+
+/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
+ * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
+ * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_real b[5], yao2020_real place, yao2020_real turn, const yao2020_real moved[6])
+{
+    yao2020_real largest = 0.0;
+    (void)a;
+    (void)b;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
+    const yao2020_real bend0 = 9.74 * place + 11.6 * turn;
+    const yao2020_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
+    const yao2020_real share0 = bend0 / (2.0 * (a[0] + b[0]) + 4.0 * lesser0);
+    largest = (share0 > largest) ? share0 : largest;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+    const yao2020_real bend1 = 9.76 * place + 10.9 * turn + 1.48 * moved[3];
+    const yao2020_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
+    const yao2020_real share1 = bend1 / (2.0 * (a[1] + b[1]) + 4.0 * lesser1);
+    largest = (share1 > largest) ? share1 : largest;
+    /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+    const yao2020_real bend2 = 14.9 * turn + 10.7 * moved[3] + 9.94 * moved[4];
+    const yao2020_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
+    const yao2020_real share2 = bend2 / (2.0 * (a[2] + b[2]) + 4.0 * lesser2);
+    largest = (share2 > largest) ? share2 : largest;
+    /* theta1 turns the axis of theta3 to where it must be */
+    const yao2020_real bend3 = 14.9 * turn + 10.7 * moved[3] + 9.94 * moved[4];
+    const yao2020_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
+    const yao2020_real share3 = bend3 / (2.0 * (a[3] + b[3]) + 4.0 * lesser3);
+    largest = (share3 > largest) ? share3 : largest;
+    /* theta3 turns a direction of the tool to where it must be */
+    const yao2020_real bend4 = 11.9 * turn + 10.8 * moved[0] + 11.0 * moved[1] + 11.8 * moved[4];
+    const yao2020_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
+    const yao2020_real share4 = bend4 / (2.0 * (a[4] + b[4]) + 4.0 * lesser4);
+    largest = (share4 > largest) ? share4 : largest;
+    return largest;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
+ * halved where they are not. Angles go on from part to part, whole turns included. */
+static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2020_config *config, yao2020_real joints[6], yao2020_info *info)
+{
+    static const yao2020_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 0.0018017286871142555 };
+    static const bool angular[6] = { true, true, true, true, true, false };
+    static const yao2020_real near[6] = { 0.0 };
+    const yao2020_real most2 = config->max_step * config->max_step * 3.246226261970459e-06;
+    yao2020_real at[7];
+    yao2020_real x[7];
+    yao2020_real left[5] = { 1.0 };
+    yao2020_real margin[5] = { 1.0 };
+    yao2020_real found[1][6];
+    yao2020_real done = 0.0;
+    yao2020_real part = 1.0;
+    yao2020_real moved[6];
+    yao2020_real way2 = 0.0;
+    yao2020_real least = 1.0;
+    unsigned int count = 0U;
+    const unsigned int wanted = yao2020_read_joints(joints, at, left);
+    /* of q and -q, one rotation, the one on the guess's side */
+    const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const yao2020_real side = (cosine < 0.0) ? -1.0 : 1.0;
+    const yao2020_real turn2 = 8.0 * ((1.0 - side * cosine) + 4.440892098500626e-16);
+    yao2020_real place2 = 0.0;
+    yao2020_status status = YAO2020_MAX_ITERATIONS;
+    for (int i = 0; i < 3; ++i) {
+        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 3.246226261970459e-06;
+    }
+    for (int k = 0; k < 5; ++k) {
+        if (!(left[k] > 2.842170943040401e-14)) {
+            status = YAO2020_SINGULAR;
+        }
+    }
+    while ((status == YAO2020_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
+        const yao2020_real end = (done + part < 0.999) ? (done + part) : 1.0;
+        bool undecided = false;
+        ++count;
+        for (int i = 0; i < 7; ++i) {
+            const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0) {
+            const yao2020_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        if (yao2020_branches(x, near, wanted, found, &undecided, margin) != 1) {
+            /* the guess's branch does not reach this point of the line */
+            status = undecided ? YAO2020_SINGULAR : ((end < 1.0) ? YAO2020_WRONG_BRANCH : YAO2020_OUT_OF_RANGE);
+        } else {
+            way2 = 0.0;
+            for (int i = 0; i < 6; ++i) {
+                yao2020_real way = found[0][i] - joints[i];
+                const yao2020_real number = way * 0.15915494309189535;
+                if (angular[i] && (fabs(number) > 0.5)) {
+                    way -= 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                }
+                found[0][i] = joints[i] + way;
+                moved[i] = (way * per_length[i]) * (way * per_length[i]);
+                way2 += moved[i];
+            }
+            const yao2020_real share = yao2020_line_share(left, margin, part * part * place2, part * part * turn2, moved);
+            if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[i] = found[0][i];
+                }
+                for (int k = 0; k < 5; ++k) {
+                    left[k] = margin[k];
+                }
+                done = end;
+                part *= (share < 0.2) ? 2.0 : ((share < 0.6) ? 1.0 : 0.75);
+                if (done >= 1.0) {
+                    status = YAO2020_OK;
+                }
+            } else {
+                part *= (share < 4.0) ? 0.5 : 0.25;
+                if (part < 0.000244140625) {
+                    status = YAO2020_WRONG_BRANCH;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 5; ++k) {
+        least = (left[k] < least) ? left[k] : least;
+    }
+    yao2020_write_info(info, count, (status == YAO2020_OK) ? 2.468738804943144e-09 : HUGE_VAL, way2 * 308050.0, (least > 0.0) ? (1.0 / least) : 0.0);
+    return status;
+}
+
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
 {
@@ -2009,11 +937,11 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* The joints by the closed form along the line of tool poses from the guess's to the given one. */
 yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6], yao2020_info *info)
 {
     static const yao2020_config usual = { YAO2020_TOLERANCE, YAO2020_MAX_STEPS, YAO2020_MAX_STEP };
-    yao2020_inverse_work w;
+    yao2020_real at[6];
     yao2020_real to[7];
     yao2020_status status = yao2020_check_finite(guess, 6, yao2020_normalise_pose(pose, to));
     yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -2029,27 +957,26 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
         status = yao2020_check_config(config, status);
     }
     if (status == YAO2020_OK) {
-        w.x[0] = guess[0];
-        w.x[1] = guess[1];
-        w.x[2] = guess[2];
-        w.x[3] = guess[3];
-        w.x[4] = guess[4];
-        w.x[5] = guess[5];
-        yao2020_forward(w.x, w.at);
-        status = yao2020_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        at[0] = guess[0];
+        at[1] = guess[1];
+        at[2] = guess[2];
+        at[3] = guess[3];
+        at[4] = guess[4];
+        at[5] = guess[5];
+        status = yao2020_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == YAO2020_OK) {
-            status = yao2020_check_limits(w.x);
+            status = yao2020_check_limits(at);
             if (info != NULL) {
-                info->joint = yao2020_first_beyond(w.x);
+                info->joint = yao2020_first_beyond(at);
             }
         }
         if (status == YAO2020_OK) {
-            joints[0] = w.x[0];
-            joints[1] = w.x[1];
-            joints[2] = w.x[2];
-            joints[3] = w.x[3];
-            joints[4] = w.x[4];
-            joints[5] = w.x[5];
+            joints[0] = at[0];
+            joints[1] = at[1];
+            joints[2] = at[2];
+            joints[3] = at[3];
+            joints[4] = at[4];
+            joints[5] = at[5];
         }
     }
     return status;
@@ -2878,339 +1805,6 @@ yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], y
         } else {
             /* nobody asks which joint */
         }
-    }
-    return status;
-}
-
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
-static yao2020_real yao2020_sine(yao2020_real angle)
-{
-    const yao2020_real number = angle * 0.15915494309189535;
-    yao2020_real sine = 0.0;
-    if (fabs(number) < 10000.0) {
-        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
-        if (x > 1.5707963267948966) {
-            x = 3.141592653589793 - x;
-        } else if (x < -1.5707963267948966) {
-            x = -3.141592653589793 - x;
-        } else {
-            /* within a quarter turn */
-        }
-        const yao2020_real square = x * x;
-        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
-    }
-    return sine;
-}
-
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint. */
-static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6], unsigned int wanted, yao2020_real found[][6], bool *undecided)
-{
-    int count = 0;
-    (void)near;
-    (void)wanted;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
-    const yao2020_real t0 = x[4] * x[6];
-    const yao2020_real t1 = x[3] * x[5];
-    const yao2020_real t2 = t0 + t1;
-    const yao2020_real t3 = t2 + t2;
-    const yao2020_real t4 = t3 * x[0];
-    const yao2020_real t5 = x[5] * x[6];
-    const yao2020_real t6 = x[3] * x[4];
-    const yao2020_real t7 = t5 - t6;
-    const yao2020_real t8 = t7 + t7;
-    const yao2020_real t9 = t8 * x[1];
-    const yao2020_real t10 = t4 + t9;
-    const yao2020_real t11 = x[4] * x[4];
-    const yao2020_real t12 = x[5] * x[5];
-    const yao2020_real t13 = t11 + t12;
-    const yao2020_real t14 = t13 + t13;
-    const yao2020_real t15 = 1.0 - t14;
-    const yao2020_real t16 = t15 * x[2];
-    const yao2020_real t17 = t10 + t16;
-    const yao2020_real t18 = 105.0 - t17;
-    const yao2020_real t19 = t18 * t18;
-    const yao2020_real t20 = 90000.0 - t19;
-    const yao2020_real t21 = t20 * 3.2462262619704594e-06;
-    if (t21 > 2.842170943040401e-14) {
-        const yao2020_real t23 = 300.0 * near[0];
-        const yao2020_real t24 = -t23;
-        const unsigned int bits0 = (wanted >> 0U) & 3U;
-        const unsigned int side0 = (t24 < 0.0) ? 2U : 1U;
-        for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
-            if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
-                const yao2020_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
-                const yao2020_real t30 = fabs(t20);
-                const yao2020_real t31 = t20 + t30;
-                const yao2020_real t32 = 0.5 * t31;
-                const yao2020_real t33 = sqrt(t32);
-                const yao2020_real t34 = sign0 * t33;
-                const yao2020_real t35 = 0.0033333333333333335 * t34;
-                const yao2020_real t36 = 0.0033333333333333335 * t18;
-                const yao2020_real t37 = -t35;
-                const yao2020_real t38 = atan2(t36, t37);
-                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
-                const yao2020_real t39 = -300.0 - t34;
-                const yao2020_real t40 = t39 - (-385.0);
-                const yao2020_real t41 = t40 * t40;
-                const yao2020_real t42 = t41 * 3.2462262619704594e-06;
-                if (t42 > 2.842170943040401e-14) {
-                    const yao2020_real t44 = x[4] * x[5];
-                    const yao2020_real t45 = x[3] * x[6];
-                    const yao2020_real t46 = t44 - t45;
-                    const yao2020_real t47 = t46 + t46;
-                    const yao2020_real t48 = t47 * x[0];
-                    const yao2020_real t49 = x[6] * x[6];
-                    const yao2020_real t50 = t11 + t49;
-                    const yao2020_real t51 = t50 + t50;
-                    const yao2020_real t52 = 1.0 - t51;
-                    const yao2020_real t53 = t52 * x[1];
-                    const yao2020_real t54 = t48 + t53;
-                    const yao2020_real t55 = t5 + t6;
-                    const yao2020_real t56 = t55 + t55;
-                    const yao2020_real t57 = t56 * x[2];
-                    const yao2020_real t58 = t54 + t57;
-                    const yao2020_real t59 = t58 * t58;
-                    const yao2020_real t60 = t41 - t59;
-                    const yao2020_real t61 = t60 * 3.2462262619704594e-06;
-                    if (t61 > 2.842170943040401e-14) {
-                        const yao2020_real t63 = t40 * near[2];
-                        const unsigned int bits1 = (wanted >> 2U) & 3U;
-                        const unsigned int side1 = (t63 < 0.0) ? 2U : 1U;
-                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
-                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
-                                const yao2020_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
-                                const yao2020_real t69 = t40 * t58;
-                                const yao2020_real t70 = 1.0 / t41;
-                                const yao2020_real t71 = t69 * t70;
-                                const yao2020_real t72 = fabs(t60);
-                                const yao2020_real t73 = t60 + t72;
-                                const yao2020_real t74 = 0.5 * t73;
-                                const yao2020_real t75 = sqrt(t74);
-                                const yao2020_real t76 = sign1 * t75;
-                                const yao2020_real t77 = t40 * t76;
-                                const yao2020_real t78 = t77 * t70;
-                                const yao2020_real t79 = atan2(t71, t78);
-                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be */
-                                const yao2020_real t80 = t0 - t1;
-                                const yao2020_real t81 = t80 + t80;
-                                const yao2020_real t82 = t12 + t49;
-                                const yao2020_real t83 = t82 + t82;
-                                const yao2020_real t84 = 1.0 - t83;
-                                const yao2020_real t85 = t44 + t45;
-                                const yao2020_real t86 = t85 + t85;
-                                const yao2020_real t87 = t84 * x[0];
-                                const yao2020_real t88 = t86 * x[1];
-                                const yao2020_real t89 = t87 + t88;
-                                const yao2020_real t90 = t81 * x[2];
-                                const yao2020_real t91 = t89 + t90;
-                                const yao2020_real t92 = -545.0 - t91;
-                                const yao2020_real t93 = t78 * t40;
-                                const yao2020_real t94 = -385.0 + t93;
-                                const yao2020_real t95 = t92 - t94;
-                                const yao2020_real t96 = -t95;
-                                /* the axis of theta3: its level along the axis of theta1 tells theta2 */
-                                const yao2020_real t97 = t71 * t35;
-                                const yao2020_real t98 = t56 * t97;
-                                const yao2020_real t99 = t78 * t35;
-                                const yao2020_real t100 = t81 * t99;
-                                const yao2020_real t101 = t98 - t100;
-                                const yao2020_real t102 = t15 * t36;
-                                const yao2020_real t103 = t101 + t102;
-                                const yao2020_real t104 = t103 * t103;
-                                const yao2020_real t105 = 1.0 - t104;
-                                if (t105 > 2.842170943040401e-14) {
-                                    const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                    const unsigned int side2 = (near[4] < 0.0) ? 2U : 1U;
-                                    for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
-                                        if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
-                                            const yao2020_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
-                                            const yao2020_real t112 = fabs(t105);
-                                            const yao2020_real t113 = t105 + t112;
-                                            const yao2020_real t114 = 0.5 * t113;
-                                            const yao2020_real t115 = sqrt(t114);
-                                            const yao2020_real t116 = sign2 * t115;
-                                            const yao2020_real t117 = -t103;
-                                            const yao2020_real t118 = atan2(t117, t116);
-                                            /* theta1 turns the axis of theta3 to where it must be */
-                                            const yao2020_real t119 = t47 * t97;
-                                            const yao2020_real t120 = t84 * t99;
-                                            const yao2020_real t121 = t119 - t120;
-                                            const yao2020_real t122 = t3 * t36;
-                                            const yao2020_real t123 = t121 + t122;
-                                            const yao2020_real t124 = t116 * t123;
-                                            const yao2020_real t125 = t124 * t124;
-                                            const yao2020_real t126 = t52 * t97;
-                                            const yao2020_real t127 = t86 * t99;
-                                            const yao2020_real t128 = t126 - t127;
-                                            const yao2020_real t129 = t8 * t36;
-                                            const yao2020_real t130 = t128 + t129;
-                                            const yao2020_real t131 = t116 * t130;
-                                            const yao2020_real t132 = t131 * t131;
-                                            const yao2020_real t133 = t125 + t132;
-                                            const yao2020_real t134 = sqrt(t133);
-                                            if (t134 > 2.842170943040401e-14) {
-                                                const yao2020_real t136 = atan2(t131, t124);
-                                                /* theta3 turns a direction of the tool to where it must be */
-                                                const yao2020_real t137 = 1.0 / t134;
-                                                const yao2020_real t138 = t124 * t137;
-                                                const yao2020_real t139 = t86 * t71;
-                                                const yao2020_real t140 = t52 * t78;
-                                                const yao2020_real t141 = t139 + t140;
-                                                const yao2020_real t142 = t138 * t141;
-                                                const yao2020_real t143 = t131 * t137;
-                                                const yao2020_real t144 = t84 * t71;
-                                                const yao2020_real t145 = t47 * t78;
-                                                const yao2020_real t146 = t144 + t145;
-                                                const yao2020_real t147 = t143 * t146;
-                                                const yao2020_real t148 = t142 - t147;
-                                                const yao2020_real t149 = t148 * t148;
-                                                const yao2020_real t150 = t81 * t71;
-                                                const yao2020_real t151 = t56 * t78;
-                                                const yao2020_real t152 = t150 + t151;
-                                                const yao2020_real t153 = t116 * t152;
-                                                const yao2020_real t154 = t138 * t146;
-                                                const yao2020_real t155 = t143 * t141;
-                                                const yao2020_real t156 = t154 + t155;
-                                                const yao2020_real t157 = t103 * t156;
-                                                const yao2020_real t158 = t153 - t157;
-                                                const yao2020_real t159 = t158 * t158;
-                                                const yao2020_real t160 = t149 + t159;
-                                                const yao2020_real t161 = sqrt(t160);
-                                                if (t161 > 2.842170943040401e-14) {
-                                                    const yao2020_real t163 = atan2(t158, t148);
-                                                    found[count][0] = t136;
-                                                    found[count][1] = t118;
-                                                    found[count][2] = t163;
-                                                    found[count][3] = t38;
-                                                    found[count][4] = t79;
-                                                    found[count][5] = t96;
-                                                    ++count;
-                                                } else {
-                                                    *undecided = true;
-                                                }
-                                            } else {
-                                                *undecided = true;
-                                            }
-                                        }
-                                    }
-                                } else if (t105 > -2.842170943040401e-14) {
-                                    *undecided = true;
-                                } else {
-                                    /* out of reach */
-                                }
-                            }
-                        }
-                    } else if (t61 > -2.842170943040401e-14) {
-                        *undecided = true;
-                    } else {
-                        /* out of reach */
-                    }
-                } else {
-                    *undecided = true;
-                }
-            }
-        }
-    } else if (t21 > -2.842170943040401e-14) {
-        *undecided = true;
-    } else {
-        /* out of reach */
-    }
-    return count;
-}
-
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
-static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_real joints[6])
-{
-    static const bool angular[6] = { true, true, true, true, true, false };
-    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    yao2020_status status = YAO2020_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == YAO2020_OUT_OF_RANGE); ++round) {
-        const yao2020_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < 6; ++i) {
-            const yao2020_real number = (goal[i] - joints[i]) * 0.15915494309189535;
-            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
-                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
-                joints[i] += 6.283185307179586 * (yao2020_real)whole;
-            }
-        }
-        status = yao2020_check_limits(joints);
-    }
-    return status;
-}
-
-/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6], unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
-{
-    yao2020_real x[7];
-    yao2020_real found[1][6];
-    bool undecided = false;
-    yao2020_status status = yao2020_normalise_pose(pose, x);
-    if (status == YAO2020_OK) {
-        if (yao2020_branches(x, near, wanted, found, &undecided) == 1) {
-            status = yao2020_turn_near(about, found[0]);
-        } else {
-            status = undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
-        }
-    }
-    if (status == YAO2020_OK) {
-        for (int i = 0; i < 6; ++i) {
-            joints[i] = found[0][i];
-        }
-    }
-    return status;
-}
-
-/* All branches with the given tool pose. */
-int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
-{
-    static const yao2020_real near[6] = { 0.0 };
-    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    yao2020_real x[7];
-    int count = 0;
-    bool undecided = false;
-    yao2020_status status = yao2020_normalise_pose(pose, x);
-    if (status == YAO2020_OK) {
-        const int all = yao2020_branches(x, near, 63U, joints, &undecided);
-        for (int k = 0; k < all; ++k) {
-            if (yao2020_turn_near(middle, joints[k]) == YAO2020_OK) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
-/* The branch named by the choices' bits. */
-yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch, yao2020_real joints[6])
-{
-    static const yao2020_real near[6] = { 0.0 };
-    static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    yao2020_status status = YAO2020_OUT_OF_RANGE;
-    if (branch < 8U) {
-        unsigned int wanted = 0U;
-        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
-        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
-        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
-        status = yao2020_one_branch(pose, near, wanted, middle, joints);
-    }
-    return status;
-}
-
-/* The branch nearest to the guess, choice by choice. */
-yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6])
-{
-    yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
-    if (status == YAO2020_OK) {
-        yao2020_real near[6] = { 0.0 };
-        near[0] = yao2020_sine(guess[3] + 1.5707963267948966);
-        near[2] = yao2020_sine(guess[4] + 1.5707963267948966);
-        near[4] = yao2020_sine(guess[1] + 1.5707963267948966);
-        status = yao2020_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

@@ -33,7 +33,9 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
-    const zhao2000_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f) && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 240000.0f) && (fabsf(pose->position[1]) <= 240000.0f) && (fabsf(pose->position[2]) <= 240000.0f);
+    const zhao2000_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0f;
     zhao2000_status status = ZHAO2000_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
