@@ -6,6 +6,7 @@ from collections import Counter
 from functools import cache
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -16,9 +17,11 @@ from symkin import InputError
 from symkin.cli.app import app
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
+from symkin.codegen.home_sheet import home_sheet
 from symkin.codegen.joint_map import JointMap, map_configurations
 from symkin.codegen.options import Options
 from symkin.codegen.program import build_program
+from symkin.codegen.samples import followed
 
 ANKLE = ("ankle", ("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))
 MODELS = str(Path(__file__).parent / "data" / "models") + "/"
@@ -317,3 +320,19 @@ def test_closed_forms_are_found():
         assert (made.direct.is_closed and made.inverse.is_closed) == (key in CLOSED)
         if key == "ankle":
             assert [len(part.form.names) for part in made.inverse.parts] == [1, 1]
+
+
+def test_polynomials_about_home_lie_where_the_map_leads():
+    """Within the box of the home sheet, straight lines from the reference end where its polynomials are, to their stated error."""
+    made = JointMap(symkin.load("ankle"), Options(given=ANKLE[1], find=ANKLE[2]), Real("double"))
+    sheet = home_sheet(made, made.direct, made.found)
+    assert sheet is not None
+    values, rng, problem = ca.Function("f", [sheet.known], [sheet.values]), np.random.default_rng(4), made.direct.problem
+    begin, home = made.reference_of(made.given), made.reference_of(made.direct.unknown)
+    for share in rng.uniform(-1, 1, (30, len(begin))):
+        there = followed(problem, home, begin, begin + share * sheet.reach)
+        assert there is not None
+        full = made.reference.copy()
+        full[problem.unknown_places] = there
+        found = problem.select_values(full, made.found)
+        np.testing.assert_allclose(np.asarray(values(share * sheet.reach)).ravel(), found, atol=1.5 * sheet.error)

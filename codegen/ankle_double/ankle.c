@@ -89,7 +89,7 @@ static ANKLE_SHARED ankle_real ankle_turned(ankle_real angle, ankle_real near, a
 
 /* Whether joints are finite and within their limits: NONFINITE comes before what was found so far,
  * OUT_OF_RANGE after. */
-static ANKLE_SHARED ankle_status ankle_limit_joints(ankle_status before, const ankle_real values[2])
+static ankle_status ankle_limit_joints(ankle_status before, const ankle_real values[2])
 {
     ankle_status status = before;
     if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
@@ -101,7 +101,7 @@ static ANKLE_SHARED ankle_status ankle_limit_joints(ankle_status before, const a
 
 /* Whether joints of a guess are finite and within their bounds: NONFINITE comes before what was
  * found so far, OUT_OF_RANGE after. */
-static ANKLE_SHARED ankle_status ankle_bound_joints(ankle_status before, const ankle_real values[2])
+static ankle_status ankle_bound_joints(ankle_status before, const ankle_real values[2])
 {
     ankle_status status = before;
     if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
@@ -113,7 +113,7 @@ static ANKLE_SHARED ankle_status ankle_bound_joints(ankle_status before, const a
 
 /* Whether found are finite and within their limits: NONFINITE comes before what was found so far,
  * OUT_OF_RANGE after. */
-static ANKLE_SHARED ankle_status ankle_limit_found(ankle_status before, const ankle_real values[2])
+static ankle_status ankle_limit_found(ankle_status before, const ankle_real values[2])
 {
     ankle_status status = before;
     if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
@@ -125,7 +125,7 @@ static ANKLE_SHARED ankle_status ankle_limit_found(ankle_status before, const an
 
 /* Whether found of a guess are finite and within their bounds: NONFINITE comes before what was
  * found so far, OUT_OF_RANGE after. */
-static ANKLE_SHARED ankle_status ankle_bound_found(ankle_status before, const ankle_real values[2])
+static ankle_status ankle_bound_found(ankle_status before, const ankle_real values[2])
 {
     ankle_status status = before;
     if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
@@ -709,7 +709,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const ankle_real part = aim - done;
                 done = aim;
@@ -765,6 +765,60 @@ static ANKLE_SHARED void ankle_direct_place(ankle_direct_work *w, const ankle_re
     w->k0[3] = w->k[3];
     ankle_circle(found[0], &w->x[0]);
     ankle_circle(found[1], &w->x[2]);
+}
+
+/* Whether known values are near those of the reference configuration, where polynomials, held
+ * against rays through it, come near the wanted ones. */
+static ANKLE_SHARED bool ankle_direct_near_home(const ankle_real values[2], ankle_real wanted[2])
+{
+    const ankle_real u0 = values[0] - 0.0;
+    const ankle_real u1 = values[1] - 0.0;
+    const ankle_real t0 = 0.445167 * u0;
+    const ankle_real t1 = t0 - 0.000588966;
+    const ankle_real t2 = 0.447659 * u1;
+    const ankle_real t3 = t1 + t2;
+    const ankle_real t4 = u0 * u0;
+    const ankle_real t5 = 0.127616 * t4;
+    const ankle_real t6 = t3 + t5;
+    const ankle_real t7 = u0 * u1;
+    const ankle_real t8 = -0.127976 * t7;
+    const ankle_real t9 = t6 + t8;
+    const ankle_real t10 = u1 * u1;
+    const ankle_real t11 = 0.127313 * t10;
+    const ankle_real t12 = t9 + t11;
+    const ankle_real t13 = t4 * u0;
+    const ankle_real t14 = -0.0534824 * t13;
+    const ankle_real t15 = t12 + t14;
+    const ankle_real t16 = t4 * u1;
+    const ankle_real t17 = 0.0685582 * t16;
+    const ankle_real t18 = t15 + t17;
+    const ankle_real t19 = t7 * u1;
+    const ankle_real t20 = 0.0467845 * t19;
+    const ankle_real t21 = t18 + t20;
+    const ankle_real t22 = t10 * u1;
+    const ankle_real t23 = -0.0454986 * t22;
+    const ankle_real t24 = t21 + t23;
+    const ankle_real t25 = 0.653531 * u0;
+    const ankle_real t26 = t25 + 0.000102812;
+    const ankle_real t27 = -0.651811 * u1;
+    const ankle_real t28 = t26 + t27;
+    const ankle_real t29 = -0.0380948 * t4;
+    const ankle_real t30 = t28 + t29;
+    const ankle_real t31 = 0.00933305 * t7;
+    const ankle_real t32 = t30 + t31;
+    const ankle_real t33 = 0.0258326 * t10;
+    const ankle_real t34 = t32 + t33;
+    const ankle_real t35 = 0.0267039 * t13;
+    const ankle_real t36 = t34 + t35;
+    const ankle_real t37 = -0.14864 * t16;
+    const ankle_real t38 = t36 + t37;
+    const ankle_real t39 = 0.148919 * t19;
+    const ankle_real t40 = t38 + t39;
+    const ankle_real t41 = -0.025681 * t22;
+    const ankle_real t42 = t40 + t41;
+    wanted[0] = t24;
+    wanted[1] = t42;
+    return (fabs(u0) <= 0.405) && (fabs(u1) <= 0.405);
 }
 
 /* Work space of ankle_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
@@ -1164,7 +1218,7 @@ static ANKLE_SHARED ankle_status ankle_inverse_finish(ankle_inverse_work *w, uns
     ankle_real size = 0.0;
     ankle_inverse_rows(w);
     ankle_real residual = ankle_inverse_residual(w);
-    if (!(residual <= config->tolerance)) {
+    if (!(residual <= config->tolerance + 1.1635645786055718e-13)) {
         if ((ankle_inverse_factor(w) == 0) && (ankle_inverse_pivoted(w) == 0)) {
             ankle_write_info(info, count, residual, 0.0, 0.0);
             return ANKLE_SINGULAR;
@@ -1443,8 +1497,9 @@ static ANKLE_SHARED void ankle_inverse_place(ankle_inverse_work *w, const ankle_
 
 /* All numbers y of the configuration that has the values: of angles cosine and sine, in the order
  * given, found, passive. The choices that the values leave are those of the reference
- * configuration. */
-static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2], ankle_real y[8])
+ * configuration. `other` are the values of the other side. */
+static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2], ankle_real y[8],
+    ankle_real other[2])
 {
     ankle_status status = ANKLE_OK;
     static const ankle_real sign[2] = { -1.0, -1.0 };
@@ -1467,33 +1522,54 @@ static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2]
     y[1] = x[1];
     y[2] = x[2];
     y[3] = x[3];
+    other[0] = atan2(x[1], x[0]);
+    other[1] = atan2(x[3], x[2]);
     return status;
 }
 
 /* All numbers y of the configuration that has the values: of angles cosine and sine, in the order
  * given, found, passive. The choices that the values leave are those of the reference
- * configuration. */
-static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2], ankle_real y[8])
+ * configuration. `other` are the values of the other side. */
+static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2], ankle_real y[8],
+    ankle_real other[2])
 {
     ankle_status status = ANKLE_OK;
-    static const ankle_config near = { 0.0026201145013147807, ANKLE_MAX_STEPS, ANKLE_MAX_STEP };
     ankle_direct_work w;
-    ankle_real to[2];
-    /* along the line from the reference configuration; an error of a guess moves the beginning of
-     * the line by as much */
-    w.at[0] = 0.0;
-    w.at[1] = 0.0;
-    w.x[0] = 1.0;
-    w.x[1] = 0.0;
-    w.x[2] = 1.0;
-    w.x[3] = 0.0;
-    w.k0[0] = 1.0;
-    w.k0[1] = 1.02;
-    w.k0[2] = 1.0;
-    w.k0[3] = 1.0277777777777777;
-    to[0] = ankle_turned(values[0], w.at[0], -1000.0, 1000.0);
-    to[1] = ankle_turned(values[1], w.at[1], -1000.0, 1000.0);
-    status = ankle_direct_newton(&w, to, &near, NULL);
+    /* near the reference configuration by one step of Newton's method from polynomials */
+    ankle_real found[2];
+    bool near_home = ankle_direct_near_home(values, found);
+    if (near_home) {
+        ankle_direct_place(&w, values, found);
+        ankle_direct_rows(&w);
+        near_home = !((ankle_direct_factor(&w) == 0) && (ankle_direct_pivoted(&w) == 0));
+        if (near_home) {
+            ankle_direct_solve(&w);
+            other[0] = found[0] + w.f[0] * 0.0038166270958700367;
+            other[1] = found[1] + w.f[1] * 0.0038166270958700367;
+            near_home = (ankle_direct_apply_step(&w) <= 14.801237179289128);
+        }
+    }
+    if (!near_home) {
+        static const ankle_config near = { 0.0026201145013147807, ANKLE_MAX_STEPS, ANKLE_MAX_STEP };
+        ankle_real to[2];
+        /* along the line from the reference configuration; an error of a guess moves the beginning
+         * of the line by as much */
+        w.at[0] = 0.0;
+        w.at[1] = 0.0;
+        w.x[0] = 1.0;
+        w.x[1] = 0.0;
+        w.x[2] = 1.0;
+        w.x[3] = 0.0;
+        w.k0[0] = 1.0;
+        w.k0[1] = 1.02;
+        w.k0[2] = 1.0;
+        w.k0[3] = 1.0277777777777777;
+        to[0] = ankle_turned(values[0], w.at[0], -1000.0, 1000.0);
+        to[1] = ankle_turned(values[1], w.at[1], -1000.0, 1000.0);
+        status = ankle_direct_newton(&w, to, &near, NULL);
+        other[0] = atan2(w.x[1], w.x[0]);
+        other[1] = atan2(w.x[3], w.x[2]);
+    }
     y[0] = w.numbers[0];
     y[1] = w.numbers[1];
     y[2] = w.numbers[2];
@@ -1514,21 +1590,22 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
     const ankle_config *const used = (config != NULL) ? config : &usual;
     ankle_direct_work w;
     ankle_real y[8];
+    ankle_real at[2];
     ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
     status = ankle_bound_found(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
     if (status == ANKLE_OK) {
-        status = ankle_state_of_found(guess, y);
+        status = ankle_state_of_found(guess, y, at);
     }
     if (status != ANKLE_OK) {
         ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
         ankle_blame(info, joints);
     } else {
         /* the line begins where the known values are at the guess */
-        w.at[0] = ankle_turned(atan2(y[1], y[0]), joints[0], -1000.0, 1000.0);
-        w.at[1] = ankle_turned(atan2(y[3], y[2]), joints[1], -1000.0, 1000.0);
+        w.at[0] = ankle_turned(at[0], joints[0], -1000.0, 1000.0);
+        w.at[1] = ankle_turned(at[1], joints[1], -1000.0, 1000.0);
         w.x[0] = y[4];
         w.x[1] = y[5];
         w.x[2] = y[6];
@@ -1596,20 +1673,21 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
     const ankle_config *const used = (config != NULL) ? config : &usual;
     ankle_inverse_work w;
     ankle_real y[8];
+    ankle_real at[2];
     ankle_status status = ankle_limit_found(ANKLE_OK, found);
     status = ankle_bound_joints(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
     if (status == ANKLE_OK) {
-        status = ankle_state_of_joints(guess, y);
+        status = ankle_state_of_joints(guess, y, at);
     }
     if (status != ANKLE_OK) {
         ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     } else {
         /* the line begins where the known values are at the guess */
-        w.at[0] = ankle_turned(atan2(y[5], y[4]), found[0], -1000.0, 1000.0);
-        w.at[1] = ankle_turned(atan2(y[7], y[6]), found[1], -1000.0, 1000.0);
+        w.at[0] = ankle_turned(at[0], found[0], -1000.0, 1000.0);
+        w.at[1] = ankle_turned(at[1], found[1], -1000.0, 1000.0);
         w.x[0] = y[0];
         w.x[1] = y[1];
         w.x[2] = y[2];

@@ -69,7 +69,12 @@ class Found:
 
 def study(mechanism: Mechanism, options: Options, count: int, reach: Reach = MIDDLE, seed: int = 0, legs: int = 1, folds: bool = True) -> Found:  # fmt: skip
     """Asks the generated C for `count` random goals a leg, and compares what it calls OK with the fine continuation."""
-    lines, rng, found, begun = Lines(mechanism, options), np.random.default_rng(seed), Found(), time.monotonic()
+    return studied(Lines(mechanism, options), count, reach, seed, legs, folds)
+
+
+def studied(lines: Lines, count: int, reach: Reach, seed: int, legs: int, folds: bool = True) -> Found:
+    """The same of lines whose code is compiled once."""
+    rng, found, begun = np.random.default_rng(seed), Found(), time.monotonic()
     for first in range(0, count, _BATCH):
         number = min(_BATCH, count - first)
         home = lines.home(number)
@@ -115,17 +120,18 @@ def report(names: list[str], count: int, reals: list[str], seed: int, legs: int,
     rows, seconds = [], 0.0
     for name in names:
         for real in reals:
+            lines = Lines(load(name), Options(real, home=HOMES.get(name)))  # type: ignore[arg-type]
             for words, reach in ranges.items():
-                found = study(load(name), Options(real, home=HOMES.get(name)), count, reach, seed, legs)  # type: ignore[arg-type]
+                found = studied(lines, count, reach, seed, legs)
                 rows.append(found.row(Path(name).stem, real, words))
                 seconds += found.seconds
                 print("\n".join([rows[-1] + f" {found.seconds:.0f} s", *found.said]), flush=True)
-    lines = [
+    table = [
         f"Seed {seed}, {count:,} goals a leg, {seconds / 60:.0f} minutes on one core.", "",
         "| solver | range | goals | OK | OK wrong | OK of regular lines | refused regular lines | mean steps | most steps |",
         "|---|---|---|---|---|---|---|---|---|", *rows,
     ]  # fmt: skip
-    return "\n".join(lines)
+    return "\n".join(table)
 
 
 if __name__ == "__main__":

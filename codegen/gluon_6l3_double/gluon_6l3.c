@@ -291,2171 +291,886 @@ static void gluon_6l3_forward(const gluon_6l3_real q[6], gluon_6l3_real x[7])
     x[6] = t160;
 }
 
-/* Work space of gluon_6l3_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: q1, q2, q3, q4, q5, q6
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    gluon_6l3_real x[6]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    gluon_6l3_real x0[6];
-    gluon_6l3_real at[7]; /* known values at the guess, where the line begins */
-    gluon_6l3_real k[7]; /* known values aimed at */
-    gluon_6l3_real f[6]; /* rows; the linear solver leaves the step in their place */
-    gluon_6l3_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    gluon_6l3_real spread;
-    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} gluon_6l3_inverse_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void gluon_6l3_inverse_rows(gluon_6l3_inverse_work *w)
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
+static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
 {
-    /* row 1: q1, q2, q3, q4, q5, q6 */
-    const gluon_6l3_real t0 = cos(w->x[0]);
-    const gluon_6l3_real t1 = cos(w->x[1]);
-    const gluon_6l3_real t2 = cos(w->x[2]);
-    const gluon_6l3_real t3 = cos(w->x[3]);
-    const gluon_6l3_real t4 = cos(w->x[4]);
-    const gluon_6l3_real t5 = sin(w->x[5]);
-    const gluon_6l3_real t6 = 9.849898674474389e-15 * t5;
-    const gluon_6l3_real t7 = t6 - 2.5149741003196706e-14;
-    const gluon_6l3_real t8 = t4 * t7;
-    const gluon_6l3_real t9 = sin(w->x[4]);
-    const gluon_6l3_real t10 = cos(w->x[5]);
-    const gluon_6l3_real t11 = -44.36 * t10;
-    const gluon_6l3_real t12 = 1.0 - t10;
-    const gluon_6l3_real t13 = 44.36 * t12;
-    const gluon_6l3_real t14 = t11 - t13;
-    const gluon_6l3_real t15 = t9 * t14;
-    const gluon_6l3_real t16 = t8 - t15;
-    const gluon_6l3_real t17 = t3 * t16;
-    const gluon_6l3_real t18 = sin(w->x[3]);
-    const gluon_6l3_real t19 = 9.849898674474389e-15 * t12;
-    const gluon_6l3_real t20 = t19 + 80.09;
-    const gluon_6l3_real t21 = t4 * t20;
-    const gluon_6l3_real t22 = 1.0 - t4;
-    const gluon_6l3_real t23 = t22 * t20;
-    const gluon_6l3_real t24 = t21 + t23;
-    const gluon_6l3_real t25 = t18 * t24;
-    const gluon_6l3_real t26 = t17 - t25;
-    const gluon_6l3_real t27 = t26 - 2.842170943040401e-14;
-    const gluon_6l3_real t28 = t2 * t27;
-    const gluon_6l3_real t29 = sin(w->x[2]);
-    const gluon_6l3_real t30 = t3 * t24;
-    const gluon_6l3_real t31 = t18 * t16;
-    const gluon_6l3_real t32 = t30 + t31;
-    const gluon_6l3_real t33 = t32 + 174.42;
-    const gluon_6l3_real t34 = t29 * t33;
-    const gluon_6l3_real t35 = t28 - t34;
-    const gluon_6l3_real t36 = t35 - 2.842170943040401e-14;
-    const gluon_6l3_real t37 = t1 * t36;
-    const gluon_6l3_real t38 = sin(w->x[1]);
-    const gluon_6l3_real t39 = t2 * t33;
-    const gluon_6l3_real t40 = t29 * t27;
-    const gluon_6l3_real t41 = t39 + t40;
-    const gluon_6l3_real t42 = t41 + 174.42;
-    const gluon_6l3_real t43 = t38 * t42;
-    const gluon_6l3_real t44 = t37 - t43;
-    const gluon_6l3_real t45 = t0 * t44;
-    const gluon_6l3_real t46 = sin(w->x[0]);
-    const gluon_6l3_real t47 = t4 * t14;
-    const gluon_6l3_real t48 = t9 * t7;
-    const gluon_6l3_real t49 = t47 + t48;
-    const gluon_6l3_real t50 = t49 - 75.66;
-    const gluon_6l3_real t51 = t3 * t50;
-    const gluon_6l3_real t52 = 1.0 - t3;
-    const gluon_6l3_real t53 = t52 * t50;
-    const gluon_6l3_real t54 = t51 + t53;
-    const gluon_6l3_real t55 = t54 + 2.842170943040401e-14;
-    const gluon_6l3_real t56 = t2 * t55;
-    const gluon_6l3_real t57 = 1.0 - t2;
-    const gluon_6l3_real t58 = t57 * t55;
-    const gluon_6l3_real t59 = t56 + t58;
-    const gluon_6l3_real t60 = t59 + 2.842170943040401e-14;
-    const gluon_6l3_real t61 = t1 * t60;
-    const gluon_6l3_real t62 = 1.0 - t1;
-    const gluon_6l3_real t63 = t62 * t60;
-    const gluon_6l3_real t64 = t61 + t63;
-    const gluon_6l3_real t65 = t46 * t64;
-    const gluon_6l3_real t66 = t45 - t65;
-    const gluon_6l3_real t67 = w->k[0] - t66;
-    const gluon_6l3_real t68 = -t67;
-    w->f[0] = t68;
-    /* row 2: q1, q2, q3, q4, q5, q6 */
-    const gluon_6l3_real t70 = t0 * t64;
-    const gluon_6l3_real t71 = t46 * t44;
-    const gluon_6l3_real t72 = t70 + t71;
-    const gluon_6l3_real t73 = w->k[1] - t72;
-    const gluon_6l3_real t74 = -t73;
-    w->f[1] = t74;
-    /* row 3: q1, q2, q3, q4, q5, q6 */
-    const gluon_6l3_real t76 = t1 * t42;
-    const gluon_6l3_real t77 = t38 * t36;
-    const gluon_6l3_real t78 = t76 + t77;
-    const gluon_6l3_real t79 = t78 + 105.03;
-    const gluon_6l3_real t80 = t0 * t79;
-    const gluon_6l3_real t81 = 1.0 - t0;
-    const gluon_6l3_real t82 = t81 * t79;
-    const gluon_6l3_real t83 = t80 + t82;
-    const gluon_6l3_real t84 = w->k[2] - t83;
-    const gluon_6l3_real t85 = -t84;
-    w->f[2] = t85;
-    /* row 4: q1, q2, q3, q4, q5, q6 */
-    const gluon_6l3_real t87 = 0.5 * w->x[0];
-    const gluon_6l3_real t88 = cos(t87);
-    const gluon_6l3_real t89 = 0.5 * w->x[1];
-    const gluon_6l3_real t90 = cos(t89);
-    const gluon_6l3_real t91 = t88 * t90;
-    const gluon_6l3_real t92 = 0.5 * w->x[2];
-    const gluon_6l3_real t93 = cos(t92);
-    const gluon_6l3_real t94 = t91 * t93;
-    const gluon_6l3_real t95 = sin(t89);
-    const gluon_6l3_real t96 = t88 * t95;
-    const gluon_6l3_real t97 = sin(t92);
-    const gluon_6l3_real t98 = t96 * t97;
-    const gluon_6l3_real t99 = t94 - t98;
-    const gluon_6l3_real t100 = 0.5 * w->x[3];
-    const gluon_6l3_real t101 = cos(t100);
-    const gluon_6l3_real t102 = t99 * t101;
-    const gluon_6l3_real t103 = t91 * t97;
-    const gluon_6l3_real t104 = t96 * t93;
-    const gluon_6l3_real t105 = t103 + t104;
-    const gluon_6l3_real t106 = sin(t100);
-    const gluon_6l3_real t107 = t105 * t106;
-    const gluon_6l3_real t108 = t102 - t107;
-    const gluon_6l3_real t109 = 0.5 * w->x[4];
-    const gluon_6l3_real t110 = cos(t109);
-    const gluon_6l3_real t111 = t108 * t110;
-    const gluon_6l3_real t112 = sin(t87);
-    const gluon_6l3_real t113 = t112 * t90;
-    const gluon_6l3_real t114 = t113 * t93;
-    const gluon_6l3_real t115 = t112 * t95;
-    const gluon_6l3_real t116 = t115 * t97;
-    const gluon_6l3_real t117 = t114 - t116;
-    const gluon_6l3_real t118 = t117 * t101;
-    const gluon_6l3_real t119 = t115 * t93;
-    const gluon_6l3_real t120 = t113 * t97;
-    const gluon_6l3_real t121 = t119 + t120;
-    const gluon_6l3_real t122 = t121 * t106;
-    const gluon_6l3_real t123 = t118 - t122;
-    const gluon_6l3_real t124 = sin(t109);
-    const gluon_6l3_real t125 = t123 * t124;
-    const gluon_6l3_real t126 = t111 - t125;
-    const gluon_6l3_real t127 = 0.5 * w->x[5];
-    const gluon_6l3_real t128 = cos(t127);
-    const gluon_6l3_real t129 = t126 * t128;
-    const gluon_6l3_real t130 = t121 * t101;
-    const gluon_6l3_real t131 = t117 * t106;
-    const gluon_6l3_real t132 = t130 + t131;
-    const gluon_6l3_real t133 = t132 * t124;
-    const gluon_6l3_real t134 = t99 * t106;
-    const gluon_6l3_real t135 = t105 * t101;
-    const gluon_6l3_real t136 = t134 + t135;
-    const gluon_6l3_real t137 = t136 * t110;
-    const gluon_6l3_real t138 = t133 + t137;
-    const gluon_6l3_real t139 = sin(t127);
-    const gluon_6l3_real t140 = t138 * t139;
-    const gluon_6l3_real t141 = t129 - t140;
-    const gluon_6l3_real t142 = 0.7071067811865475 * w->k[6];
-    const gluon_6l3_real t143 = -0.7071067811865476 * w->k[5];
-    const gluon_6l3_real t144 = t142 - t143;
-    const gluon_6l3_real t145 = t141 * t144;
-    const gluon_6l3_real t146 = t132 * t110;
-    const gluon_6l3_real t147 = t136 * t124;
-    const gluon_6l3_real t148 = t146 - t147;
-    const gluon_6l3_real t149 = t148 * t128;
-    const gluon_6l3_real t150 = t108 * t124;
-    const gluon_6l3_real t151 = t123 * t110;
-    const gluon_6l3_real t152 = t150 + t151;
-    const gluon_6l3_real t153 = t152 * t139;
-    const gluon_6l3_real t154 = t149 + t153;
-    const gluon_6l3_real t155 = 0.7071067811865475 * w->k[5];
-    const gluon_6l3_real t156 = -0.7071067811865476 * w->k[6];
-    const gluon_6l3_real t157 = t155 + t156;
-    const gluon_6l3_real t158 = t154 * t157;
-    const gluon_6l3_real t159 = t145 - t158;
-    const gluon_6l3_real t160 = t138 * t128;
-    const gluon_6l3_real t161 = t126 * t139;
-    const gluon_6l3_real t162 = t160 + t161;
-    const gluon_6l3_real t163 = -0.7071067811865476 * w->k[3];
-    const gluon_6l3_real t164 = 0.7071067811865475 * w->k[4];
-    const gluon_6l3_real t165 = t163 + t164;
-    const gluon_6l3_real t166 = t162 * t165;
-    const gluon_6l3_real t167 = t159 - t166;
-    const gluon_6l3_real t168 = t152 * t128;
-    const gluon_6l3_real t169 = t148 * t139;
-    const gluon_6l3_real t170 = t168 - t169;
-    const gluon_6l3_real t171 = -0.7071067811865476 * w->k[4];
-    const gluon_6l3_real t172 = 0.7071067811865475 * w->k[3];
-    const gluon_6l3_real t173 = t171 - t172;
-    const gluon_6l3_real t174 = t170 * t173;
-    const gluon_6l3_real t175 = t167 + t174;
-    const gluon_6l3_real t176 = 1078.5874414251261 * t175;
-    const gluon_6l3_real t177 = -t176;
-    w->f[3] = t177;
-    /* row 5: q1, q2, q3, q4, q5, q6 */
-    const gluon_6l3_real t179 = t141 * t173;
-    const gluon_6l3_real t180 = t154 * t165;
-    const gluon_6l3_real t181 = t179 - t180;
-    const gluon_6l3_real t182 = t162 * t157;
-    const gluon_6l3_real t183 = t181 + t182;
-    const gluon_6l3_real t184 = t170 * t144;
-    const gluon_6l3_real t185 = t183 - t184;
-    const gluon_6l3_real t186 = 1078.5874414251261 * t185;
-    const gluon_6l3_real t187 = -t186;
-    w->f[4] = t187;
-    /* row 6: q1, q2, q3, q4, q5, q6 */
-    const gluon_6l3_real t189 = t141 * t165;
-    const gluon_6l3_real t190 = t154 * t173;
-    const gluon_6l3_real t191 = t189 + t190;
-    const gluon_6l3_real t192 = t162 * t144;
-    const gluon_6l3_real t193 = t191 + t192;
-    const gluon_6l3_real t194 = t170 * t157;
-    const gluon_6l3_real t195 = t193 + t194;
-    const gluon_6l3_real t196 = 1078.5874414251261 * t195;
-    w->f[5] = t196;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static GLUON_6L3_SHARED gluon_6l3_real gluon_6l3_inverse_residual(const gluon_6l3_inverse_work *w)
-{
-    gluon_6l3_real sum = w->f[0] * w->f[0];
-    sum += w->f[1] * w->f[1];
-    sum += w->f[2] * w->f[2];
-    sum += w->f[3] * w->f[3];
-    sum += w->f[4] * w->f[4];
-    sum += w->f[5] * w->f[5];
-    return sqrt(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static gluon_6l3_real gluon_6l3_inverse_apply_step(gluon_6l3_inverse_work *w)
-{
-    const gluon_6l3_real t0 = 0.0018542771065064704 * w->f[0];
-    const gluon_6l3_real t1 = w->x[0] + t0;
-    const gluon_6l3_real t2 = 0.0018542771065064704 * w->f[1];
-    const gluon_6l3_real t3 = w->x[1] + t2;
-    const gluon_6l3_real t4 = 0.0018542771065064704 * w->f[2];
-    const gluon_6l3_real t5 = w->x[2] + t4;
-    const gluon_6l3_real t6 = 0.0018542771065064704 * w->f[3];
-    const gluon_6l3_real t7 = w->x[3] + t6;
-    const gluon_6l3_real t8 = 0.0018542771065064704 * w->f[4];
-    const gluon_6l3_real t9 = w->x[4] + t8;
-    const gluon_6l3_real t10 = 0.0018542771065064704 * w->f[5];
-    const gluon_6l3_real t11 = w->x[5] + t10;
-    const gluon_6l3_real t12 = w->f[0] * w->f[0];
-    const gluon_6l3_real t13 = w->f[1] * w->f[1];
-    const gluon_6l3_real t14 = t12 + t13;
-    const gluon_6l3_real t15 = w->f[2] * w->f[2];
-    const gluon_6l3_real t16 = t14 + t15;
-    const gluon_6l3_real t17 = w->f[3] * w->f[3];
-    const gluon_6l3_real t18 = t16 + t17;
-    const gluon_6l3_real t19 = w->f[4] * w->f[4];
-    const gluon_6l3_real t20 = t18 + t19;
-    const gluon_6l3_real t21 = w->f[5] * w->f[5];
-    const gluon_6l3_real t22 = t20 + t21;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    w->x[4] = t9;
-    w->x[5] = t11;
-    return t22;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static GLUON_6L3_SHARED void gluon_6l3_inverse_set_target(gluon_6l3_inverse_work *w,
-    const gluon_6l3_real to[7], gluon_6l3_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const gluon_6l3_real inverse = 1.0 / sqrt(w->k[3] * w->k[3] + w->k[4] * w->k[4]
-            + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void gluon_6l3_inverse_matrix(gluon_6l3_inverse_work *w)
-{
-    const gluon_6l3_real t0 = cos(w->x[1]);
-    const gluon_6l3_real t1 = cos(w->x[2]);
-    const gluon_6l3_real t2 = cos(w->x[3]);
-    const gluon_6l3_real t3 = cos(w->x[4]);
-    const gluon_6l3_real t4 = sin(w->x[5]);
-    const gluon_6l3_real t5 = 9.849898674474389e-15 * t4;
-    const gluon_6l3_real t6 = t5 - 2.5149741003196706e-14;
-    const gluon_6l3_real t7 = t3 * t6;
-    const gluon_6l3_real t8 = sin(w->x[4]);
-    const gluon_6l3_real t9 = cos(w->x[5]);
-    const gluon_6l3_real t10 = -44.36 * t9;
-    const gluon_6l3_real t11 = 1.0 - t9;
-    const gluon_6l3_real t12 = 44.36 * t11;
-    const gluon_6l3_real t13 = t10 - t12;
-    const gluon_6l3_real t14 = t8 * t13;
-    const gluon_6l3_real t15 = t7 - t14;
-    const gluon_6l3_real t16 = t2 * t15;
-    const gluon_6l3_real t17 = sin(w->x[3]);
-    const gluon_6l3_real t18 = 9.849898674474389e-15 * t11;
-    const gluon_6l3_real t19 = t18 + 80.09;
-    const gluon_6l3_real t20 = t3 * t19;
-    const gluon_6l3_real t21 = 1.0 - t3;
-    const gluon_6l3_real t22 = t21 * t19;
-    const gluon_6l3_real t23 = t20 + t22;
-    const gluon_6l3_real t24 = t17 * t23;
-    const gluon_6l3_real t25 = t16 - t24;
-    const gluon_6l3_real t26 = t25 - 2.842170943040401e-14;
-    const gluon_6l3_real t27 = t1 * t26;
-    const gluon_6l3_real t28 = sin(w->x[2]);
-    const gluon_6l3_real t29 = t2 * t23;
-    const gluon_6l3_real t30 = t17 * t15;
-    const gluon_6l3_real t31 = t29 + t30;
-    const gluon_6l3_real t32 = t31 + 174.42;
-    const gluon_6l3_real t33 = t28 * t32;
-    const gluon_6l3_real t34 = t27 - t33;
-    const gluon_6l3_real t35 = t34 - 2.842170943040401e-14;
-    const gluon_6l3_real t36 = t0 * t35;
-    const gluon_6l3_real t37 = sin(w->x[1]);
-    const gluon_6l3_real t38 = t1 * t32;
-    const gluon_6l3_real t39 = t28 * t26;
-    const gluon_6l3_real t40 = t38 + t39;
-    const gluon_6l3_real t41 = t40 + 174.42;
-    const gluon_6l3_real t42 = t37 * t41;
-    const gluon_6l3_real t43 = t36 - t42;
-    const gluon_6l3_real t44 = sin(w->x[0]);
-    const gluon_6l3_real t45 = t43 * t44;
-    const gluon_6l3_real t46 = t3 * t13;
-    const gluon_6l3_real t47 = t8 * t6;
-    const gluon_6l3_real t48 = t46 + t47;
-    const gluon_6l3_real t49 = t48 - 75.66;
-    const gluon_6l3_real t50 = t2 * t49;
-    const gluon_6l3_real t51 = 1.0 - t2;
-    const gluon_6l3_real t52 = t51 * t49;
-    const gluon_6l3_real t53 = t50 + t52;
-    const gluon_6l3_real t54 = t53 + 2.842170943040401e-14;
-    const gluon_6l3_real t55 = t1 * t54;
-    const gluon_6l3_real t56 = 1.0 - t1;
-    const gluon_6l3_real t57 = t56 * t54;
-    const gluon_6l3_real t58 = t55 + t57;
-    const gluon_6l3_real t59 = t58 + 2.842170943040401e-14;
-    const gluon_6l3_real t60 = t0 * t59;
-    const gluon_6l3_real t61 = 1.0 - t0;
-    const gluon_6l3_real t62 = t61 * t59;
-    const gluon_6l3_real t63 = t60 + t62;
-    const gluon_6l3_real t64 = cos(w->x[0]);
-    const gluon_6l3_real t65 = t63 * t64;
-    const gluon_6l3_real t66 = t45 + t65;
-    const gluon_6l3_real t67 = 0.0018542771065064704 * t66;
-    w->a[0] = t67;
-    const gluon_6l3_real t69 = t35 * t37;
-    const gluon_6l3_real t70 = t41 * t0;
-    const gluon_6l3_real t71 = t69 + t70;
-    const gluon_6l3_real t72 = t64 * t71;
-    const gluon_6l3_real t73 = 0.0018542771065064704 * t72;
-    w->a[1] = t73;
-    const gluon_6l3_real t75 = t26 * t28;
-    const gluon_6l3_real t76 = t32 * t1;
-    const gluon_6l3_real t77 = t75 + t76;
-    const gluon_6l3_real t78 = t0 * t77;
-    const gluon_6l3_real t79 = t26 * t1;
-    const gluon_6l3_real t80 = t32 * t28;
-    const gluon_6l3_real t81 = t79 - t80;
-    const gluon_6l3_real t82 = t37 * t81;
-    const gluon_6l3_real t83 = t78 + t82;
-    const gluon_6l3_real t84 = t64 * t83;
-    const gluon_6l3_real t85 = 0.0018542771065064704 * t84;
-    w->a[2] = t85;
-    const gluon_6l3_real t87 = t15 * t17;
-    const gluon_6l3_real t88 = t23 * t2;
-    const gluon_6l3_real t89 = t87 + t88;
-    const gluon_6l3_real t90 = t1 * t89;
-    const gluon_6l3_real t91 = t15 * t2;
-    const gluon_6l3_real t92 = t23 * t17;
-    const gluon_6l3_real t93 = t91 - t92;
-    const gluon_6l3_real t94 = t28 * t93;
-    const gluon_6l3_real t95 = t90 + t94;
-    const gluon_6l3_real t96 = t0 * t95;
-    const gluon_6l3_real t97 = t1 * t93;
-    const gluon_6l3_real t98 = t28 * t89;
-    const gluon_6l3_real t99 = t97 - t98;
-    const gluon_6l3_real t100 = t37 * t99;
-    const gluon_6l3_real t101 = t96 + t100;
-    const gluon_6l3_real t102 = t64 * t101;
-    const gluon_6l3_real t103 = 0.0018542771065064704 * t102;
-    w->a[3] = t103;
-    const gluon_6l3_real t105 = t13 * t3;
-    const gluon_6l3_real t106 = t6 * t8;
-    const gluon_6l3_real t107 = t105 + t106;
-    const gluon_6l3_real t108 = t17 * t107;
-    const gluon_6l3_real t109 = t28 * t108;
-    const gluon_6l3_real t110 = t2 * t107;
-    const gluon_6l3_real t111 = t1 * t110;
-    const gluon_6l3_real t112 = t109 - t111;
-    const gluon_6l3_real t113 = t0 * t112;
-    const gluon_6l3_real t114 = t1 * t108;
-    const gluon_6l3_real t115 = t28 * t110;
-    const gluon_6l3_real t116 = t114 + t115;
-    const gluon_6l3_real t117 = t37 * t116;
-    const gluon_6l3_real t118 = t113 + t117;
-    const gluon_6l3_real t119 = t64 * t118;
-    const gluon_6l3_real t120 = t6 * t3;
-    const gluon_6l3_real t121 = t13 * t8;
-    const gluon_6l3_real t122 = t120 - t121;
-    const gluon_6l3_real t123 = t2 * t122;
-    const gluon_6l3_real t124 = t51 * t122;
-    const gluon_6l3_real t125 = t123 + t124;
-    const gluon_6l3_real t126 = t1 * t125;
-    const gluon_6l3_real t127 = t56 * t125;
-    const gluon_6l3_real t128 = t126 + t127;
-    const gluon_6l3_real t129 = t0 * t128;
-    const gluon_6l3_real t130 = t61 * t128;
-    const gluon_6l3_real t131 = t129 + t130;
-    const gluon_6l3_real t132 = t44 * t131;
-    const gluon_6l3_real t133 = t119 - t132;
-    const gluon_6l3_real t134 = 0.0018542771065064704 * t133;
-    const gluon_6l3_real t135 = -t134;
-    w->a[4] = t135;
-    const gluon_6l3_real t137 = 9.849898674474389e-15 * t9;
-    const gluon_6l3_real t138 = t3 * t137;
-    const gluon_6l3_real t139 = -44.36 * t4;
-    const gluon_6l3_real t140 = 44.36 * t4;
-    const gluon_6l3_real t141 = t139 + t140;
-    const gluon_6l3_real t142 = t8 * t141;
-    const gluon_6l3_real t143 = t138 + t142;
-    const gluon_6l3_real t144 = t2 * t143;
-    const gluon_6l3_real t145 = t3 * t5;
-    const gluon_6l3_real t146 = t21 * t5;
-    const gluon_6l3_real t147 = t145 + t146;
-    const gluon_6l3_real t148 = t17 * t147;
-    const gluon_6l3_real t149 = t144 - t148;
-    const gluon_6l3_real t150 = t1 * t149;
-    const gluon_6l3_real t151 = t2 * t147;
-    const gluon_6l3_real t152 = t17 * t143;
-    const gluon_6l3_real t153 = t151 + t152;
-    const gluon_6l3_real t154 = t28 * t153;
-    const gluon_6l3_real t155 = t150 - t154;
-    const gluon_6l3_real t156 = t0 * t155;
-    const gluon_6l3_real t157 = t1 * t153;
-    const gluon_6l3_real t158 = t28 * t149;
-    const gluon_6l3_real t159 = t157 + t158;
-    const gluon_6l3_real t160 = t37 * t159;
-    const gluon_6l3_real t161 = t156 - t160;
-    const gluon_6l3_real t162 = t64 * t161;
-    const gluon_6l3_real t163 = t8 * t137;
-    const gluon_6l3_real t164 = t3 * t141;
-    const gluon_6l3_real t165 = t163 - t164;
-    const gluon_6l3_real t166 = t2 * t165;
-    const gluon_6l3_real t167 = t51 * t165;
-    const gluon_6l3_real t168 = t166 + t167;
-    const gluon_6l3_real t169 = t1 * t168;
-    const gluon_6l3_real t170 = t56 * t168;
-    const gluon_6l3_real t171 = t169 + t170;
-    const gluon_6l3_real t172 = t0 * t171;
-    const gluon_6l3_real t173 = t61 * t171;
-    const gluon_6l3_real t174 = t172 + t173;
-    const gluon_6l3_real t175 = t44 * t174;
-    const gluon_6l3_real t176 = t162 - t175;
-    const gluon_6l3_real t177 = 0.0018542771065064704 * t176;
-    const gluon_6l3_real t178 = -t177;
-    w->a[5] = t178;
-    const gluon_6l3_real t180 = t43 * t64;
-    const gluon_6l3_real t181 = t63 * t44;
-    const gluon_6l3_real t182 = t180 - t181;
-    const gluon_6l3_real t183 = 0.0018542771065064704 * t182;
-    const gluon_6l3_real t184 = -t183;
-    w->a[6] = t184;
-    const gluon_6l3_real t186 = t44 * t71;
-    const gluon_6l3_real t187 = 0.0018542771065064704 * t186;
-    w->a[7] = t187;
-    const gluon_6l3_real t189 = t44 * t83;
-    const gluon_6l3_real t190 = 0.0018542771065064704 * t189;
-    w->a[8] = t190;
-    const gluon_6l3_real t192 = t44 * t101;
-    const gluon_6l3_real t193 = 0.0018542771065064704 * t192;
-    w->a[9] = t193;
-    const gluon_6l3_real t195 = t64 * t131;
-    const gluon_6l3_real t196 = t44 * t118;
-    const gluon_6l3_real t197 = t195 + t196;
-    const gluon_6l3_real t198 = 0.0018542771065064704 * t197;
-    const gluon_6l3_real t199 = -t198;
-    w->a[10] = t199;
-    const gluon_6l3_real t201 = t64 * t174;
-    const gluon_6l3_real t202 = t44 * t161;
-    const gluon_6l3_real t203 = t201 + t202;
-    const gluon_6l3_real t204 = 0.0018542771065064704 * t203;
-    const gluon_6l3_real t205 = -t204;
-    w->a[11] = t205;
-    w->a[12] = 0.0;
-    const gluon_6l3_real t208 = t35 * t0;
-    const gluon_6l3_real t209 = t41 * t37;
-    const gluon_6l3_real t210 = t208 - t209;
-    const gluon_6l3_real t211 = t64 * t210;
-    const gluon_6l3_real t212 = 1.0 - t64;
-    const gluon_6l3_real t213 = t212 * t210;
-    const gluon_6l3_real t214 = t211 + t213;
-    const gluon_6l3_real t215 = 0.0018542771065064704 * t214;
-    const gluon_6l3_real t216 = -t215;
-    w->a[13] = t216;
-    const gluon_6l3_real t218 = t0 * t81;
-    const gluon_6l3_real t219 = t37 * t77;
-    const gluon_6l3_real t220 = t218 - t219;
-    const gluon_6l3_real t221 = t64 * t220;
-    const gluon_6l3_real t222 = t212 * t220;
-    const gluon_6l3_real t223 = t221 + t222;
-    const gluon_6l3_real t224 = 0.0018542771065064704 * t223;
-    const gluon_6l3_real t225 = -t224;
-    w->a[14] = t225;
-    const gluon_6l3_real t227 = t0 * t99;
-    const gluon_6l3_real t228 = t37 * t95;
-    const gluon_6l3_real t229 = t227 - t228;
-    const gluon_6l3_real t230 = t64 * t229;
-    const gluon_6l3_real t231 = t212 * t229;
-    const gluon_6l3_real t232 = t230 + t231;
-    const gluon_6l3_real t233 = 0.0018542771065064704 * t232;
-    const gluon_6l3_real t234 = -t233;
-    w->a[15] = t234;
-    const gluon_6l3_real t236 = t37 * t112;
-    const gluon_6l3_real t237 = t0 * t116;
-    const gluon_6l3_real t238 = t236 - t237;
-    const gluon_6l3_real t239 = t64 * t238;
-    const gluon_6l3_real t240 = t212 * t238;
-    const gluon_6l3_real t241 = t239 + t240;
-    const gluon_6l3_real t242 = 0.0018542771065064704 * t241;
-    const gluon_6l3_real t243 = -t242;
-    w->a[16] = t243;
-    const gluon_6l3_real t245 = t0 * t159;
-    const gluon_6l3_real t246 = t37 * t155;
-    const gluon_6l3_real t247 = t245 + t246;
-    const gluon_6l3_real t248 = t64 * t247;
-    const gluon_6l3_real t249 = t212 * t247;
-    const gluon_6l3_real t250 = t248 + t249;
-    const gluon_6l3_real t251 = 0.0018542771065064704 * t250;
-    const gluon_6l3_real t252 = -t251;
-    w->a[17] = t252;
-    const gluon_6l3_real t254 = 0.7071067811865475 * w->k[6];
-    const gluon_6l3_real t255 = -0.7071067811865476 * w->k[5];
-    const gluon_6l3_real t256 = t254 - t255;
-    const gluon_6l3_real t257 = 0.5 * w->x[5];
-    const gluon_6l3_real t258 = cos(t257);
-    const gluon_6l3_real t259 = 0.5 * w->x[4];
-    const gluon_6l3_real t260 = cos(t259);
-    const gluon_6l3_real t261 = 0.5 * w->x[3];
-    const gluon_6l3_real t262 = cos(t261);
-    const gluon_6l3_real t263 = 0.5 * w->x[2];
-    const gluon_6l3_real t264 = sin(t263);
-    const gluon_6l3_real t265 = 0.5 * w->x[1];
-    const gluon_6l3_real t266 = sin(t265);
-    const gluon_6l3_real t267 = 0.5 * w->x[0];
-    const gluon_6l3_real t268 = sin(t267);
-    const gluon_6l3_real t269 = 0.5 * t268;
-    const gluon_6l3_real t270 = t266 * t269;
-    const gluon_6l3_real t271 = t264 * t270;
-    const gluon_6l3_real t272 = cos(t263);
-    const gluon_6l3_real t273 = cos(t265);
-    const gluon_6l3_real t274 = t273 * t269;
-    const gluon_6l3_real t275 = t272 * t274;
-    const gluon_6l3_real t276 = t271 - t275;
-    const gluon_6l3_real t277 = t262 * t276;
-    const gluon_6l3_real t278 = sin(t261);
-    const gluon_6l3_real t279 = t264 * t274;
-    const gluon_6l3_real t280 = t272 * t270;
-    const gluon_6l3_real t281 = t279 + t280;
-    const gluon_6l3_real t282 = t278 * t281;
-    const gluon_6l3_real t283 = t277 + t282;
-    const gluon_6l3_real t284 = t260 * t283;
-    const gluon_6l3_real t285 = sin(t259);
-    const gluon_6l3_real t286 = cos(t267);
-    const gluon_6l3_real t287 = 0.5 * t286;
-    const gluon_6l3_real t288 = t273 * t287;
-    const gluon_6l3_real t289 = t272 * t288;
-    const gluon_6l3_real t290 = t266 * t287;
-    const gluon_6l3_real t291 = t264 * t290;
-    const gluon_6l3_real t292 = t289 - t291;
-    const gluon_6l3_real t293 = t262 * t292;
-    const gluon_6l3_real t294 = t272 * t290;
-    const gluon_6l3_real t295 = t264 * t288;
-    const gluon_6l3_real t296 = t294 + t295;
-    const gluon_6l3_real t297 = t278 * t296;
-    const gluon_6l3_real t298 = t293 - t297;
-    const gluon_6l3_real t299 = t285 * t298;
-    const gluon_6l3_real t300 = t284 - t299;
-    const gluon_6l3_real t301 = t258 * t300;
-    const gluon_6l3_real t302 = sin(t257);
-    const gluon_6l3_real t303 = t262 * t296;
-    const gluon_6l3_real t304 = t278 * t292;
-    const gluon_6l3_real t305 = t303 + t304;
-    const gluon_6l3_real t306 = t285 * t305;
-    const gluon_6l3_real t307 = t278 * t276;
-    const gluon_6l3_real t308 = t262 * t281;
-    const gluon_6l3_real t309 = t307 - t308;
-    const gluon_6l3_real t310 = t260 * t309;
-    const gluon_6l3_real t311 = t306 + t310;
-    const gluon_6l3_real t312 = t302 * t311;
-    const gluon_6l3_real t313 = t301 - t312;
-    const gluon_6l3_real t314 = t256 * t313;
-    const gluon_6l3_real t315 = 0.7071067811865475 * w->k[5];
-    const gluon_6l3_real t316 = -0.7071067811865476 * w->k[6];
-    const gluon_6l3_real t317 = t315 + t316;
-    const gluon_6l3_real t318 = t260 * t305;
-    const gluon_6l3_real t319 = t285 * t309;
-    const gluon_6l3_real t320 = t318 - t319;
-    const gluon_6l3_real t321 = t258 * t320;
-    const gluon_6l3_real t322 = t285 * t283;
-    const gluon_6l3_real t323 = t260 * t298;
-    const gluon_6l3_real t324 = t322 + t323;
-    const gluon_6l3_real t325 = t302 * t324;
-    const gluon_6l3_real t326 = t321 + t325;
-    const gluon_6l3_real t327 = t317 * t326;
-    const gluon_6l3_real t328 = t314 - t327;
-    const gluon_6l3_real t329 = -0.7071067811865476 * w->k[3];
-    const gluon_6l3_real t330 = 0.7071067811865475 * w->k[4];
-    const gluon_6l3_real t331 = t329 + t330;
-    const gluon_6l3_real t332 = t258 * t311;
-    const gluon_6l3_real t333 = t302 * t300;
-    const gluon_6l3_real t334 = t332 + t333;
-    const gluon_6l3_real t335 = t331 * t334;
-    const gluon_6l3_real t336 = t328 - t335;
-    const gluon_6l3_real t337 = -0.7071067811865476 * w->k[4];
-    const gluon_6l3_real t338 = 0.7071067811865475 * w->k[3];
-    const gluon_6l3_real t339 = t337 - t338;
-    const gluon_6l3_real t340 = t258 * t324;
-    const gluon_6l3_real t341 = t302 * t320;
-    const gluon_6l3_real t342 = t340 - t341;
-    const gluon_6l3_real t343 = t339 * t342;
-    const gluon_6l3_real t344 = t336 + t343;
-    const gluon_6l3_real t345 = t344 + t344;
-    w->a[18] = t345;
-    const gluon_6l3_real t347 = 0.5 * t266;
-    const gluon_6l3_real t348 = t268 * t347;
-    const gluon_6l3_real t349 = t272 * t348;
-    const gluon_6l3_real t350 = 0.5 * t273;
-    const gluon_6l3_real t351 = t268 * t350;
-    const gluon_6l3_real t352 = t264 * t351;
-    const gluon_6l3_real t353 = t349 + t352;
-    const gluon_6l3_real t354 = t262 * t353;
-    const gluon_6l3_real t355 = t272 * t351;
-    const gluon_6l3_real t356 = t264 * t348;
-    const gluon_6l3_real t357 = t355 - t356;
-    const gluon_6l3_real t358 = t278 * t357;
-    const gluon_6l3_real t359 = t354 + t358;
-    const gluon_6l3_real t360 = t285 * t359;
-    const gluon_6l3_real t361 = t286 * t347;
-    const gluon_6l3_real t362 = t272 * t361;
-    const gluon_6l3_real t363 = t286 * t350;
-    const gluon_6l3_real t364 = t264 * t363;
-    const gluon_6l3_real t365 = t362 + t364;
-    const gluon_6l3_real t366 = t262 * t365;
-    const gluon_6l3_real t367 = t272 * t363;
-    const gluon_6l3_real t368 = t264 * t361;
-    const gluon_6l3_real t369 = t367 - t368;
-    const gluon_6l3_real t370 = t278 * t369;
-    const gluon_6l3_real t371 = t366 + t370;
-    const gluon_6l3_real t372 = t260 * t371;
-    const gluon_6l3_real t373 = t360 - t372;
-    const gluon_6l3_real t374 = t258 * t373;
-    const gluon_6l3_real t375 = t262 * t357;
-    const gluon_6l3_real t376 = t278 * t353;
-    const gluon_6l3_real t377 = t375 - t376;
-    const gluon_6l3_real t378 = t285 * t377;
-    const gluon_6l3_real t379 = t262 * t369;
-    const gluon_6l3_real t380 = t278 * t365;
-    const gluon_6l3_real t381 = t379 - t380;
-    const gluon_6l3_real t382 = t260 * t381;
-    const gluon_6l3_real t383 = t378 + t382;
-    const gluon_6l3_real t384 = t302 * t383;
-    const gluon_6l3_real t385 = t374 - t384;
-    const gluon_6l3_real t386 = t256 * t385;
-    const gluon_6l3_real t387 = t260 * t377;
-    const gluon_6l3_real t388 = t285 * t381;
-    const gluon_6l3_real t389 = t387 - t388;
-    const gluon_6l3_real t390 = t258 * t389;
-    const gluon_6l3_real t391 = t285 * t371;
-    const gluon_6l3_real t392 = t260 * t359;
-    const gluon_6l3_real t393 = t391 + t392;
-    const gluon_6l3_real t394 = t302 * t393;
-    const gluon_6l3_real t395 = t390 - t394;
-    const gluon_6l3_real t396 = t317 * t395;
-    const gluon_6l3_real t397 = t386 - t396;
-    const gluon_6l3_real t398 = t258 * t383;
-    const gluon_6l3_real t399 = t302 * t373;
-    const gluon_6l3_real t400 = t398 + t399;
-    const gluon_6l3_real t401 = t331 * t400;
-    const gluon_6l3_real t402 = t397 - t401;
-    const gluon_6l3_real t403 = t302 * t389;
-    const gluon_6l3_real t404 = t258 * t393;
-    const gluon_6l3_real t405 = t403 + t404;
-    const gluon_6l3_real t406 = t339 * t405;
-    const gluon_6l3_real t407 = t402 - t406;
-    const gluon_6l3_real t408 = t407 + t407;
-    w->a[19] = t408;
-    const gluon_6l3_real t410 = t268 * t266;
-    const gluon_6l3_real t411 = 0.5 * t272;
-    const gluon_6l3_real t412 = t410 * t411;
-    const gluon_6l3_real t413 = t268 * t273;
-    const gluon_6l3_real t414 = 0.5 * t264;
-    const gluon_6l3_real t415 = t413 * t414;
-    const gluon_6l3_real t416 = t412 + t415;
-    const gluon_6l3_real t417 = t262 * t416;
-    const gluon_6l3_real t418 = t413 * t411;
-    const gluon_6l3_real t419 = t410 * t414;
-    const gluon_6l3_real t420 = t418 - t419;
-    const gluon_6l3_real t421 = t278 * t420;
-    const gluon_6l3_real t422 = t417 + t421;
-    const gluon_6l3_real t423 = t285 * t422;
-    const gluon_6l3_real t424 = t286 * t273;
-    const gluon_6l3_real t425 = t424 * t414;
-    const gluon_6l3_real t426 = t286 * t266;
-    const gluon_6l3_real t427 = t426 * t411;
-    const gluon_6l3_real t428 = t425 + t427;
-    const gluon_6l3_real t429 = t262 * t428;
-    const gluon_6l3_real t430 = t424 * t411;
-    const gluon_6l3_real t431 = t426 * t414;
-    const gluon_6l3_real t432 = t430 - t431;
-    const gluon_6l3_real t433 = t278 * t432;
-    const gluon_6l3_real t434 = t429 + t433;
-    const gluon_6l3_real t435 = t260 * t434;
-    const gluon_6l3_real t436 = t423 - t435;
-    const gluon_6l3_real t437 = t258 * t436;
-    const gluon_6l3_real t438 = t262 * t420;
-    const gluon_6l3_real t439 = t278 * t416;
-    const gluon_6l3_real t440 = t438 - t439;
-    const gluon_6l3_real t441 = t285 * t440;
-    const gluon_6l3_real t442 = t262 * t432;
-    const gluon_6l3_real t443 = t278 * t428;
-    const gluon_6l3_real t444 = t442 - t443;
-    const gluon_6l3_real t445 = t260 * t444;
-    const gluon_6l3_real t446 = t441 + t445;
-    const gluon_6l3_real t447 = t302 * t446;
-    const gluon_6l3_real t448 = t437 - t447;
-    const gluon_6l3_real t449 = t256 * t448;
-    const gluon_6l3_real t450 = t260 * t440;
-    const gluon_6l3_real t451 = t285 * t444;
-    const gluon_6l3_real t452 = t450 - t451;
-    const gluon_6l3_real t453 = t258 * t452;
-    const gluon_6l3_real t454 = t285 * t434;
-    const gluon_6l3_real t455 = t260 * t422;
-    const gluon_6l3_real t456 = t454 + t455;
-    const gluon_6l3_real t457 = t302 * t456;
-    const gluon_6l3_real t458 = t453 - t457;
-    const gluon_6l3_real t459 = t317 * t458;
-    const gluon_6l3_real t460 = t449 - t459;
-    const gluon_6l3_real t461 = t258 * t446;
-    const gluon_6l3_real t462 = t302 * t436;
-    const gluon_6l3_real t463 = t461 + t462;
-    const gluon_6l3_real t464 = t331 * t463;
-    const gluon_6l3_real t465 = t460 - t464;
-    const gluon_6l3_real t466 = t302 * t452;
-    const gluon_6l3_real t467 = t258 * t456;
-    const gluon_6l3_real t468 = t466 + t467;
-    const gluon_6l3_real t469 = t339 * t468;
-    const gluon_6l3_real t470 = t465 - t469;
-    const gluon_6l3_real t471 = t470 + t470;
-    w->a[20] = t471;
-    const gluon_6l3_real t473 = t410 * t272;
-    const gluon_6l3_real t474 = t413 * t264;
-    const gluon_6l3_real t475 = t473 + t474;
-    const gluon_6l3_real t476 = 0.5 * t262;
-    const gluon_6l3_real t477 = t475 * t476;
-    const gluon_6l3_real t478 = t413 * t272;
-    const gluon_6l3_real t479 = t410 * t264;
-    const gluon_6l3_real t480 = t478 - t479;
-    const gluon_6l3_real t481 = 0.5 * t278;
-    const gluon_6l3_real t482 = t480 * t481;
-    const gluon_6l3_real t483 = t477 + t482;
-    const gluon_6l3_real t484 = t285 * t483;
-    const gluon_6l3_real t485 = t424 * t272;
-    const gluon_6l3_real t486 = t426 * t264;
-    const gluon_6l3_real t487 = t485 - t486;
-    const gluon_6l3_real t488 = t487 * t481;
-    const gluon_6l3_real t489 = t424 * t264;
-    const gluon_6l3_real t490 = t426 * t272;
-    const gluon_6l3_real t491 = t489 + t490;
-    const gluon_6l3_real t492 = t491 * t476;
-    const gluon_6l3_real t493 = t488 + t492;
-    const gluon_6l3_real t494 = t260 * t493;
-    const gluon_6l3_real t495 = t484 - t494;
-    const gluon_6l3_real t496 = t258 * t495;
-    const gluon_6l3_real t497 = t480 * t476;
-    const gluon_6l3_real t498 = t475 * t481;
-    const gluon_6l3_real t499 = t497 - t498;
-    const gluon_6l3_real t500 = t285 * t499;
-    const gluon_6l3_real t501 = t487 * t476;
-    const gluon_6l3_real t502 = t491 * t481;
-    const gluon_6l3_real t503 = t501 - t502;
-    const gluon_6l3_real t504 = t260 * t503;
-    const gluon_6l3_real t505 = t500 + t504;
-    const gluon_6l3_real t506 = t302 * t505;
-    const gluon_6l3_real t507 = t496 - t506;
-    const gluon_6l3_real t508 = t256 * t507;
-    const gluon_6l3_real t509 = t260 * t499;
-    const gluon_6l3_real t510 = t285 * t503;
-    const gluon_6l3_real t511 = t509 - t510;
-    const gluon_6l3_real t512 = t258 * t511;
-    const gluon_6l3_real t513 = t285 * t493;
-    const gluon_6l3_real t514 = t260 * t483;
-    const gluon_6l3_real t515 = t513 + t514;
-    const gluon_6l3_real t516 = t302 * t515;
-    const gluon_6l3_real t517 = t512 - t516;
-    const gluon_6l3_real t518 = t317 * t517;
-    const gluon_6l3_real t519 = t508 - t518;
-    const gluon_6l3_real t520 = t258 * t505;
-    const gluon_6l3_real t521 = t302 * t495;
-    const gluon_6l3_real t522 = t520 + t521;
-    const gluon_6l3_real t523 = t331 * t522;
-    const gluon_6l3_real t524 = t519 - t523;
-    const gluon_6l3_real t525 = t302 * t511;
-    const gluon_6l3_real t526 = t258 * t515;
-    const gluon_6l3_real t527 = t525 + t526;
-    const gluon_6l3_real t528 = t339 * t527;
-    const gluon_6l3_real t529 = t524 - t528;
-    const gluon_6l3_real t530 = t529 + t529;
-    w->a[21] = t530;
-    const gluon_6l3_real t532 = t487 * t278;
-    const gluon_6l3_real t533 = t491 * t262;
-    const gluon_6l3_real t534 = t532 + t533;
-    const gluon_6l3_real t535 = 0.5 * t285;
-    const gluon_6l3_real t536 = t534 * t535;
-    const gluon_6l3_real t537 = t475 * t262;
-    const gluon_6l3_real t538 = t480 * t278;
-    const gluon_6l3_real t539 = t537 + t538;
-    const gluon_6l3_real t540 = 0.5 * t260;
-    const gluon_6l3_real t541 = t539 * t540;
-    const gluon_6l3_real t542 = t536 - t541;
-    const gluon_6l3_real t543 = t302 * t542;
-    const gluon_6l3_real t544 = t487 * t262;
-    const gluon_6l3_real t545 = t491 * t278;
-    const gluon_6l3_real t546 = t544 - t545;
-    const gluon_6l3_real t547 = t546 * t535;
-    const gluon_6l3_real t548 = t480 * t262;
-    const gluon_6l3_real t549 = t475 * t278;
-    const gluon_6l3_real t550 = t548 - t549;
-    const gluon_6l3_real t551 = t550 * t540;
-    const gluon_6l3_real t552 = t547 + t551;
-    const gluon_6l3_real t553 = t258 * t552;
-    const gluon_6l3_real t554 = t543 - t553;
-    const gluon_6l3_real t555 = t256 * t554;
-    const gluon_6l3_real t556 = t546 * t540;
-    const gluon_6l3_real t557 = t550 * t535;
-    const gluon_6l3_real t558 = t556 - t557;
-    const gluon_6l3_real t559 = t302 * t558;
-    const gluon_6l3_real t560 = t539 * t535;
-    const gluon_6l3_real t561 = t534 * t540;
-    const gluon_6l3_real t562 = t560 + t561;
-    const gluon_6l3_real t563 = t258 * t562;
-    const gluon_6l3_real t564 = t559 - t563;
-    const gluon_6l3_real t565 = t317 * t564;
-    const gluon_6l3_real t566 = t555 - t565;
-    const gluon_6l3_real t567 = t258 * t542;
-    const gluon_6l3_real t568 = t302 * t552;
-    const gluon_6l3_real t569 = t567 + t568;
-    const gluon_6l3_real t570 = t331 * t569;
-    const gluon_6l3_real t571 = t566 + t570;
-    const gluon_6l3_real t572 = t302 * t562;
-    const gluon_6l3_real t573 = t258 * t558;
-    const gluon_6l3_real t574 = t572 + t573;
-    const gluon_6l3_real t575 = t339 * t574;
-    const gluon_6l3_real t576 = t571 + t575;
-    const gluon_6l3_real t577 = t576 + t576;
-    w->a[22] = t577;
-    const gluon_6l3_real t579 = t539 * t285;
-    const gluon_6l3_real t580 = t534 * t260;
-    const gluon_6l3_real t581 = t579 + t580;
-    const gluon_6l3_real t582 = 0.5 * t258;
-    const gluon_6l3_real t583 = t581 * t582;
-    const gluon_6l3_real t584 = t546 * t260;
-    const gluon_6l3_real t585 = t550 * t285;
-    const gluon_6l3_real t586 = t584 - t585;
-    const gluon_6l3_real t587 = 0.5 * t302;
-    const gluon_6l3_real t588 = t586 * t587;
-    const gluon_6l3_real t589 = t583 + t588;
-    const gluon_6l3_real t590 = t256 * t589;
-    const gluon_6l3_real t591 = t546 * t285;
-    const gluon_6l3_real t592 = t550 * t260;
-    const gluon_6l3_real t593 = t591 + t592;
-    const gluon_6l3_real t594 = t593 * t582;
-    const gluon_6l3_real t595 = t539 * t260;
-    const gluon_6l3_real t596 = t534 * t285;
-    const gluon_6l3_real t597 = t595 - t596;
-    const gluon_6l3_real t598 = t597 * t587;
-    const gluon_6l3_real t599 = t594 - t598;
-    const gluon_6l3_real t600 = t317 * t599;
-    const gluon_6l3_real t601 = t590 + t600;
-    const gluon_6l3_real t602 = t586 * t582;
-    const gluon_6l3_real t603 = t581 * t587;
-    const gluon_6l3_real t604 = t602 - t603;
-    const gluon_6l3_real t605 = t331 * t604;
-    const gluon_6l3_real t606 = t601 + t605;
-    const gluon_6l3_real t607 = t597 * t582;
-    const gluon_6l3_real t608 = t593 * t587;
-    const gluon_6l3_real t609 = t607 + t608;
-    const gluon_6l3_real t610 = t339 * t609;
-    const gluon_6l3_real t611 = t606 + t610;
-    const gluon_6l3_real t612 = -t611;
-    const gluon_6l3_real t613 = t612 + t612;
-    w->a[23] = t613;
-    const gluon_6l3_real t615 = t339 * t313;
-    const gluon_6l3_real t616 = t331 * t326;
-    const gluon_6l3_real t617 = t615 - t616;
-    const gluon_6l3_real t618 = t317 * t334;
-    const gluon_6l3_real t619 = t617 + t618;
-    const gluon_6l3_real t620 = t256 * t342;
-    const gluon_6l3_real t621 = t619 - t620;
-    const gluon_6l3_real t622 = t621 + t621;
-    w->a[24] = t622;
-    const gluon_6l3_real t624 = t339 * t385;
-    const gluon_6l3_real t625 = t331 * t395;
-    const gluon_6l3_real t626 = t624 - t625;
-    const gluon_6l3_real t627 = t317 * t400;
-    const gluon_6l3_real t628 = t626 + t627;
-    const gluon_6l3_real t629 = t256 * t405;
-    const gluon_6l3_real t630 = t628 + t629;
-    const gluon_6l3_real t631 = t630 + t630;
-    w->a[25] = t631;
-    const gluon_6l3_real t633 = t339 * t448;
-    const gluon_6l3_real t634 = t331 * t458;
-    const gluon_6l3_real t635 = t633 - t634;
-    const gluon_6l3_real t636 = t317 * t463;
-    const gluon_6l3_real t637 = t635 + t636;
-    const gluon_6l3_real t638 = t256 * t468;
-    const gluon_6l3_real t639 = t637 + t638;
-    const gluon_6l3_real t640 = t639 + t639;
-    w->a[26] = t640;
-    const gluon_6l3_real t642 = t339 * t507;
-    const gluon_6l3_real t643 = t331 * t517;
-    const gluon_6l3_real t644 = t642 - t643;
-    const gluon_6l3_real t645 = t317 * t522;
-    const gluon_6l3_real t646 = t644 + t645;
-    const gluon_6l3_real t647 = t256 * t527;
-    const gluon_6l3_real t648 = t646 + t647;
-    const gluon_6l3_real t649 = t648 + t648;
-    w->a[27] = t649;
-    const gluon_6l3_real t651 = t339 * t554;
-    const gluon_6l3_real t652 = t331 * t564;
-    const gluon_6l3_real t653 = t651 - t652;
-    const gluon_6l3_real t654 = t317 * t569;
-    const gluon_6l3_real t655 = t653 - t654;
-    const gluon_6l3_real t656 = t256 * t574;
-    const gluon_6l3_real t657 = t655 - t656;
-    const gluon_6l3_real t658 = t657 + t657;
-    w->a[28] = t658;
-    const gluon_6l3_real t660 = t317 * t604;
-    const gluon_6l3_real t661 = t339 * t589;
-    const gluon_6l3_real t662 = t331 * t599;
-    const gluon_6l3_real t663 = t661 + t662;
-    const gluon_6l3_real t664 = t660 - t663;
-    const gluon_6l3_real t665 = t256 * t609;
-    const gluon_6l3_real t666 = t664 + t665;
-    const gluon_6l3_real t667 = t666 + t666;
-    w->a[29] = t667;
-    const gluon_6l3_real t669 = t331 * t313;
-    const gluon_6l3_real t670 = t339 * t326;
-    const gluon_6l3_real t671 = t669 + t670;
-    const gluon_6l3_real t672 = t256 * t334;
-    const gluon_6l3_real t673 = t671 + t672;
-    const gluon_6l3_real t674 = t317 * t342;
-    const gluon_6l3_real t675 = t673 + t674;
-    const gluon_6l3_real t676 = -t675;
-    const gluon_6l3_real t677 = t676 + t676;
-    w->a[30] = t677;
-    const gluon_6l3_real t679 = t317 * t405;
-    const gluon_6l3_real t680 = t331 * t385;
-    const gluon_6l3_real t681 = t339 * t395;
-    const gluon_6l3_real t682 = t680 + t681;
-    const gluon_6l3_real t683 = t256 * t400;
-    const gluon_6l3_real t684 = t682 + t683;
-    const gluon_6l3_real t685 = t679 - t684;
-    const gluon_6l3_real t686 = t685 + t685;
-    w->a[31] = t686;
-    const gluon_6l3_real t688 = t317 * t468;
-    const gluon_6l3_real t689 = t331 * t448;
-    const gluon_6l3_real t690 = t339 * t458;
-    const gluon_6l3_real t691 = t689 + t690;
-    const gluon_6l3_real t692 = t256 * t463;
-    const gluon_6l3_real t693 = t691 + t692;
-    const gluon_6l3_real t694 = t688 - t693;
-    const gluon_6l3_real t695 = t694 + t694;
-    w->a[32] = t695;
-    const gluon_6l3_real t697 = t317 * t527;
-    const gluon_6l3_real t698 = t331 * t507;
-    const gluon_6l3_real t699 = t339 * t517;
-    const gluon_6l3_real t700 = t698 + t699;
-    const gluon_6l3_real t701 = t256 * t522;
-    const gluon_6l3_real t702 = t700 + t701;
-    const gluon_6l3_real t703 = t697 - t702;
-    const gluon_6l3_real t704 = t703 + t703;
-    w->a[33] = t704;
-    const gluon_6l3_real t706 = t256 * t569;
-    const gluon_6l3_real t707 = t331 * t554;
-    const gluon_6l3_real t708 = t339 * t564;
-    const gluon_6l3_real t709 = t707 + t708;
-    const gluon_6l3_real t710 = t706 - t709;
-    const gluon_6l3_real t711 = t317 * t574;
-    const gluon_6l3_real t712 = t710 - t711;
-    const gluon_6l3_real t713 = t712 + t712;
-    w->a[34] = t713;
-    const gluon_6l3_real t715 = t331 * t589;
-    const gluon_6l3_real t716 = t339 * t599;
-    const gluon_6l3_real t717 = t715 - t716;
-    const gluon_6l3_real t718 = t256 * t604;
-    const gluon_6l3_real t719 = t717 - t718;
-    const gluon_6l3_real t720 = t317 * t609;
-    const gluon_6l3_real t721 = t719 + t720;
-    const gluon_6l3_real t722 = t721 + t721;
-    w->a[35] = t722;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
- * singular. */
-static GLUON_6L3_COLD int gluon_6l3_inverse_pivoted(gluon_6l3_inverse_work *w)
-{
-    static const gluon_6l3_real scale[6] = { 0.881, 0.913, 0.913, 0.913, 0.918, 1.0 };
-    int sign = 1;
-    gluon_6l3_inverse_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        gluon_6l3_real largest = 0.0;
-        for (int r = c; r < 6; ++r) {
-            const gluon_6l3_real size = fabs(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 3.552713678800501e-15 * scale[c])) {
-            w->spread = 0.0;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const gluon_6l3_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const gluon_6l3_real inverse = 1.0 / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const gluon_6l3_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of gluon_6l3_inverse_pivoted. */
-static GLUON_6L3_COLD void gluon_6l3_inverse_pivoted_solve(gluon_6l3_inverse_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const gluon_6l3_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 5; c >= 0; --c) {
-        const gluon_6l3_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
- * determinant, 0 where a pivot is far below its usual size, which is left to
- * gluon_6l3_inverse_pivoted. What is added to pivots is below the rounding of any other, and keeps
- * divisions by zero away. */
-static int gluon_6l3_inverse_factor(gluon_6l3_inverse_work *w)
-{
-    gluon_6l3_real det;
-    w->pivoted = false;
-    /* pivot 1: row 6, unknown 5 */
-    const gluon_6l3_real t0 = 0.7071067811865475 * w->k[6];
-    const gluon_6l3_real t1 = -0.7071067811865476 * w->k[5];
-    const gluon_6l3_real t2 = t0 - t1;
-    const gluon_6l3_real t3 = 0.5 * w->x[5];
-    const gluon_6l3_real t4 = cos(t3);
-    const gluon_6l3_real t5 = 0.5 * w->x[4];
-    const gluon_6l3_real t6 = cos(t5);
-    const gluon_6l3_real t7 = 0.5 * w->x[3];
-    const gluon_6l3_real t8 = cos(t7);
-    const gluon_6l3_real t9 = 0.5 * w->x[2];
-    const gluon_6l3_real t10 = sin(t9);
-    const gluon_6l3_real t11 = 0.5 * w->x[1];
-    const gluon_6l3_real t12 = sin(t11);
-    const gluon_6l3_real t13 = 0.5 * w->x[0];
-    const gluon_6l3_real t14 = sin(t13);
-    const gluon_6l3_real t15 = cos(t9);
-    const gluon_6l3_real t16 = cos(t11);
-    const gluon_6l3_real t17 = sin(t7);
-    const gluon_6l3_real t18 = sin(t5);
-    const gluon_6l3_real t19 = cos(t13);
-    const gluon_6l3_real t20 = sin(t3);
-    const gluon_6l3_real t21 = 0.7071067811865475 * w->k[5];
-    const gluon_6l3_real t22 = -0.7071067811865476 * w->k[6];
-    const gluon_6l3_real t23 = t21 + t22;
-    const gluon_6l3_real t24 = -0.7071067811865476 * w->k[3];
-    const gluon_6l3_real t25 = 0.7071067811865475 * w->k[4];
-    const gluon_6l3_real t26 = t24 + t25;
-    const gluon_6l3_real t27 = -0.7071067811865476 * w->k[4];
-    const gluon_6l3_real t28 = 0.7071067811865475 * w->k[3];
-    const gluon_6l3_real t29 = t27 - t28;
-    const gluon_6l3_real t30 = t14 * t12;
-    const gluon_6l3_real t31 = t14 * t16;
-    const gluon_6l3_real t32 = t19 * t16;
-    const gluon_6l3_real t33 = t19 * t12;
-    const gluon_6l3_real t34 = t30 * t15;
-    const gluon_6l3_real t35 = t31 * t10;
-    const gluon_6l3_real t36 = t34 + t35;
-    const gluon_6l3_real t37 = t31 * t15;
-    const gluon_6l3_real t38 = t30 * t10;
-    const gluon_6l3_real t39 = t37 - t38;
-    const gluon_6l3_real t40 = t32 * t15;
-    const gluon_6l3_real t41 = t33 * t10;
-    const gluon_6l3_real t42 = t40 - t41;
-    const gluon_6l3_real t43 = t32 * t10;
-    const gluon_6l3_real t44 = t33 * t15;
-    const gluon_6l3_real t45 = t43 + t44;
-    const gluon_6l3_real t46 = t42 * t17;
-    const gluon_6l3_real t47 = t45 * t8;
-    const gluon_6l3_real t48 = t46 + t47;
-    const gluon_6l3_real t49 = 0.5 * t18;
-    const gluon_6l3_real t50 = t48 * t49;
-    const gluon_6l3_real t51 = t36 * t8;
-    const gluon_6l3_real t52 = t39 * t17;
-    const gluon_6l3_real t53 = t51 + t52;
-    const gluon_6l3_real t54 = 0.5 * t6;
-    const gluon_6l3_real t55 = t53 * t54;
-    const gluon_6l3_real t56 = t50 - t55;
-    const gluon_6l3_real t57 = t20 * t56;
-    const gluon_6l3_real t58 = t42 * t8;
-    const gluon_6l3_real t59 = t45 * t17;
-    const gluon_6l3_real t60 = t58 - t59;
-    const gluon_6l3_real t61 = t60 * t49;
-    const gluon_6l3_real t62 = t39 * t8;
-    const gluon_6l3_real t63 = t36 * t17;
-    const gluon_6l3_real t64 = t62 - t63;
-    const gluon_6l3_real t65 = t64 * t54;
-    const gluon_6l3_real t66 = t61 + t65;
-    const gluon_6l3_real t67 = t4 * t66;
-    const gluon_6l3_real t68 = t57 - t67;
-    const gluon_6l3_real t69 = t60 * t54;
-    const gluon_6l3_real t70 = t64 * t49;
-    const gluon_6l3_real t71 = t69 - t70;
-    const gluon_6l3_real t72 = t20 * t71;
-    const gluon_6l3_real t73 = t53 * t49;
-    const gluon_6l3_real t74 = t48 * t54;
-    const gluon_6l3_real t75 = t73 + t74;
-    const gluon_6l3_real t76 = t4 * t75;
-    const gluon_6l3_real t77 = t72 - t76;
-    const gluon_6l3_real t78 = t4 * t56;
-    const gluon_6l3_real t79 = t20 * t66;
-    const gluon_6l3_real t80 = t78 + t79;
-    const gluon_6l3_real t81 = t20 * t75;
-    const gluon_6l3_real t82 = t4 * t71;
-    const gluon_6l3_real t83 = t81 + t82;
-    const gluon_6l3_real t84 = t2 * t80;
-    const gluon_6l3_real t85 = t26 * t68;
-    const gluon_6l3_real t86 = t29 * t77;
-    const gluon_6l3_real t87 = t85 + t86;
-    const gluon_6l3_real t88 = t84 - t87;
-    const gluon_6l3_real t89 = t23 * t83;
-    const gluon_6l3_real t90 = t88 - t89;
-    const gluon_6l3_real t91 = t90 + t90;
-    const gluon_6l3_real t92 = 0.5 * t12;
-    const gluon_6l3_real t93 = t14 * t92;
-    const gluon_6l3_real t94 = t15 * t93;
-    const gluon_6l3_real t95 = 0.5 * t16;
-    const gluon_6l3_real t96 = t14 * t95;
-    const gluon_6l3_real t97 = t10 * t96;
-    const gluon_6l3_real t98 = t94 + t97;
-    const gluon_6l3_real t99 = t8 * t98;
-    const gluon_6l3_real t100 = t15 * t96;
-    const gluon_6l3_real t101 = t10 * t93;
-    const gluon_6l3_real t102 = t100 - t101;
-    const gluon_6l3_real t103 = t17 * t102;
-    const gluon_6l3_real t104 = t99 + t103;
-    const gluon_6l3_real t105 = t18 * t104;
-    const gluon_6l3_real t106 = t19 * t92;
-    const gluon_6l3_real t107 = t15 * t106;
-    const gluon_6l3_real t108 = t19 * t95;
-    const gluon_6l3_real t109 = t10 * t108;
-    const gluon_6l3_real t110 = t107 + t109;
-    const gluon_6l3_real t111 = t8 * t110;
-    const gluon_6l3_real t112 = t15 * t108;
-    const gluon_6l3_real t113 = t10 * t106;
-    const gluon_6l3_real t114 = t112 - t113;
-    const gluon_6l3_real t115 = t17 * t114;
-    const gluon_6l3_real t116 = t111 + t115;
-    const gluon_6l3_real t117 = t6 * t116;
-    const gluon_6l3_real t118 = t105 - t117;
-    const gluon_6l3_real t119 = t4 * t118;
-    const gluon_6l3_real t120 = t8 * t102;
-    const gluon_6l3_real t121 = t17 * t98;
-    const gluon_6l3_real t122 = t120 - t121;
-    const gluon_6l3_real t123 = t18 * t122;
-    const gluon_6l3_real t124 = t8 * t114;
-    const gluon_6l3_real t125 = t17 * t110;
-    const gluon_6l3_real t126 = t124 - t125;
-    const gluon_6l3_real t127 = t6 * t126;
-    const gluon_6l3_real t128 = t123 + t127;
-    const gluon_6l3_real t129 = t20 * t128;
-    const gluon_6l3_real t130 = t119 - t129;
-    const gluon_6l3_real t131 = t6 * t122;
-    const gluon_6l3_real t132 = t18 * t126;
-    const gluon_6l3_real t133 = t131 - t132;
-    const gluon_6l3_real t134 = t4 * t133;
-    const gluon_6l3_real t135 = t18 * t116;
-    const gluon_6l3_real t136 = t6 * t104;
-    const gluon_6l3_real t137 = t135 + t136;
-    const gluon_6l3_real t138 = t20 * t137;
-    const gluon_6l3_real t139 = t134 - t138;
-    const gluon_6l3_real t140 = t4 * t128;
-    const gluon_6l3_real t141 = t20 * t118;
-    const gluon_6l3_real t142 = t140 + t141;
-    const gluon_6l3_real t143 = t20 * t133;
-    const gluon_6l3_real t144 = t4 * t137;
-    const gluon_6l3_real t145 = t143 + t144;
-    const gluon_6l3_real t146 = t23 * t145;
-    const gluon_6l3_real t147 = t26 * t130;
-    const gluon_6l3_real t148 = t29 * t139;
-    const gluon_6l3_real t149 = t147 + t148;
-    const gluon_6l3_real t150 = t2 * t142;
-    const gluon_6l3_real t151 = t149 + t150;
-    const gluon_6l3_real t152 = t146 - t151;
-    const gluon_6l3_real t153 = t152 + t152;
-    const gluon_6l3_real t154 = t53 * t18;
-    const gluon_6l3_real t155 = t48 * t6;
-    const gluon_6l3_real t156 = t154 + t155;
-    const gluon_6l3_real t157 = 0.5 * t4;
-    const gluon_6l3_real t158 = t156 * t157;
-    const gluon_6l3_real t159 = t60 * t6;
-    const gluon_6l3_real t160 = t64 * t18;
-    const gluon_6l3_real t161 = t159 - t160;
-    const gluon_6l3_real t162 = 0.5 * t20;
-    const gluon_6l3_real t163 = t161 * t162;
-    const gluon_6l3_real t164 = t158 + t163;
-    const gluon_6l3_real t165 = t60 * t18;
-    const gluon_6l3_real t166 = t64 * t6;
-    const gluon_6l3_real t167 = t165 + t166;
-    const gluon_6l3_real t168 = t167 * t157;
-    const gluon_6l3_real t169 = t53 * t6;
-    const gluon_6l3_real t170 = t48 * t18;
-    const gluon_6l3_real t171 = t169 - t170;
-    const gluon_6l3_real t172 = t171 * t162;
-    const gluon_6l3_real t173 = t168 - t172;
-    const gluon_6l3_real t174 = t161 * t157;
-    const gluon_6l3_real t175 = t156 * t162;
-    const gluon_6l3_real t176 = t174 - t175;
-    const gluon_6l3_real t177 = t171 * t157;
-    const gluon_6l3_real t178 = t167 * t162;
-    const gluon_6l3_real t179 = t177 + t178;
-    const gluon_6l3_real t180 = t26 * t164;
-    const gluon_6l3_real t181 = t29 * t173;
-    const gluon_6l3_real t182 = t180 - t181;
-    const gluon_6l3_real t183 = t2 * t176;
-    const gluon_6l3_real t184 = t182 - t183;
-    const gluon_6l3_real t185 = t23 * t179;
-    const gluon_6l3_real t186 = t184 + t185;
-    const gluon_6l3_real t187 = t186 + t186;
-    const gluon_6l3_real t188 = 0.5 * t15;
-    const gluon_6l3_real t189 = t30 * t188;
-    const gluon_6l3_real t190 = 0.5 * t10;
-    const gluon_6l3_real t191 = t31 * t190;
-    const gluon_6l3_real t192 = t189 + t191;
-    const gluon_6l3_real t193 = t8 * t192;
-    const gluon_6l3_real t194 = t31 * t188;
-    const gluon_6l3_real t195 = t30 * t190;
-    const gluon_6l3_real t196 = t194 - t195;
-    const gluon_6l3_real t197 = t17 * t196;
-    const gluon_6l3_real t198 = t193 + t197;
-    const gluon_6l3_real t199 = t18 * t198;
-    const gluon_6l3_real t200 = t32 * t190;
-    const gluon_6l3_real t201 = t33 * t188;
-    const gluon_6l3_real t202 = t200 + t201;
-    const gluon_6l3_real t203 = t8 * t202;
-    const gluon_6l3_real t204 = t32 * t188;
-    const gluon_6l3_real t205 = t33 * t190;
-    const gluon_6l3_real t206 = t204 - t205;
-    const gluon_6l3_real t207 = t17 * t206;
-    const gluon_6l3_real t208 = t203 + t207;
-    const gluon_6l3_real t209 = t6 * t208;
-    const gluon_6l3_real t210 = t199 - t209;
-    const gluon_6l3_real t211 = t4 * t210;
-    const gluon_6l3_real t212 = t8 * t196;
-    const gluon_6l3_real t213 = t17 * t192;
-    const gluon_6l3_real t214 = t212 - t213;
-    const gluon_6l3_real t215 = t18 * t214;
-    const gluon_6l3_real t216 = t8 * t206;
-    const gluon_6l3_real t217 = t17 * t202;
-    const gluon_6l3_real t218 = t216 - t217;
-    const gluon_6l3_real t219 = t6 * t218;
-    const gluon_6l3_real t220 = t215 + t219;
-    const gluon_6l3_real t221 = t20 * t220;
-    const gluon_6l3_real t222 = t211 - t221;
-    const gluon_6l3_real t223 = t6 * t214;
-    const gluon_6l3_real t224 = t18 * t218;
-    const gluon_6l3_real t225 = t223 - t224;
-    const gluon_6l3_real t226 = t4 * t225;
-    const gluon_6l3_real t227 = t18 * t208;
-    const gluon_6l3_real t228 = t6 * t198;
-    const gluon_6l3_real t229 = t227 + t228;
-    const gluon_6l3_real t230 = t20 * t229;
-    const gluon_6l3_real t231 = t226 - t230;
-    const gluon_6l3_real t232 = t4 * t220;
-    const gluon_6l3_real t233 = t20 * t210;
-    const gluon_6l3_real t234 = t232 + t233;
-    const gluon_6l3_real t235 = t20 * t225;
-    const gluon_6l3_real t236 = t4 * t229;
-    const gluon_6l3_real t237 = t235 + t236;
-    const gluon_6l3_real t238 = t23 * t237;
-    const gluon_6l3_real t239 = t26 * t222;
-    const gluon_6l3_real t240 = t29 * t231;
-    const gluon_6l3_real t241 = t239 + t240;
-    const gluon_6l3_real t242 = t2 * t234;
-    const gluon_6l3_real t243 = t241 + t242;
-    const gluon_6l3_real t244 = t238 - t243;
-    const gluon_6l3_real t245 = t244 + t244;
-    const gluon_6l3_real t246 = 0.5 * t14;
-    const gluon_6l3_real t247 = t12 * t246;
-    const gluon_6l3_real t248 = t10 * t247;
-    const gluon_6l3_real t249 = t16 * t246;
-    const gluon_6l3_real t250 = t15 * t249;
-    const gluon_6l3_real t251 = t248 - t250;
-    const gluon_6l3_real t252 = t8 * t251;
-    const gluon_6l3_real t253 = t10 * t249;
-    const gluon_6l3_real t254 = t15 * t247;
-    const gluon_6l3_real t255 = t253 + t254;
-    const gluon_6l3_real t256 = t17 * t255;
-    const gluon_6l3_real t257 = t252 + t256;
-    const gluon_6l3_real t258 = t6 * t257;
-    const gluon_6l3_real t259 = 0.5 * t19;
-    const gluon_6l3_real t260 = t16 * t259;
-    const gluon_6l3_real t261 = t15 * t260;
-    const gluon_6l3_real t262 = t12 * t259;
-    const gluon_6l3_real t263 = t10 * t262;
-    const gluon_6l3_real t264 = t261 - t263;
-    const gluon_6l3_real t265 = t8 * t264;
-    const gluon_6l3_real t266 = t15 * t262;
-    const gluon_6l3_real t267 = t10 * t260;
-    const gluon_6l3_real t268 = t266 + t267;
-    const gluon_6l3_real t269 = t17 * t268;
-    const gluon_6l3_real t270 = t265 - t269;
-    const gluon_6l3_real t271 = t18 * t270;
-    const gluon_6l3_real t272 = t258 - t271;
-    const gluon_6l3_real t273 = t4 * t272;
-    const gluon_6l3_real t274 = t8 * t268;
-    const gluon_6l3_real t275 = t17 * t264;
-    const gluon_6l3_real t276 = t274 + t275;
-    const gluon_6l3_real t277 = t18 * t276;
-    const gluon_6l3_real t278 = t17 * t251;
-    const gluon_6l3_real t279 = t8 * t255;
-    const gluon_6l3_real t280 = t278 - t279;
-    const gluon_6l3_real t281 = t6 * t280;
-    const gluon_6l3_real t282 = t277 + t281;
-    const gluon_6l3_real t283 = t20 * t282;
-    const gluon_6l3_real t284 = t273 - t283;
-    const gluon_6l3_real t285 = t6 * t276;
-    const gluon_6l3_real t286 = t18 * t280;
-    const gluon_6l3_real t287 = t285 - t286;
-    const gluon_6l3_real t288 = t4 * t287;
-    const gluon_6l3_real t289 = t18 * t257;
-    const gluon_6l3_real t290 = t6 * t270;
-    const gluon_6l3_real t291 = t289 + t290;
-    const gluon_6l3_real t292 = t20 * t291;
-    const gluon_6l3_real t293 = t288 + t292;
-    const gluon_6l3_real t294 = t4 * t282;
-    const gluon_6l3_real t295 = t20 * t272;
-    const gluon_6l3_real t296 = t294 + t295;
-    const gluon_6l3_real t297 = t4 * t291;
-    const gluon_6l3_real t298 = t20 * t287;
-    const gluon_6l3_real t299 = t297 - t298;
-    const gluon_6l3_real t300 = t26 * t284;
-    const gluon_6l3_real t301 = t29 * t293;
-    const gluon_6l3_real t302 = t300 + t301;
-    const gluon_6l3_real t303 = t2 * t296;
-    const gluon_6l3_real t304 = t302 + t303;
-    const gluon_6l3_real t305 = t23 * t299;
-    const gluon_6l3_real t306 = t304 + t305;
-    const gluon_6l3_real t307 = -t306;
-    const gluon_6l3_real t308 = t307 + t307;
-    const gluon_6l3_real t309 = 0.5 * t8;
-    const gluon_6l3_real t310 = t36 * t309;
-    const gluon_6l3_real t311 = 0.5 * t17;
-    const gluon_6l3_real t312 = t39 * t311;
-    const gluon_6l3_real t313 = t310 + t312;
-    const gluon_6l3_real t314 = t18 * t313;
-    const gluon_6l3_real t315 = t42 * t311;
-    const gluon_6l3_real t316 = t45 * t309;
-    const gluon_6l3_real t317 = t315 + t316;
-    const gluon_6l3_real t318 = t6 * t317;
-    const gluon_6l3_real t319 = t314 - t318;
-    const gluon_6l3_real t320 = t4 * t319;
-    const gluon_6l3_real t321 = t39 * t309;
-    const gluon_6l3_real t322 = t36 * t311;
-    const gluon_6l3_real t323 = t321 - t322;
-    const gluon_6l3_real t324 = t18 * t323;
-    const gluon_6l3_real t325 = t42 * t309;
-    const gluon_6l3_real t326 = t45 * t311;
-    const gluon_6l3_real t327 = t325 - t326;
-    const gluon_6l3_real t328 = t6 * t327;
-    const gluon_6l3_real t329 = t324 + t328;
-    const gluon_6l3_real t330 = t20 * t329;
-    const gluon_6l3_real t331 = t320 - t330;
-    const gluon_6l3_real t332 = t6 * t323;
-    const gluon_6l3_real t333 = t18 * t327;
-    const gluon_6l3_real t334 = t332 - t333;
-    const gluon_6l3_real t335 = t4 * t334;
-    const gluon_6l3_real t336 = t18 * t317;
-    const gluon_6l3_real t337 = t6 * t313;
-    const gluon_6l3_real t338 = t336 + t337;
-    const gluon_6l3_real t339 = t20 * t338;
-    const gluon_6l3_real t340 = t335 - t339;
-    const gluon_6l3_real t341 = t4 * t329;
-    const gluon_6l3_real t342 = t20 * t319;
-    const gluon_6l3_real t343 = t341 + t342;
-    const gluon_6l3_real t344 = t20 * t334;
-    const gluon_6l3_real t345 = t4 * t338;
-    const gluon_6l3_real t346 = t344 + t345;
-    const gluon_6l3_real t347 = t23 * t346;
-    const gluon_6l3_real t348 = t26 * t331;
-    const gluon_6l3_real t349 = t29 * t340;
-    const gluon_6l3_real t350 = t348 + t349;
-    const gluon_6l3_real t351 = t2 * t343;
-    const gluon_6l3_real t352 = t350 + t351;
-    const gluon_6l3_real t353 = t347 - t352;
-    const gluon_6l3_real t354 = t353 + t353;
-    const gluon_6l3_real t355 = 1.0 / (t91 + 2.17e-20);
-    w->a[0] = t355;
-    const gluon_6l3_real t357 = t355 * 1.29438;
-    w->a[1] = t153;
-    w->a[2] = t187;
-    w->a[3] = t245;
-    w->a[4] = t308;
-    w->a[5] = t354;
-    /* pivot 2: row 1, unknown 2 */
-    const gluon_6l3_real t363 = cos(w->x[1]);
-    const gluon_6l3_real t364 = cos(w->x[2]);
-    const gluon_6l3_real t365 = cos(w->x[3]);
-    const gluon_6l3_real t366 = cos(w->x[4]);
-    const gluon_6l3_real t367 = sin(w->x[5]);
-    const gluon_6l3_real t368 = 9.849898674474389e-15 * t367;
-    const gluon_6l3_real t369 = t368 - 2.5149741003196706e-14;
-    const gluon_6l3_real t370 = sin(w->x[4]);
-    const gluon_6l3_real t371 = cos(w->x[5]);
-    const gluon_6l3_real t372 = -44.36 * t371;
-    const gluon_6l3_real t373 = 1.0 - t371;
-    const gluon_6l3_real t374 = 44.36 * t373;
-    const gluon_6l3_real t375 = t372 - t374;
-    const gluon_6l3_real t376 = sin(w->x[3]);
-    const gluon_6l3_real t377 = sin(w->x[2]);
-    const gluon_6l3_real t378 = sin(w->x[1]);
-    const gluon_6l3_real t379 = sin(w->x[0]);
-    const gluon_6l3_real t380 = 1.0 - t365;
-    const gluon_6l3_real t381 = 1.0 - t364;
-    const gluon_6l3_real t382 = 1.0 - t363;
-    const gluon_6l3_real t383 = cos(w->x[0]);
-    const gluon_6l3_real t384 = t375 * t366;
-    const gluon_6l3_real t385 = t369 * t370;
-    const gluon_6l3_real t386 = t384 + t385;
-    const gluon_6l3_real t387 = t376 * t386;
-    const gluon_6l3_real t388 = t377 * t387;
-    const gluon_6l3_real t389 = t365 * t386;
-    const gluon_6l3_real t390 = t364 * t389;
-    const gluon_6l3_real t391 = t388 - t390;
-    const gluon_6l3_real t392 = t363 * t391;
-    const gluon_6l3_real t393 = t364 * t387;
-    const gluon_6l3_real t394 = t377 * t389;
-    const gluon_6l3_real t395 = t393 + t394;
-    const gluon_6l3_real t396 = t378 * t395;
-    const gluon_6l3_real t397 = t392 + t396;
-    const gluon_6l3_real t398 = t383 * t397;
-    const gluon_6l3_real t399 = t369 * t366;
-    const gluon_6l3_real t400 = t375 * t370;
-    const gluon_6l3_real t401 = t399 - t400;
-    const gluon_6l3_real t402 = t365 * t401;
-    const gluon_6l3_real t403 = t380 * t401;
-    const gluon_6l3_real t404 = t402 + t403;
-    const gluon_6l3_real t405 = t364 * t404;
-    const gluon_6l3_real t406 = t381 * t404;
-    const gluon_6l3_real t407 = t405 + t406;
-    const gluon_6l3_real t408 = t363 * t407;
-    const gluon_6l3_real t409 = t382 * t407;
-    const gluon_6l3_real t410 = t408 + t409;
-    const gluon_6l3_real t411 = t379 * t410;
-    const gluon_6l3_real t412 = t398 - t411;
-    const gluon_6l3_real t413 = 0.0018542771065064704 * t412;
-    const gluon_6l3_real t414 = -t413;
-    const gluon_6l3_real t415 = t366 * t369;
-    const gluon_6l3_real t416 = t370 * t375;
-    const gluon_6l3_real t417 = t415 - t416;
-    const gluon_6l3_real t418 = t365 * t417;
-    const gluon_6l3_real t419 = 9.849898674474389e-15 * t373;
-    const gluon_6l3_real t420 = t419 + 80.09;
-    const gluon_6l3_real t421 = t366 * t420;
-    const gluon_6l3_real t422 = 1.0 - t366;
-    const gluon_6l3_real t423 = t422 * t420;
-    const gluon_6l3_real t424 = t421 + t423;
-    const gluon_6l3_real t425 = t376 * t424;
-    const gluon_6l3_real t426 = t418 - t425;
-    const gluon_6l3_real t427 = t426 - 2.842170943040401e-14;
-    const gluon_6l3_real t428 = t364 * t427;
-    const gluon_6l3_real t429 = t365 * t424;
-    const gluon_6l3_real t430 = t376 * t417;
-    const gluon_6l3_real t431 = t429 + t430;
-    const gluon_6l3_real t432 = t431 + 174.42;
-    const gluon_6l3_real t433 = t377 * t432;
-    const gluon_6l3_real t434 = t428 - t433;
-    const gluon_6l3_real t435 = t434 - 2.842170943040401e-14;
-    const gluon_6l3_real t436 = t364 * t432;
-    const gluon_6l3_real t437 = t377 * t427;
-    const gluon_6l3_real t438 = t436 + t437;
-    const gluon_6l3_real t439 = t438 + 174.42;
-    const gluon_6l3_real t440 = t435 * t378;
-    const gluon_6l3_real t441 = t439 * t363;
-    const gluon_6l3_real t442 = t440 + t441;
-    const gluon_6l3_real t443 = t383 * t442;
-    const gluon_6l3_real t444 = 0.0018542771065064704 * t443;
-    const gluon_6l3_real t445 = 9.849898674474389e-15 * t371;
-    const gluon_6l3_real t446 = t366 * t445;
-    const gluon_6l3_real t447 = -44.36 * t367;
-    const gluon_6l3_real t448 = 44.36 * t367;
-    const gluon_6l3_real t449 = t447 + t448;
-    const gluon_6l3_real t450 = t370 * t449;
-    const gluon_6l3_real t451 = t446 + t450;
-    const gluon_6l3_real t452 = t365 * t451;
-    const gluon_6l3_real t453 = t366 * t368;
-    const gluon_6l3_real t454 = t422 * t368;
-    const gluon_6l3_real t455 = t453 + t454;
-    const gluon_6l3_real t456 = t376 * t455;
-    const gluon_6l3_real t457 = t452 - t456;
-    const gluon_6l3_real t458 = t364 * t457;
-    const gluon_6l3_real t459 = t365 * t455;
-    const gluon_6l3_real t460 = t376 * t451;
-    const gluon_6l3_real t461 = t459 + t460;
-    const gluon_6l3_real t462 = t377 * t461;
-    const gluon_6l3_real t463 = t458 - t462;
-    const gluon_6l3_real t464 = t363 * t463;
-    const gluon_6l3_real t465 = t364 * t461;
-    const gluon_6l3_real t466 = t377 * t457;
-    const gluon_6l3_real t467 = t465 + t466;
-    const gluon_6l3_real t468 = t378 * t467;
-    const gluon_6l3_real t469 = t464 - t468;
-    const gluon_6l3_real t470 = t383 * t469;
-    const gluon_6l3_real t471 = t370 * t445;
-    const gluon_6l3_real t472 = t366 * t449;
-    const gluon_6l3_real t473 = t471 - t472;
-    const gluon_6l3_real t474 = t365 * t473;
-    const gluon_6l3_real t475 = t380 * t473;
-    const gluon_6l3_real t476 = t474 + t475;
-    const gluon_6l3_real t477 = t364 * t476;
-    const gluon_6l3_real t478 = t381 * t476;
-    const gluon_6l3_real t479 = t477 + t478;
-    const gluon_6l3_real t480 = t363 * t479;
-    const gluon_6l3_real t481 = t382 * t479;
-    const gluon_6l3_real t482 = t480 + t481;
-    const gluon_6l3_real t483 = t379 * t482;
-    const gluon_6l3_real t484 = t470 - t483;
-    const gluon_6l3_real t485 = 0.0018542771065064704 * t484;
-    const gluon_6l3_real t486 = -t485;
-    const gluon_6l3_real t487 = t427 * t377;
-    const gluon_6l3_real t488 = t432 * t364;
-    const gluon_6l3_real t489 = t487 + t488;
-    const gluon_6l3_real t490 = t363 * t489;
-    const gluon_6l3_real t491 = t427 * t364;
-    const gluon_6l3_real t492 = t432 * t377;
-    const gluon_6l3_real t493 = t491 - t492;
-    const gluon_6l3_real t494 = t378 * t493;
-    const gluon_6l3_real t495 = t490 + t494;
-    const gluon_6l3_real t496 = t383 * t495;
-    const gluon_6l3_real t497 = 0.0018542771065064704 * t496;
-    const gluon_6l3_real t498 = t363 * t435;
-    const gluon_6l3_real t499 = t378 * t439;
-    const gluon_6l3_real t500 = t498 - t499;
-    const gluon_6l3_real t501 = t500 * t379;
-    const gluon_6l3_real t502 = t366 * t375;
-    const gluon_6l3_real t503 = t370 * t369;
-    const gluon_6l3_real t504 = t502 + t503;
-    const gluon_6l3_real t505 = t504 - 75.66;
-    const gluon_6l3_real t506 = t365 * t505;
-    const gluon_6l3_real t507 = t380 * t505;
-    const gluon_6l3_real t508 = t506 + t507;
-    const gluon_6l3_real t509 = t508 + 2.842170943040401e-14;
-    const gluon_6l3_real t510 = t364 * t509;
-    const gluon_6l3_real t511 = t381 * t509;
-    const gluon_6l3_real t512 = t510 + t511;
-    const gluon_6l3_real t513 = t512 + 2.842170943040401e-14;
-    const gluon_6l3_real t514 = t363 * t513;
-    const gluon_6l3_real t515 = t382 * t513;
-    const gluon_6l3_real t516 = t514 + t515;
-    const gluon_6l3_real t517 = t516 * t383;
-    const gluon_6l3_real t518 = t501 + t517;
-    const gluon_6l3_real t519 = 0.0018542771065064704 * t518;
-    const gluon_6l3_real t520 = t417 * t376;
-    const gluon_6l3_real t521 = t424 * t365;
-    const gluon_6l3_real t522 = t520 + t521;
-    const gluon_6l3_real t523 = t364 * t522;
-    const gluon_6l3_real t524 = t417 * t365;
-    const gluon_6l3_real t525 = t424 * t376;
-    const gluon_6l3_real t526 = t524 - t525;
-    const gluon_6l3_real t527 = t377 * t526;
-    const gluon_6l3_real t528 = t523 + t527;
-    const gluon_6l3_real t529 = t363 * t528;
-    const gluon_6l3_real t530 = t364 * t526;
-    const gluon_6l3_real t531 = t377 * t522;
-    const gluon_6l3_real t532 = t530 - t531;
-    const gluon_6l3_real t533 = t378 * t532;
-    const gluon_6l3_real t534 = t529 + t533;
-    const gluon_6l3_real t535 = t383 * t534;
-    const gluon_6l3_real t536 = 0.0018542771065064704 * t535;
-    const gluon_6l3_real t537 = t414 * t355;
-    w->a[6] = t537;
-    const gluon_6l3_real t539 = t444 - t537 * t153;
-    const gluon_6l3_real t540 = t486 - t537 * t187;
-    const gluon_6l3_real t541 = t497 - t537 * t245;
-    const gluon_6l3_real t542 = t519 - t537 * t308;
-    const gluon_6l3_real t543 = t536 - t537 * t354;
-    const gluon_6l3_real t544 = 1.0 / (t539 + 2.17e-20);
-    w->a[7] = t544;
-    const gluon_6l3_real t546 = t544 * 0.728574;
-    w->a[8] = t540;
-    w->a[9] = t541;
-    w->a[10] = t542;
-    w->a[11] = t543;
-    /* pivot 3: row 5, unknown 6 */
-    const gluon_6l3_real t551 = t29 * t68;
-    const gluon_6l3_real t552 = t26 * t77;
-    const gluon_6l3_real t553 = t551 - t552;
-    const gluon_6l3_real t554 = t23 * t80;
-    const gluon_6l3_real t555 = t553 - t554;
-    const gluon_6l3_real t556 = t2 * t83;
-    const gluon_6l3_real t557 = t555 - t556;
-    const gluon_6l3_real t558 = t557 + t557;
-    const gluon_6l3_real t559 = t29 * t130;
-    const gluon_6l3_real t560 = t26 * t139;
-    const gluon_6l3_real t561 = t559 - t560;
-    const gluon_6l3_real t562 = t23 * t142;
-    const gluon_6l3_real t563 = t561 + t562;
-    const gluon_6l3_real t564 = t2 * t145;
-    const gluon_6l3_real t565 = t563 + t564;
-    const gluon_6l3_real t566 = t565 + t565;
-    const gluon_6l3_real t567 = t23 * t176;
-    const gluon_6l3_real t568 = t29 * t164;
-    const gluon_6l3_real t569 = t26 * t173;
-    const gluon_6l3_real t570 = t568 + t569;
-    const gluon_6l3_real t571 = t567 - t570;
-    const gluon_6l3_real t572 = t2 * t179;
-    const gluon_6l3_real t573 = t571 + t572;
-    const gluon_6l3_real t574 = t573 + t573;
-    const gluon_6l3_real t575 = t29 * t222;
-    const gluon_6l3_real t576 = t26 * t231;
-    const gluon_6l3_real t577 = t575 - t576;
-    const gluon_6l3_real t578 = t23 * t234;
-    const gluon_6l3_real t579 = t577 + t578;
-    const gluon_6l3_real t580 = t2 * t237;
-    const gluon_6l3_real t581 = t579 + t580;
-    const gluon_6l3_real t582 = t581 + t581;
-    const gluon_6l3_real t583 = t29 * t284;
-    const gluon_6l3_real t584 = t26 * t293;
-    const gluon_6l3_real t585 = t583 - t584;
-    const gluon_6l3_real t586 = t23 * t296;
-    const gluon_6l3_real t587 = t585 + t586;
-    const gluon_6l3_real t588 = t2 * t299;
-    const gluon_6l3_real t589 = t587 - t588;
-    const gluon_6l3_real t590 = t589 + t589;
-    const gluon_6l3_real t591 = t29 * t331;
-    const gluon_6l3_real t592 = t26 * t340;
-    const gluon_6l3_real t593 = t591 - t592;
-    const gluon_6l3_real t594 = t23 * t343;
-    const gluon_6l3_real t595 = t593 + t594;
-    const gluon_6l3_real t596 = t2 * t346;
-    const gluon_6l3_real t597 = t595 + t596;
-    const gluon_6l3_real t598 = t597 + t597;
-    const gluon_6l3_real t599 = t558 * t355;
-    w->a[12] = t599;
-    const gluon_6l3_real t601 = t566 - t599 * t153;
-    const gluon_6l3_real t602 = t574 - t599 * t187;
-    const gluon_6l3_real t603 = t582 - t599 * t245;
-    const gluon_6l3_real t604 = t590 - t599 * t308;
-    const gluon_6l3_real t605 = t598 - t599 * t354;
-    const gluon_6l3_real t606 = t601 * t544;
-    w->a[13] = t606;
-    const gluon_6l3_real t608 = t602 - t606 * t540;
-    const gluon_6l3_real t609 = t603 - t606 * t541;
-    const gluon_6l3_real t610 = t604 - t606 * t542;
-    const gluon_6l3_real t611 = t605 - t606 * t543;
-    const gluon_6l3_real t612 = 1.0 / (t608 + 2.17e-20);
-    w->a[14] = t612;
-    const gluon_6l3_real t614 = t612 * 2.03;
-    w->a[15] = t609;
-    w->a[16] = t610;
-    w->a[17] = t611;
-    /* pivot 4: row 3, unknown 3 */
-    const gluon_6l3_real t618 = 1.0 - t383;
-    const gluon_6l3_real t619 = t378 * t391;
-    const gluon_6l3_real t620 = t363 * t395;
-    const gluon_6l3_real t621 = t619 - t620;
-    const gluon_6l3_real t622 = t383 * t621;
-    const gluon_6l3_real t623 = t618 * t621;
-    const gluon_6l3_real t624 = t622 + t623;
-    const gluon_6l3_real t625 = 0.0018542771065064704 * t624;
-    const gluon_6l3_real t626 = -t625;
-    const gluon_6l3_real t627 = t435 * t363;
-    const gluon_6l3_real t628 = t439 * t378;
-    const gluon_6l3_real t629 = t627 - t628;
-    const gluon_6l3_real t630 = t383 * t629;
-    const gluon_6l3_real t631 = t618 * t629;
-    const gluon_6l3_real t632 = t630 + t631;
-    const gluon_6l3_real t633 = 0.0018542771065064704 * t632;
-    const gluon_6l3_real t634 = -t633;
-    const gluon_6l3_real t635 = t363 * t467;
-    const gluon_6l3_real t636 = t378 * t463;
-    const gluon_6l3_real t637 = t635 + t636;
-    const gluon_6l3_real t638 = t383 * t637;
-    const gluon_6l3_real t639 = t618 * t637;
-    const gluon_6l3_real t640 = t638 + t639;
-    const gluon_6l3_real t641 = 0.0018542771065064704 * t640;
-    const gluon_6l3_real t642 = -t641;
-    const gluon_6l3_real t643 = t363 * t493;
-    const gluon_6l3_real t644 = t378 * t489;
-    const gluon_6l3_real t645 = t643 - t644;
-    const gluon_6l3_real t646 = t383 * t645;
-    const gluon_6l3_real t647 = t618 * t645;
-    const gluon_6l3_real t648 = t646 + t647;
-    const gluon_6l3_real t649 = 0.0018542771065064704 * t648;
-    const gluon_6l3_real t650 = -t649;
-    const gluon_6l3_real t651 = t363 * t532;
-    const gluon_6l3_real t652 = t378 * t528;
-    const gluon_6l3_real t653 = t651 - t652;
-    const gluon_6l3_real t654 = t383 * t653;
-    const gluon_6l3_real t655 = t618 * t653;
-    const gluon_6l3_real t656 = t654 + t655;
-    const gluon_6l3_real t657 = 0.0018542771065064704 * t656;
-    const gluon_6l3_real t658 = -t657;
-    const gluon_6l3_real t659 = t626 * t355;
-    w->a[18] = t659;
-    const gluon_6l3_real t661 = t634 - t659 * t153;
-    const gluon_6l3_real t662 = t642 - t659 * t187;
-    const gluon_6l3_real t663 = t650 - t659 * t245;
-    const gluon_6l3_real t664 = -(t659 * t308);
-    const gluon_6l3_real t665 = t658 - t659 * t354;
-    const gluon_6l3_real t666 = t661 * t544;
-    w->a[19] = t666;
-    const gluon_6l3_real t668 = t662 - t666 * t540;
-    const gluon_6l3_real t669 = t663 - t666 * t541;
-    const gluon_6l3_real t670 = t664 - t666 * t542;
-    const gluon_6l3_real t671 = t665 - t666 * t543;
-    const gluon_6l3_real t672 = t668 * t612;
-    w->a[20] = t672;
-    const gluon_6l3_real t674 = t669 - t672 * t609;
-    const gluon_6l3_real t675 = t670 - t672 * t610;
-    const gluon_6l3_real t676 = t671 - t672 * t611;
-    const gluon_6l3_real t677 = 1.0 / (t674 + 2.17e-20);
-    w->a[21] = t677;
-    const gluon_6l3_real t679 = t677 * 0.391677;
-    w->a[23] = t676;
-    w->a[22] = t675;
-    /* pivot 5: row 4, unknown 1 */
-    const gluon_6l3_real t682 = t2 * t68;
-    const gluon_6l3_real t683 = t23 * t77;
-    const gluon_6l3_real t684 = t682 - t683;
-    const gluon_6l3_real t685 = t26 * t80;
-    const gluon_6l3_real t686 = t684 + t685;
-    const gluon_6l3_real t687 = t29 * t83;
-    const gluon_6l3_real t688 = t686 + t687;
-    const gluon_6l3_real t689 = t688 + t688;
-    const gluon_6l3_real t690 = t2 * t130;
-    const gluon_6l3_real t691 = t23 * t139;
-    const gluon_6l3_real t692 = t690 - t691;
-    const gluon_6l3_real t693 = t26 * t142;
-    const gluon_6l3_real t694 = t692 - t693;
-    const gluon_6l3_real t695 = t29 * t145;
-    const gluon_6l3_real t696 = t694 - t695;
-    const gluon_6l3_real t697 = t696 + t696;
-    const gluon_6l3_real t698 = t2 * t164;
-    const gluon_6l3_real t699 = t23 * t173;
-    const gluon_6l3_real t700 = t698 + t699;
-    const gluon_6l3_real t701 = t26 * t176;
-    const gluon_6l3_real t702 = t700 + t701;
-    const gluon_6l3_real t703 = t29 * t179;
-    const gluon_6l3_real t704 = t702 + t703;
-    const gluon_6l3_real t705 = -t704;
-    const gluon_6l3_real t706 = t705 + t705;
-    const gluon_6l3_real t707 = t2 * t222;
-    const gluon_6l3_real t708 = t23 * t231;
-    const gluon_6l3_real t709 = t707 - t708;
-    const gluon_6l3_real t710 = t26 * t234;
-    const gluon_6l3_real t711 = t709 - t710;
-    const gluon_6l3_real t712 = t29 * t237;
-    const gluon_6l3_real t713 = t711 - t712;
-    const gluon_6l3_real t714 = t713 + t713;
-    const gluon_6l3_real t715 = t2 * t284;
-    const gluon_6l3_real t716 = t23 * t293;
-    const gluon_6l3_real t717 = t715 - t716;
-    const gluon_6l3_real t718 = t26 * t296;
-    const gluon_6l3_real t719 = t717 - t718;
-    const gluon_6l3_real t720 = t29 * t299;
-    const gluon_6l3_real t721 = t719 + t720;
-    const gluon_6l3_real t722 = t721 + t721;
-    const gluon_6l3_real t723 = t2 * t331;
-    const gluon_6l3_real t724 = t23 * t340;
-    const gluon_6l3_real t725 = t723 - t724;
-    const gluon_6l3_real t726 = t26 * t343;
-    const gluon_6l3_real t727 = t725 - t726;
-    const gluon_6l3_real t728 = t29 * t346;
-    const gluon_6l3_real t729 = t727 - t728;
-    const gluon_6l3_real t730 = t729 + t729;
-    const gluon_6l3_real t731 = t689 * t355;
-    w->a[24] = t731;
-    const gluon_6l3_real t733 = t697 - t731 * t153;
-    const gluon_6l3_real t734 = t706 - t731 * t187;
-    const gluon_6l3_real t735 = t714 - t731 * t245;
-    const gluon_6l3_real t736 = t722 - t731 * t308;
-    const gluon_6l3_real t737 = t730 - t731 * t354;
-    const gluon_6l3_real t738 = t733 * t544;
-    w->a[25] = t738;
-    const gluon_6l3_real t740 = t734 - t738 * t540;
-    const gluon_6l3_real t741 = t735 - t738 * t541;
-    const gluon_6l3_real t742 = t736 - t738 * t542;
-    const gluon_6l3_real t743 = t737 - t738 * t543;
-    const gluon_6l3_real t744 = t740 * t612;
-    w->a[26] = t744;
-    const gluon_6l3_real t746 = t741 - t744 * t609;
-    const gluon_6l3_real t747 = t742 - t744 * t610;
-    const gluon_6l3_real t748 = t743 - t744 * t611;
-    const gluon_6l3_real t749 = t746 * t677;
-    w->a[27] = t749;
-    const gluon_6l3_real t751 = t748 - t749 * t676;
-    const gluon_6l3_real t752 = t747 - t749 * t675;
-    const gluon_6l3_real t753 = 1.0 / (t752 + 2.17e-20);
-    w->a[28] = t753;
-    const gluon_6l3_real t755 = t753 * 0.93386;
-    w->a[29] = t751;
-    /* pivot 6: row 2, unknown 4 */
-    const gluon_6l3_real t757 = t383 * t410;
-    const gluon_6l3_real t758 = t379 * t397;
-    const gluon_6l3_real t759 = t757 + t758;
-    const gluon_6l3_real t760 = 0.0018542771065064704 * t759;
-    const gluon_6l3_real t761 = -t760;
-    const gluon_6l3_real t762 = t379 * t442;
-    const gluon_6l3_real t763 = 0.0018542771065064704 * t762;
-    const gluon_6l3_real t764 = t383 * t482;
-    const gluon_6l3_real t765 = t379 * t469;
-    const gluon_6l3_real t766 = t764 + t765;
-    const gluon_6l3_real t767 = 0.0018542771065064704 * t766;
-    const gluon_6l3_real t768 = -t767;
-    const gluon_6l3_real t769 = t379 * t495;
-    const gluon_6l3_real t770 = 0.0018542771065064704 * t769;
-    const gluon_6l3_real t771 = t500 * t383;
-    const gluon_6l3_real t772 = t516 * t379;
-    const gluon_6l3_real t773 = t771 - t772;
-    const gluon_6l3_real t774 = 0.0018542771065064704 * t773;
-    const gluon_6l3_real t775 = -t774;
-    const gluon_6l3_real t776 = t379 * t534;
-    const gluon_6l3_real t777 = 0.0018542771065064704 * t776;
-    const gluon_6l3_real t778 = t761 * t355;
-    w->a[30] = t778;
-    const gluon_6l3_real t780 = t763 - t778 * t153;
-    const gluon_6l3_real t781 = t768 - t778 * t187;
-    const gluon_6l3_real t782 = t770 - t778 * t245;
-    const gluon_6l3_real t783 = t775 - t778 * t308;
-    const gluon_6l3_real t784 = t777 - t778 * t354;
-    const gluon_6l3_real t785 = t780 * t544;
-    w->a[31] = t785;
-    const gluon_6l3_real t787 = t781 - t785 * t540;
-    const gluon_6l3_real t788 = t782 - t785 * t541;
-    const gluon_6l3_real t789 = t783 - t785 * t542;
-    const gluon_6l3_real t790 = t784 - t785 * t543;
-    const gluon_6l3_real t791 = t787 * t612;
-    w->a[32] = t791;
-    const gluon_6l3_real t793 = t788 - t791 * t609;
-    const gluon_6l3_real t794 = t789 - t791 * t610;
-    const gluon_6l3_real t795 = t790 - t791 * t611;
-    const gluon_6l3_real t796 = t793 * t677;
-    w->a[33] = t796;
-    const gluon_6l3_real t798 = t795 - t796 * t676;
-    const gluon_6l3_real t799 = t794 - t796 * t675;
-    const gluon_6l3_real t800 = t799 * t753;
-    w->a[34] = t800;
-    const gluon_6l3_real t802 = t798 - t800 * t751;
-    const gluon_6l3_real t803 = 1.0 / (t802 + 1.52e-20);
-    w->a[35] = t803;
-    const gluon_6l3_real t805 = t803 * 0.49393300000000007;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t355 * t539 * t608 * t677 * t753 * t802;
-    w->spread = t357 * t357 + t546 * t546 + t614 * t614 + t679 * t679 + t755 * t755 + t805 * t805;
-    return (w->spread < 1000000.0) ? ((det < 0.0) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void gluon_6l3_inverse_solve(gluon_6l3_inverse_work *w)
-{
-    if (w->pivoted) {
-        gluon_6l3_inverse_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const gluon_6l3_real y0 = w->f[5];
-    const gluon_6l3_real y1 = w->f[0] - w->a[6] * y0;
-    const gluon_6l3_real y2 = w->f[4] - w->a[12] * y0 - w->a[13] * y1;
-    const gluon_6l3_real y3 = w->f[2] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const gluon_6l3_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2
-        - w->a[27] * y3;
-    const gluon_6l3_real y5 = w->f[1] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2
-        - w->a[33] * y3 - w->a[34] * y4;
-    /* back substitution */
-    const gluon_6l3_real s5 = (y5) * w->a[35];
-    const gluon_6l3_real s4 = (y4 - w->a[29] * s5) * w->a[28];
-    const gluon_6l3_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
-    const gluon_6l3_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const gluon_6l3_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3
-        - w->a[8] * s2) * w->a[7];
-    const gluon_6l3_real s0 = (y0 - w->a[5] * s5 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2
-        - w->a[1] * s1) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[4] = s0;
-    w->f[1] = s1;
-    w->f[5] = s2;
-    w->f[2] = s3;
-    w->f[0] = s4;
-    w->f[3] = s5;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the
- * part's begin with its factors, each judged by the next. Where known values turn, the rows' change
- * is bent: both ends of a part may have a configuration, and points between them none. */
-static GLUON_6L3_COLD bool gluon_6l3_inverse_reaches_middle(gluon_6l3_inverse_work *w,
-    const gluon_6l3_real to[7], gluon_6l3_real middle, gluon_6l3_real still2)
-{
-    gluon_6l3_real end[6];
-    gluon_6l3_real size[3];
-    for (int i = 0; i < 6; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    gluon_6l3_inverse_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        gluon_6l3_inverse_rows(w);
-        gluon_6l3_inverse_solve(w);
-        size[i] = gluon_6l3_inverse_apply_step(w);
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0])
-        && (size[2] <= 0.140625 * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones
- * (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
- * values turn by at most 1 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
-static gluon_6l3_status gluon_6l3_inverse_newton(gluon_6l3_inverse_work *w,
-    const gluon_6l3_real to[7], const gluon_6l3_config *config, gluon_6l3_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const gluon_6l3_real tolerance2 = config->tolerance * config->tolerance;
-    const gluon_6l3_real longest2 = config->max_step * config->max_step;
-    gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    gluon_6l3_real done = 0.0;
-    gluon_6l3_real aim = 1.0;
-    /* squares of: the last step, kappa, the longest step allowed */
-    gluon_6l3_real size = 0.0;
-    gluon_6l3_real kappa2 = 0.0007728399999999999;
-    gluon_6l3_real limit;
-    gluon_6l3_real residual = HUGE_VAL;
-    gluon_6l3_real still2 = 1.4683552311219494e-23; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    /* whether the tolerance should be reached: the rows are evaluated once more */
-    bool verify = false;
-    w->spread = 0.0;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line
-     * is tried first */
-    gluon_6l3_real turn2 = 0.0;
-    /* of half the turn */
-    const gluon_6l3_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5]
-        + w->at[6] * to[6];
-    turn2 = 8.0 * (1.0 - fabs(cosine));
-    if (turn2 > 1.0) {
-        aim = 1.0 / sqrt(turn2);
-    }
-    gluon_6l3_inverse_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    w->x0[4] = w->x[4];
-    w->x0[5] = w->x[5];
-    for (;;) {
-        gluon_6l3_inverse_rows(w);
-        if (verify) {
-            residual = gluon_6l3_inverse_residual(w);
-            if (residual <= config->tolerance + 3.83191235693348e-12) {
-                status = GLUON_6L3_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                gluon_6l3_inverse_set_target(w, to, done);
-            }
-            int turn = gluon_6l3_inverse_factor(w);
-            if (turn == 0) {
-                turn = gluon_6l3_inverse_pivoted(w);
-            }
-            if (taken == 0U) {
-                gluon_6l3_inverse_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = GLUON_6L3_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = GLUON_6L3_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0))
-                ? (2.294305048628046e-25 * w->spread) : 1.4683552311219494e-23;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
-        gluon_6l3_inverse_solve(w);
-        const gluon_6l3_real before = size;
-        size = gluon_6l3_inverse_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625 * before;
+    const gluon_6l3_real number = angle * 0.15915494309189535;
+    gluon_6l3_real sine = 0.0;
+    if (fabs(number) < 10000.0) {
+        gluon_6l3_real x = angle - 6.283185307179586 * (gluon_6l3_real)(int)(number
+            + ((number < 0.0) ? -0.5 : 0.5));
+        if (x > 1.5707963267948966) {
+            x = 3.141592653589793 - x;
+        } else if (x < -1.5707963267948966) {
+            x = -3.141592653589793 - x;
         } else {
-            limit = 0.140625 * before;
+            /* within a quarter turn */
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
-            accepted = gluon_6l3_inverse_reaches_middle(w, to, done + 0.5 * (aim - done), still2);
-            gluon_6l3_inverse_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                gluon_6l3_real error2;
-                gluon_6l3_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+        const gluon_6l3_real square = x * x;
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243
+            + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6],
+    unsigned int wanted, gluon_6l3_real found[][6], bool *undecided,
+    gluon_6l3_real margin[6])
+{
+    int count = 0;
+    (void)margin;
+    (void)near;
+    (void)wanted;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const gluon_6l3_real t0 = x[5] * x[6];
+    const gluon_6l3_real t1 = x[3] * x[4];
+    const gluon_6l3_real t2 = t0 - t1;
+    const gluon_6l3_real t3 = -88.72 * t2;
+    const gluon_6l3_real t4 = t3 + x[1];
+    const gluon_6l3_real t5 = t4 * t4;
+    const gluon_6l3_real t6 = x[4] * x[6];
+    const gluon_6l3_real t7 = x[3] * x[5];
+    const gluon_6l3_real t8 = t6 + t7;
+    const gluon_6l3_real t9 = -88.72 * t8;
+    const gluon_6l3_real t10 = t9 + x[0];
+    const gluon_6l3_real t11 = t10 * t10;
+    const gluon_6l3_real t12 = t5 + t11;
+    const gluon_6l3_real t13 = t12 * 3.4383435877140077e-06;
+    if (t13 > 2.842170943040401e-14) {
+        const gluon_6l3_real t15 = t12 - 5724.4356;
+        const gluon_6l3_real t16 = t15 * 3.4383435877140077e-06;
+        if (t16 > 2.842170943040401e-14) {
+            margin[0] = t16;
+            const gluon_6l3_real t19 = t4 * near[1];
+            const gluon_6l3_real t20 = t10 * near[0];
+            const gluon_6l3_real t21 = t19 + t20;
+            const gluon_6l3_real t22 = -t21;
+            const unsigned int bits0 = (wanted >> 0U) & 3U;
+            const unsigned int side0 = (t22 < 0.0) ? 2U : 1U;
+            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                    const gluon_6l3_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
+                    const gluon_6l3_real t28 = 75.66 * t10;
+                    const gluon_6l3_real t29 = fabs(t15);
+                    const gluon_6l3_real t30 = t15 + t29;
+                    const gluon_6l3_real t31 = 0.5 * t30;
+                    const gluon_6l3_real t32 = sqrt(t31);
+                    const gluon_6l3_real t33 = sign0 * t32;
+                    const gluon_6l3_real t34 = t4 * t33;
+                    const gluon_6l3_real t35 = t28 - t34;
+                    const gluon_6l3_real t36 = 1.0 / t12;
+                    const gluon_6l3_real t37 = t35 * t36;
+                    const gluon_6l3_real t38 = 75.66 * t4;
+                    const gluon_6l3_real t39 = t10 * t33;
+                    const gluon_6l3_real t40 = t38 + t39;
+                    const gluon_6l3_real t41 = t40 * t36;
+                    const gluon_6l3_real t42 = -t41;
+                    const gluon_6l3_real t43 = atan2(t37, t42);
+                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+                    const gluon_6l3_real t44 = t8 + t8;
+                    const gluon_6l3_real t45 = t44 * t37;
+                    const gluon_6l3_real t46 = t2 + t2;
+                    const gluon_6l3_real t47 = t46 * t41;
+                    const gluon_6l3_real t48 = t45 + t47;
+                    const gluon_6l3_real t49 = t48 * t48;
+                    const gluon_6l3_real t50 = 1.0 - t49;
+                    if (t50 > 2.842170943040401e-14) {
+                        margin[1] = t50;
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (near[3] < 0.0) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const gluon_6l3_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
+                                const gluon_6l3_real t58 = fabs(t50);
+                                const gluon_6l3_real t59 = t50 + t58;
+                                const gluon_6l3_real t60 = 0.5 * t59;
+                                const gluon_6l3_real t61 = sqrt(t60);
+                                const gluon_6l3_real t62 = sign1 * t61;
+                                const gluon_6l3_real t63 = atan2(t62, t48);
+                                /* q6 turns the normal of q2, q3, q4 to where it must be */
+                                const gluon_6l3_real t64 = x[5] * x[5];
+                                const gluon_6l3_real t65 = x[6] * x[6];
+                                const gluon_6l3_real t66 = t64 + t65;
+                                const gluon_6l3_real t67 = t66 + t66;
+                                const gluon_6l3_real t68 = 1.0 - t67;
+                                const gluon_6l3_real t69 = t68 * t37;
+                                const gluon_6l3_real t70 = x[4] * x[5];
+                                const gluon_6l3_real t71 = x[3] * x[6];
+                                const gluon_6l3_real t72 = t70 + t71;
+                                const gluon_6l3_real t73 = t72 + t72;
+                                const gluon_6l3_real t74 = t73 * t41;
+                                const gluon_6l3_real t75 = t69 + t74;
+                                const gluon_6l3_real t76 = t75 * t62;
+                                const gluon_6l3_real t77 = t76 * t76;
+                                const gluon_6l3_real t78 = t70 - t71;
+                                const gluon_6l3_real t79 = t78 + t78;
+                                const gluon_6l3_real t80 = t79 * t37;
+                                const gluon_6l3_real t81 = x[4] * x[4];
+                                const gluon_6l3_real t82 = t81 + t65;
+                                const gluon_6l3_real t83 = t82 + t82;
+                                const gluon_6l3_real t84 = 1.0 - t83;
+                                const gluon_6l3_real t85 = t84 * t41;
+                                const gluon_6l3_real t86 = t80 + t85;
+                                const gluon_6l3_real t87 = t86 * t62;
+                                const gluon_6l3_real t88 = t87 * t87;
+                                const gluon_6l3_real t89 = t77 + t88;
+                                const gluon_6l3_real t90 = sqrt(t89);
+                                if (t90 > 2.842170943040401e-14) {
+                                    margin[2] = t90;
+                                    const gluon_6l3_real t93 = -t87;
+                                    const gluon_6l3_real t94 = atan2(t93, t76);
+                                    /* a point of the axis of q4: its distance from the axis of q2
+                                     * tells q3 */
+                                    const gluon_6l3_real t95 = 1.0 / t90;
+                                    const gluon_6l3_real t96 = t87 * t95;
+                                    const gluon_6l3_real t97 = 80.09 * t96;
+                                    const gluon_6l3_real t98 = t76 * t95;
+                                    const gluon_6l3_real t99 = -75.66 * t62;
+                                    const gluon_6l3_real t100 = t98 * t99;
+                                    const gluon_6l3_real t101 = t97 - t100;
+                                    const gluon_6l3_real t102 = t73 * t101;
+                                    const gluon_6l3_real t103 = -80.09 * t98;
+                                    const gluon_6l3_real t104 = t103 + 533.96;
+                                    const gluon_6l3_real t105 = t96 * t99;
+                                    const gluon_6l3_real t106 = t104 - t105;
+                                    const gluon_6l3_real t107 = t106 - 533.96;
+                                    const gluon_6l3_real t108 = t84 * t107;
+                                    const gluon_6l3_real t109 = t102 + t108;
+                                    const gluon_6l3_real t110 = 75.66 * t48;
+                                    const gluon_6l3_real t111 = t110 + 44.36;
+                                    const gluon_6l3_real t112 = t46 * t111;
+                                    const gluon_6l3_real t113 = t109 + t112;
+                                    const gluon_6l3_real t114 = x[1] - t113;
+                                    const gluon_6l3_real t115 = t37 * t114;
+                                    const gluon_6l3_real t116 = t68 * t101;
+                                    const gluon_6l3_real t117 = t79 * t107;
+                                    const gluon_6l3_real t118 = t116 + t117;
+                                    const gluon_6l3_real t119 = t44 * t111;
+                                    const gluon_6l3_real t120 = t118 + t119;
+                                    const gluon_6l3_real t121 = x[0] - t120;
+                                    const gluon_6l3_real t122 = t41 * t121;
+                                    const gluon_6l3_real t123 = t115 - t122;
+                                    const gluon_6l3_real t124 = t123 * t123;
+                                    const gluon_6l3_real t125 = t41 * t114;
+                                    const gluon_6l3_real t126 = t37 * t121;
+                                    const gluon_6l3_real t127 = t125 + t126;
+                                    const gluon_6l3_real t128 = t127 * t127;
+                                    const gluon_6l3_real t129 = t124 + t128;
+                                    const gluon_6l3_real t130 = t6 - t7;
+                                    const gluon_6l3_real t131 = t130 + t130;
+                                    const gluon_6l3_real t132 = t131 * t101;
+                                    const gluon_6l3_real t133 = t0 + t1;
+                                    const gluon_6l3_real t134 = t133 + t133;
+                                    const gluon_6l3_real t135 = t134 * t107;
+                                    const gluon_6l3_real t136 = t132 + t135;
+                                    const gluon_6l3_real t137 = t81 + t64;
+                                    const gluon_6l3_real t138 = t137 + t137;
+                                    const gluon_6l3_real t139 = 1.0 - t138;
+                                    const gluon_6l3_real t140 = t139 * t111;
+                                    const gluon_6l3_real t141 = t136 + t140;
+                                    const gluon_6l3_real t142 = x[2] - t141;
+                                    const gluon_6l3_real t143 = t142 - 105.03;
+                                    const gluon_6l3_real t144 = t143 * t143;
+                                    const gluon_6l3_real t145 = t129 + t144;
+                                    const gluon_6l3_real t146 = t145 - 60844.6728;
+                                    const gluon_6l3_real t147 = 0.5 * t146;
+                                    const gluon_6l3_real t148 = t147 * t147;
+                                    const gluon_6l3_real t149 = 925518552.034765 - t148;
+                                    const gluon_6l3_real t150 = t149 * 1.1822206627174038e-11;
+                                    if (t150 > 2.842170943040401e-14) {
+                                        margin[3] = t150;
+                                        const gluon_6l3_real t153 = 30422.3364 * near[5];
+                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                        const unsigned int side2 = (t153 < 0.0) ? 2U : 1U;
+                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                                const gluon_6l3_real sign2 = (k2 == 1U)
+                                                    ? 1.0 : -1.0;
+                                                const gluon_6l3_real t159 = fabs(t149);
+                                                const gluon_6l3_real t160 = t149 + t159;
+                                                const gluon_6l3_real t161 = 0.5 * t160;
+                                                const gluon_6l3_real t162 = sqrt(t161);
+                                                const gluon_6l3_real t163 = sign2 * t162;
+                                                const gluon_6l3_real t164 =
+                                                    1.6435292589822258e-05 * t146;
+                                                const gluon_6l3_real t165 =
+                                                    3.2870585179644516e-05 * t163;
+                                                const gluon_6l3_real t166 = atan2(t165, t164);
+                                                /* q2 turns a point of the axis of q4 to where it
+                                                 * must be */
+                                                const gluon_6l3_real t167 =
+                                                    -0.005733287467033597 * t163;
+                                                const gluon_6l3_real t168 = t167 * t123;
+                                                const gluon_6l3_real t169 =
+                                                    0.0028666437335167984 * t146;
+                                                const gluon_6l3_real t170 = t169 + 174.42;
+                                                const gluon_6l3_real t171 = t170 * t143;
+                                                const gluon_6l3_real t172 = t168 + t171;
+                                                const gluon_6l3_real t173 = t172 * t172;
+                                                const gluon_6l3_real t174 = t170 * t123;
+                                                const gluon_6l3_real t175 = t167 * t143;
+                                                const gluon_6l3_real t176 = t174 - t175;
+                                                const gluon_6l3_real t177 = t176 * t176;
+                                                const gluon_6l3_real t178 = t173 + t177;
+                                                const gluon_6l3_real t179 = sqrt(t178);
+                                                const gluon_6l3_real t180 =
+                                                    t179 * 3.4383435877140077e-06;
+                                                if (t180 > 2.842170943040401e-14) {
+                                                    margin[4] = t180;
+                                                    const gluon_6l3_real t183 = -t176;
+                                                    const gluon_6l3_real t184 = atan2(t183, t172);
+                                                    /* q4 turns a direction of the tool to where it
+                                                     * must be */
+                                                    const gluon_6l3_real t185 = 1.0 / t179;
+                                                    const gluon_6l3_real t186 = t172 * t185;
+                                                    const gluon_6l3_real t187 = t46 * t62;
+                                                    const gluon_6l3_real t188 = t98 * t48;
+                                                    const gluon_6l3_real t189 = t73 * t188;
+                                                    const gluon_6l3_real t190 = t96 * t48;
+                                                    const gluon_6l3_real t191 = t84 * t190;
+                                                    const gluon_6l3_real t192 = t189 + t191;
+                                                    const gluon_6l3_real t193 = t187 - t192;
+                                                    const gluon_6l3_real t194 = t37 * t193;
+                                                    const gluon_6l3_real t195 = t44 * t62;
+                                                    const gluon_6l3_real t196 = t68 * t188;
+                                                    const gluon_6l3_real t197 = t79 * t190;
+                                                    const gluon_6l3_real t198 = t196 + t197;
+                                                    const gluon_6l3_real t199 = t195 - t198;
+                                                    const gluon_6l3_real t200 = t41 * t199;
+                                                    const gluon_6l3_real t201 = t194 - t200;
+                                                    const gluon_6l3_real t202 = t186 * t201;
+                                                    const gluon_6l3_real t203 = t176 * t185;
+                                                    const gluon_6l3_real t204 = t139 * t62;
+                                                    const gluon_6l3_real t205 = t131 * t188;
+                                                    const gluon_6l3_real t206 = t134 * t190;
+                                                    const gluon_6l3_real t207 = t205 + t206;
+                                                    const gluon_6l3_real t208 = t204 - t207;
+                                                    const gluon_6l3_real t209 = t203 * t208;
+                                                    const gluon_6l3_real t210 = t202 - t209;
+                                                    const gluon_6l3_real t211 = t164 * t210;
+                                                    const gluon_6l3_real t212 = t186 * t208;
+                                                    const gluon_6l3_real t213 = t203 * t201;
+                                                    const gluon_6l3_real t214 = t212 + t213;
+                                                    const gluon_6l3_real t215 = t165 * t214;
+                                                    const gluon_6l3_real t216 = t211 + t215;
+                                                    const gluon_6l3_real t217 = t216 * t216;
+                                                    const gluon_6l3_real t218 = t164 * t214;
+                                                    const gluon_6l3_real t219 = t165 * t210;
+                                                    const gluon_6l3_real t220 = t218 - t219;
+                                                    const gluon_6l3_real t221 = t220 * t220;
+                                                    const gluon_6l3_real t222 = t217 + t221;
+                                                    const gluon_6l3_real t223 = sqrt(t222);
+                                                    if (t223 > 2.842170943040401e-14) {
+                                                        margin[5] = t223;
+                                                        const gluon_6l3_real t226 = atan2(t220,
+                                                            t216);
+                                                        found[count][0] = t43;
+                                                        found[count][1] = t184;
+                                                        found[count][2] = t166;
+                                                        found[count][3] = t226;
+                                                        found[count][4] = t63;
+                                                        found[count][5] = t94;
+                                                        ++count;
+                                                    } else {
+                                                        *undecided = true;
+                                                    }
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            }
+                                        }
+                                    } else if (t150 > -2.842170943040401e-14) {
+                                        *undecided = true;
+                                    } else {
+                                        /* out of reach */
+                                    }
+                                } else {
+                                    *undecided = true;
+                                }
+                            }
+                        }
+                    } else if (t50 > -2.842170943040401e-14) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
                     }
                 }
-                gain2 = 4.0 * ((fresh || !(before > 0.0)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
-                    && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0 <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
-                 * convergence was quick */
-                const gluon_6l3_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25)) ? (2.0 * part) : part;
-                if (aim > 0.999) {
-                    aim = 1.0;
-                }
-                for (int i = 0; i < 6; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                gluon_6l3_inverse_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
             }
-        } else if (aim - done > 0.0009765625) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375 * (aim - done);
-            for (int i = 0; i < 6; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            gluon_6l3_inverse_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
+        } else if (t16 > -2.842170943040401e-14) {
+            *undecided = true;
         } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = GLUON_6L3_WRONG_BRANCH;
-            break;
+            /* out of reach */
         }
+    } else {
+        *undecided = true;
     }
-    gluon_6l3_write_info(info, count, residual, size, w->spread);
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
+static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon_6l3_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == GLUON_6L3_OUT_OF_RANGE); ++round) {
+        const gluon_6l3_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const gluon_6l3_real number = (goal[i] - joints[i]) * 0.15915494309189535;
+            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
+                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                joints[i] += 6.283185307179586 * (gluon_6l3_real)whole;
+            }
+        }
+        status = gluon_6l3_check_limits(joints);
+    }
     return status;
 }
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose,
+    const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6],
+    gluon_6l3_real joints[6])
+{
+    gluon_6l3_real x[7];
+    gluon_6l3_real found[1][6];
+    gluon_6l3_real margin[6];
+    bool undecided = false;
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
+    if (status == GLUON_6L3_OK) {
+        if (gluon_6l3_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = gluon_6l3_turn_near(about, found[0]);
+        } else {
+            status = undecided ? GLUON_6L3_SINGULAR : GLUON_6L3_OUT_OF_RANGE;
+        }
+    }
+    if (status == GLUON_6L3_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6])
+{
+    static const gluon_6l3_real near[6] = { 0.0 };
+    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    gluon_6l3_real x[7];
+    int count = 0;
+    gluon_6l3_real margin[6];
+    bool undecided = false;
+    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
+    if (status == GLUON_6L3_OK) {
+        const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided, margin);
+        for (int k = 0; k < all; ++k) {
+            if (gluon_6l3_turn_near(middle, joints[k]) == GLUON_6L3_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch,
+    gluon_6l3_real joints[6])
+{
+    static const gluon_6l3_real near[6] = { 0.0 };
+    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
+    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = gluon_6l3_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
+    const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
+{
+    gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
+    if (status == GLUON_6L3_OK) {
+        gluon_6l3_real near[6] = { 0.0 };
+        near[0] = gluon_6l3_sine(guess[0] + 1.5707963267948966);
+        near[1] = gluon_6l3_sine(guess[0]);
+        near[3] = gluon_6l3_sine(guess[4]);
+        near[5] = gluon_6l3_sine(guess[2]);
+        status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
+static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_6l3_real x[7],
+    gluon_6l3_real margin[6])
+{
+    gluon_6l3_real u[12];
+    unsigned int wanted = 0U;
+    u[0] = cos(0.5 * joints[0]);
+    u[1] = sin(0.5 * joints[0]);
+    u[2] = cos(0.5 * joints[1]);
+    u[3] = sin(0.5 * joints[1]);
+    u[4] = cos(0.5 * joints[2]);
+    u[5] = sin(0.5 * joints[2]);
+    u[6] = cos(0.5 * joints[3]);
+    u[7] = sin(0.5 * joints[3]);
+    u[8] = cos(0.5 * joints[4]);
+    u[9] = sin(0.5 * joints[4]);
+    u[10] = cos(0.5 * joints[5]);
+    u[11] = sin(0.5 * joints[5]);
+    /* the tool's pose */
+    const gluon_6l3_real t0 = u[0] * u[0];
+    const gluon_6l3_real t1 = u[1] * u[1];
+    const gluon_6l3_real t2 = t0 - t1;
+    const gluon_6l3_real t3 = u[2] * u[2];
+    const gluon_6l3_real t4 = u[3] * u[3];
+    const gluon_6l3_real t5 = t3 - t4;
+    const gluon_6l3_real t6 = u[4] * u[4];
+    const gluon_6l3_real t7 = u[5] * u[5];
+    const gluon_6l3_real t8 = t6 - t7;
+    const gluon_6l3_real t9 = u[6] * u[6];
+    const gluon_6l3_real t10 = u[7] * u[7];
+    const gluon_6l3_real t11 = t9 - t10;
+    const gluon_6l3_real t12 = u[8] + u[8];
+    const gluon_6l3_real t13 = t12 * u[9];
+    const gluon_6l3_real t14 = 44.36 * t13;
+    const gluon_6l3_real t15 = t11 * t14;
+    const gluon_6l3_real t16 = u[6] + u[6];
+    const gluon_6l3_real t17 = t16 * u[7];
+    const gluon_6l3_real t18 = -80.09 * t17;
+    const gluon_6l3_real t19 = t15 + t18;
+    const gluon_6l3_real t20 = t8 * t19;
+    const gluon_6l3_real t21 = u[4] + u[4];
+    const gluon_6l3_real t22 = t21 * u[5];
+    const gluon_6l3_real t23 = 80.09 * t11;
+    const gluon_6l3_real t24 = t23 + 453.87;
+    const gluon_6l3_real t25 = t17 * t14;
+    const gluon_6l3_real t26 = t24 + t25;
+    const gluon_6l3_real t27 = t26 - 279.45;
+    const gluon_6l3_real t28 = t22 * t27;
+    const gluon_6l3_real t29 = t20 - t28;
+    const gluon_6l3_real t30 = t5 * t29;
+    const gluon_6l3_real t31 = u[2] + u[2];
+    const gluon_6l3_real t32 = t31 * u[3];
+    const gluon_6l3_real t33 = t8 * t27;
+    const gluon_6l3_real t34 = t33 + 279.45;
+    const gluon_6l3_real t35 = t22 * t19;
+    const gluon_6l3_real t36 = t34 + t35;
+    const gluon_6l3_real t37 = t36 - 105.03;
+    const gluon_6l3_real t38 = t32 * t37;
+    const gluon_6l3_real t39 = t30 - t38;
+    const gluon_6l3_real t40 = t2 * t39;
+    const gluon_6l3_real t41 = u[0] + u[0];
+    const gluon_6l3_real t42 = t41 * u[1];
+    const gluon_6l3_real t43 = u[8] * u[8];
+    const gluon_6l3_real t44 = u[9] * u[9];
+    const gluon_6l3_real t45 = t43 - t44;
+    const gluon_6l3_real t46 = -44.36 * t45;
+    const gluon_6l3_real t47 = t46 - 75.66;
+    const gluon_6l3_real t48 = t42 * t47;
+    const gluon_6l3_real t49 = t40 - t48;
+    x[0] = t49;
+    const gluon_6l3_real t51 = t2 * t47;
+    const gluon_6l3_real t52 = t42 * t39;
+    const gluon_6l3_real t53 = t51 + t52;
+    x[1] = t53;
+    const gluon_6l3_real t55 = t5 * t37;
+    const gluon_6l3_real t56 = t55 + 105.03;
+    const gluon_6l3_real t57 = t32 * t29;
+    const gluon_6l3_real t58 = t56 + t57;
+    x[2] = t58;
+    const gluon_6l3_real t60 = 0.7071067811865475 * u[11];
+    const gluon_6l3_real t61 = u[8] * t60;
+    const gluon_6l3_real t62 = -0.7071067811865476 * u[10];
+    const gluon_6l3_real t63 = u[9] * t62;
+    const gluon_6l3_real t64 = t61 - t63;
+    const gluon_6l3_real t65 = u[6] * t64;
+    const gluon_6l3_real t66 = 0.7071067811865475 * u[10];
+    const gluon_6l3_real t67 = u[8] * t66;
+    const gluon_6l3_real t68 = -0.7071067811865476 * u[11];
+    const gluon_6l3_real t69 = u[9] * t68;
+    const gluon_6l3_real t70 = t67 - t69;
+    const gluon_6l3_real t71 = u[7] * t70;
+    const gluon_6l3_real t72 = t65 + t71;
+    const gluon_6l3_real t73 = u[4] * t72;
+    const gluon_6l3_real t74 = u[6] * t70;
+    const gluon_6l3_real t75 = u[7] * t64;
+    const gluon_6l3_real t76 = t74 - t75;
+    const gluon_6l3_real t77 = u[5] * t76;
+    const gluon_6l3_real t78 = t73 + t77;
+    const gluon_6l3_real t79 = u[2] * t78;
+    const gluon_6l3_real t80 = u[4] * t76;
+    const gluon_6l3_real t81 = u[5] * t72;
+    const gluon_6l3_real t82 = t80 - t81;
+    const gluon_6l3_real t83 = u[3] * t82;
+    const gluon_6l3_real t84 = t79 + t83;
+    const gluon_6l3_real t85 = u[0] * t84;
+    const gluon_6l3_real t86 = u[8] * t62;
+    const gluon_6l3_real t87 = u[9] * t60;
+    const gluon_6l3_real t88 = t86 + t87;
+    const gluon_6l3_real t89 = u[6] * t88;
+    const gluon_6l3_real t90 = u[8] * t68;
+    const gluon_6l3_real t91 = u[9] * t66;
+    const gluon_6l3_real t92 = t90 + t91;
+    const gluon_6l3_real t93 = u[7] * t92;
+    const gluon_6l3_real t94 = t89 - t93;
+    const gluon_6l3_real t95 = u[4] * t94;
+    const gluon_6l3_real t96 = u[6] * t92;
+    const gluon_6l3_real t97 = u[7] * t88;
+    const gluon_6l3_real t98 = t96 + t97;
+    const gluon_6l3_real t99 = u[5] * t98;
+    const gluon_6l3_real t100 = t95 - t99;
+    const gluon_6l3_real t101 = u[2] * t100;
+    const gluon_6l3_real t102 = u[4] * t98;
+    const gluon_6l3_real t103 = u[5] * t94;
+    const gluon_6l3_real t104 = t102 + t103;
+    const gluon_6l3_real t105 = u[3] * t104;
+    const gluon_6l3_real t106 = t101 - t105;
+    const gluon_6l3_real t107 = u[1] * t106;
+    const gluon_6l3_real t108 = t85 - t107;
+    x[3] = t108;
+    const gluon_6l3_real t110 = u[2] * t104;
+    const gluon_6l3_real t111 = u[3] * t100;
+    const gluon_6l3_real t112 = t110 + t111;
+    const gluon_6l3_real t113 = u[0] * t112;
+    const gluon_6l3_real t114 = u[2] * t82;
+    const gluon_6l3_real t115 = u[3] * t78;
+    const gluon_6l3_real t116 = t114 - t115;
+    const gluon_6l3_real t117 = u[1] * t116;
+    const gluon_6l3_real t118 = t113 + t117;
+    const gluon_6l3_real t119 = -t118;
+    x[4] = t119;
+    const gluon_6l3_real t121 = u[0] * t116;
+    const gluon_6l3_real t122 = u[1] * t112;
+    const gluon_6l3_real t123 = t121 - t122;
+    x[5] = t123;
+    const gluon_6l3_real t125 = u[0] * t106;
+    const gluon_6l3_real t126 = u[1] * t84;
+    const gluon_6l3_real t127 = t125 + t126;
+    x[6] = t127;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const gluon_6l3_real t129 = t123 * t127;
+    const gluon_6l3_real t130 = t108 * t118;
+    const gluon_6l3_real t131 = t129 + t130;
+    const gluon_6l3_real t132 = -88.72 * t131;
+    const gluon_6l3_real t133 = t132 + t53;
+    const gluon_6l3_real t134 = t133 * t42;
+    const gluon_6l3_real t135 = t108 * t123;
+    const gluon_6l3_real t136 = t118 * t127;
+    const gluon_6l3_real t137 = t135 - t136;
+    const gluon_6l3_real t138 = -88.72 * t137;
+    const gluon_6l3_real t139 = t138 + t49;
+    const gluon_6l3_real t140 = t139 * t2;
+    const gluon_6l3_real t141 = t134 + t140;
+    const gluon_6l3_real t142 = t141 * 0.0018542771065064704;
+    const gluon_6l3_real t143 = -t142;
+    margin[0] = t143 * t143;
+    wanted |= (t143 < 0.0) ? 2U : 1U;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    margin[1] = t13 * t13;
+    wanted |= (t13 < 0.0) ? 8U : 4U;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const gluon_6l3_real t148 = t123 * t123;
+    const gluon_6l3_real t149 = t127 * t127;
+    const gluon_6l3_real t150 = t148 + t149;
+    const gluon_6l3_real t151 = t150 + t150;
+    const gluon_6l3_real t152 = 1.0 - t151;
+    const gluon_6l3_real t153 = t152 * t42;
+    const gluon_6l3_real t154 = t108 * t127;
+    const gluon_6l3_real t155 = t118 * t123;
+    const gluon_6l3_real t156 = t154 - t155;
+    const gluon_6l3_real t157 = t156 + t156;
+    const gluon_6l3_real t158 = t157 * t2;
+    const gluon_6l3_real t159 = t153 - t158;
+    const gluon_6l3_real t160 = t159 * t13;
+    const gluon_6l3_real t161 = t160 * t160;
+    const gluon_6l3_real t162 = t155 + t154;
+    const gluon_6l3_real t163 = -t162;
+    const gluon_6l3_real t164 = t163 + t163;
+    const gluon_6l3_real t165 = t164 * t42;
+    const gluon_6l3_real t166 = t118 * t118;
+    const gluon_6l3_real t167 = t166 + t149;
+    const gluon_6l3_real t168 = t167 + t167;
+    const gluon_6l3_real t169 = 1.0 - t168;
+    const gluon_6l3_real t170 = t169 * t2;
+    const gluon_6l3_real t171 = t165 - t170;
+    const gluon_6l3_real t172 = t171 * t13;
+    const gluon_6l3_real t173 = t172 * t172;
+    const gluon_6l3_real t174 = t161 + t173;
+    const gluon_6l3_real t175 = sqrt(t174);
+    margin[2] = t175;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const gluon_6l3_real t177 = 30422.3364 * t22;
+    const gluon_6l3_real t178 = t177 * 3.4383435877140077e-06;
+    margin[3] = t178 * t178;
+    wanted |= (t178 < 0.0) ? 32U : 16U;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const gluon_6l3_real t181 = -174.42 * t22;
+    const gluon_6l3_real t182 = u[10] * u[10];
+    const gluon_6l3_real t183 = u[11] * u[11];
+    const gluon_6l3_real t184 = t182 - t183;
+    const gluon_6l3_real t185 = -75.66 * t13;
+    const gluon_6l3_real t186 = t184 * t185;
+    const gluon_6l3_real t187 = u[10] + u[10];
+    const gluon_6l3_real t188 = t187 * u[11];
+    const gluon_6l3_real t189 = 80.09 * t188;
+    const gluon_6l3_real t190 = t186 + t189;
+    const gluon_6l3_real t191 = t152 * t190;
+    const gluon_6l3_real t192 = -80.09 * t184;
+    const gluon_6l3_real t193 = t192 + 533.96;
+    const gluon_6l3_real t194 = t188 * t185;
+    const gluon_6l3_real t195 = t193 + t194;
+    const gluon_6l3_real t196 = t195 - 533.96;
+    const gluon_6l3_real t197 = t164 * t196;
+    const gluon_6l3_real t198 = t191 - t197;
+    const gluon_6l3_real t199 = t137 + t137;
+    const gluon_6l3_real t200 = 75.66 * t45;
+    const gluon_6l3_real t201 = t200 + 44.36;
+    const gluon_6l3_real t202 = t199 * t201;
+    const gluon_6l3_real t203 = t198 - t202;
+    const gluon_6l3_real t204 = t203 + t49;
+    const gluon_6l3_real t205 = t2 * t204;
+    const gluon_6l3_real t206 = t157 * t190;
+    const gluon_6l3_real t207 = t169 * t196;
+    const gluon_6l3_real t208 = t206 - t207;
+    const gluon_6l3_real t209 = t131 + t131;
+    const gluon_6l3_real t210 = t209 * t201;
+    const gluon_6l3_real t211 = t208 - t210;
+    const gluon_6l3_real t212 = t211 + t53;
+    const gluon_6l3_real t213 = t42 * t212;
+    const gluon_6l3_real t214 = t205 + t213;
+    const gluon_6l3_real t215 = t181 * t214;
+    const gluon_6l3_real t216 = 174.42 * t8;
+    const gluon_6l3_real t217 = t216 + 174.42;
+    const gluon_6l3_real t218 = t136 + t135;
+    const gluon_6l3_real t219 = -t218;
+    const gluon_6l3_real t220 = t219 + t219;
+    const gluon_6l3_real t221 = t220 * t190;
+    const gluon_6l3_real t222 = t129 - t130;
+    const gluon_6l3_real t223 = t222 + t222;
+    const gluon_6l3_real t224 = t223 * t196;
+    const gluon_6l3_real t225 = t221 - t224;
+    const gluon_6l3_real t226 = t166 + t148;
+    const gluon_6l3_real t227 = t226 + t226;
+    const gluon_6l3_real t228 = 1.0 - t227;
+    const gluon_6l3_real t229 = t228 * t201;
+    const gluon_6l3_real t230 = t225 - t229;
+    const gluon_6l3_real t231 = t230 + t58;
+    const gluon_6l3_real t232 = t231 - 105.03;
+    const gluon_6l3_real t233 = t217 * t232;
+    const gluon_6l3_real t234 = t215 + t233;
+    const gluon_6l3_real t235 = t234 * t234;
+    const gluon_6l3_real t236 = t217 * t214;
+    const gluon_6l3_real t237 = t181 * t232;
+    const gluon_6l3_real t238 = t236 - t237;
+    const gluon_6l3_real t239 = t238 * t238;
+    const gluon_6l3_real t240 = t235 + t239;
+    const gluon_6l3_real t241 = sqrt(t240);
+    const gluon_6l3_real t242 = t241 * 3.4383435877140077e-06;
+    margin[4] = t242;
+    /* q4 turns a direction of the tool to where it must be */
+    const gluon_6l3_real t244 = t188 * t45;
+    const gluon_6l3_real t245 = t164 * t244;
+    const gluon_6l3_real t246 = t184 * t45;
+    const gluon_6l3_real t247 = t152 * t246;
+    const gluon_6l3_real t248 = t245 - t247;
+    const gluon_6l3_real t249 = t199 * t13;
+    const gluon_6l3_real t250 = t248 + t249;
+    const gluon_6l3_real t251 = t2 * t250;
+    const gluon_6l3_real t252 = t169 * t244;
+    const gluon_6l3_real t253 = t157 * t246;
+    const gluon_6l3_real t254 = t252 - t253;
+    const gluon_6l3_real t255 = t209 * t13;
+    const gluon_6l3_real t256 = t254 + t255;
+    const gluon_6l3_real t257 = t42 * t256;
+    const gluon_6l3_real t258 = t251 + t257;
+    const gluon_6l3_real t259 = t5 * t258;
+    const gluon_6l3_real t260 = t223 * t244;
+    const gluon_6l3_real t261 = t220 * t246;
+    const gluon_6l3_real t262 = t260 - t261;
+    const gluon_6l3_real t263 = t228 * t13;
+    const gluon_6l3_real t264 = t262 + t263;
+    const gluon_6l3_real t265 = t32 * t264;
+    const gluon_6l3_real t266 = t259 + t265;
+    const gluon_6l3_real t267 = t8 * t266;
+    const gluon_6l3_real t268 = t5 * t264;
+    const gluon_6l3_real t269 = t32 * t258;
+    const gluon_6l3_real t270 = t268 - t269;
+    const gluon_6l3_real t271 = t22 * t270;
+    const gluon_6l3_real t272 = t267 + t271;
+    const gluon_6l3_real t273 = t272 * t272;
+    const gluon_6l3_real t274 = t8 * t270;
+    const gluon_6l3_real t275 = t22 * t266;
+    const gluon_6l3_real t276 = t274 - t275;
+    const gluon_6l3_real t277 = t276 * t276;
+    const gluon_6l3_real t278 = t273 + t277;
+    const gluon_6l3_real t279 = sqrt(t278);
+    margin[5] = t279;
+    return wanted;
+}
+
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluon_6l3_real b[6],
+    gluon_6l3_real place, gluon_6l3_real turn, const gluon_6l3_real moved[6])
+{
+    gluon_6l3_real largest = 0.0;
+    (void)a;
+    (void)b;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const gluon_6l3_real bend0 = 5.41 * place + 0.721 * turn;
+    const gluon_6l3_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
+    const gluon_6l3_real share0 = bend0 / (2.0 * (a[0] + b[0]) + 4.0 * lesser0);
+    largest = (share0 > largest) ? share0 : largest;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    const gluon_6l3_real bend1 = 10.0 * turn + 10.0 * moved[0];
+    const gluon_6l3_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
+    const gluon_6l3_real share1 = bend1 / (2.0 * (a[1] + b[1]) + 4.0 * lesser1);
+    largest = (share1 > largest) ? share1 : largest;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const gluon_6l3_real bend2 = 5.0 * moved[4];
+    const gluon_6l3_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
+    const gluon_6l3_real share2 = bend2 / (2.0 * (a[2] + b[2]) + 4.0 * lesser2);
+    largest = (share2 > largest) ? share2 : largest;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const gluon_6l3_real bend3 = 1.44 * place + 0.92 * turn + 0.512 * moved[4] + 0.539 * moved[5];
+    const gluon_6l3_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
+    const gluon_6l3_real share3 = bend3 / (2.0 * (a[3] + b[3]) + 4.0 * lesser3);
+    largest = (share3 > largest) ? share3 : largest;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const gluon_6l3_real bend4 = 11.0 * place + 3.88 * turn + 4.15 * moved[0] + 1.84 * moved[4]
+        + 2.67 * moved[5];
+    const gluon_6l3_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
+    const gluon_6l3_real share4 = bend4 / (2.0 * (a[4] + b[4]) + 4.0 * lesser4);
+    largest = (share4 > largest) ? share4 : largest;
+    /* q4 turns a direction of the tool to where it must be */
+    const gluon_6l3_real bend5 = 10.0 * turn + 10.0 * moved[0] + 10.0 * moved[4];
+    const gluon_6l3_real lesser5 = (a[5] < b[5]) ? a[5] : b[5];
+    const gluon_6l3_real share5 = bend5 / (2.0 * (a[5] + b[5]) + 4.0 * lesser5);
+    largest = (share5 > largest) ? share5 : largest;
+    return largest;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
+    const gluon_6l3_config *config, gluon_6l3_real joints[6], gluon_6l3_info *info)
+{
+    static const gluon_6l3_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const gluon_6l3_real near[6] = { 0.0 };
+    const gluon_6l3_real most2 = config->max_step * config->max_step * 3.438343587714008e-06;
+    gluon_6l3_real at[7];
+    gluon_6l3_real x[7];
+    gluon_6l3_real left[6] = { 1.0 };
+    gluon_6l3_real margin[6] = { 1.0 };
+    gluon_6l3_real found[1][6];
+    gluon_6l3_real done = 0.0;
+    gluon_6l3_real part = 1.0;
+    gluon_6l3_real moved[6];
+    gluon_6l3_real way2 = 0.0;
+    gluon_6l3_real least = 1.0;
+    unsigned int count = 0U;
+    const unsigned int wanted = gluon_6l3_read_joints(joints, at, left);
+    /* of q and -q, one rotation, the one on the guess's side */
+    const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const gluon_6l3_real side = (cosine < 0.0) ? -1.0 : 1.0;
+    const gluon_6l3_real turn2 = 8.0 * ((1.0 - side * cosine) + 4.440892098500626e-16);
+    gluon_6l3_real place2 = 0.0;
+    gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
+    for (int i = 0; i < 3; ++i) {
+        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 3.438343587714008e-06;
+    }
+    for (int k = 0; k < 6; ++k) {
+        if (!(left[k] > 2.842170943040401e-14)) {
+            status = GLUON_6L3_SINGULAR;
+        }
+    }
+    while ((status == GLUON_6L3_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
+        const gluon_6l3_real end = (done + part < 0.999) ? (done + part) : 1.0;
+        bool undecided = false;
+        ++count;
+        for (int i = 0; i < 7; ++i) {
+            const gluon_6l3_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0) {
+            const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        if (gluon_6l3_branches(x, near, wanted, found, &undecided, margin) != 1) {
+            /* the guess's branch does not reach this point of the line */
+            status = undecided ? GLUON_6L3_SINGULAR : ((end < 1.0)
+                ? GLUON_6L3_WRONG_BRANCH : GLUON_6L3_OUT_OF_RANGE);
+        } else {
+            way2 = 0.0;
+            for (int i = 0; i < 6; ++i) {
+                gluon_6l3_real way = found[0][i] - joints[i];
+                const gluon_6l3_real number = way * 0.15915494309189535;
+                if (angular[i] && (fabs(number) > 0.5)) {
+                    way -= 6.283185307179586 * (gluon_6l3_real)(int)(number + ((number < 0.0)
+                        ? -0.5 : 0.5));
+                }
+                found[0][i] = joints[i] + way;
+                moved[i] = (way * per_length[i]) * (way * per_length[i]);
+                way2 += moved[i];
+            }
+            const gluon_6l3_real share = gluon_6l3_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
+            if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[i] = found[0][i];
+                }
+                for (int k = 0; k < 6; ++k) {
+                    left[k] = margin[k];
+                }
+                done = end;
+                part *= (share < 0.2) ? 2.0 : ((share < 0.6) ? 1.0 : 0.75);
+                if (done >= 1.0) {
+                    status = GLUON_6L3_OK;
+                }
+            } else {
+                part *= (share < 4.0) ? 0.5 : 0.25;
+                if (part < 0.000244140625) {
+                    status = GLUON_6L3_WRONG_BRANCH;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 6; ++k) {
+        least = (left[k] < least) ? left[k] : least;
+    }
+    gluon_6l3_write_info(info, count, (status == GLUON_6L3_OK) ? 2.3987771354403583e-09 : HUGE_VAL,
+        way2 * 290837.71719999996, (least > 0.0) ? (1.0 / least) : 0.0);
+    return status;
+}
+
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose *pose)
 {
@@ -2477,13 +1192,13 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* The joints by the closed form along the line of tool poses from the guess's to the given one. */
 gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose,
     const gluon_6l3_real guess[6], gluon_6l3_real joints[6], gluon_6l3_info *info)
 {
     static const gluon_6l3_config usual = { GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS,
         GLUON_6L3_MAX_STEP };
-    gluon_6l3_inverse_work w;
+    gluon_6l3_real at[6];
     gluon_6l3_real to[7];
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, gluon_6l3_normalise_pose(pose, to));
     gluon_6l3_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -2499,27 +1214,26 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
         status = gluon_6l3_check_config(config, status);
     }
     if (status == GLUON_6L3_OK) {
-        w.x[0] = guess[0];
-        w.x[1] = guess[1];
-        w.x[2] = guess[2];
-        w.x[3] = guess[3];
-        w.x[4] = guess[4];
-        w.x[5] = guess[5];
-        gluon_6l3_forward(w.x, w.at);
-        status = gluon_6l3_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        at[0] = guess[0];
+        at[1] = guess[1];
+        at[2] = guess[2];
+        at[3] = guess[3];
+        at[4] = guess[4];
+        at[5] = guess[5];
+        status = gluon_6l3_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == GLUON_6L3_OK) {
-            status = gluon_6l3_check_limits(w.x);
+            status = gluon_6l3_check_limits(at);
             if (info != NULL) {
-                info->joint = gluon_6l3_first_beyond(w.x);
+                info->joint = gluon_6l3_first_beyond(at);
             }
         }
         if (status == GLUON_6L3_OK) {
-            joints[0] = w.x[0];
-            joints[1] = w.x[1];
-            joints[2] = w.x[2];
-            joints[3] = w.x[3];
-            joints[4] = w.x[4];
-            joints[5] = w.x[5];
+            joints[0] = at[0];
+            joints[1] = at[1];
+            joints[2] = at[2];
+            joints[3] = at[3];
+            joints[4] = at[4];
+            joints[5] = at[5];
         }
     }
     return status;
@@ -3604,420 +2318,6 @@ gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real join
         } else {
             /* nobody asks which joint */
         }
-    }
-    return status;
-}
-
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
- * turns. */
-static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
-{
-    const gluon_6l3_real number = angle * 0.15915494309189535;
-    gluon_6l3_real sine = 0.0;
-    if (fabs(number) < 10000.0) {
-        gluon_6l3_real x = angle - 6.283185307179586 * (gluon_6l3_real)(int)(number
-            + ((number < 0.0) ? -0.5 : 0.5));
-        if (x > 1.5707963267948966) {
-            x = 3.141592653589793 - x;
-        } else if (x < -1.5707963267948966) {
-            x = -3.141592653589793 - x;
-        } else {
-            /* within a quarter turn */
-        }
-        const gluon_6l3_real square = x * x;
-        sine = x * (0.9999966155528762 + square * (-0.16664828239792243
-            + square * (0.008306323850167805 + square * -0.00018363616794956467)));
-    }
-    return sine;
-}
-
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
- * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
- * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
- * where nothing decides a joint. */
-static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6],
-    unsigned int wanted, gluon_6l3_real found[][6], bool *undecided)
-{
-    int count = 0;
-    (void)near;
-    (void)wanted;
-    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
-    const gluon_6l3_real t0 = x[5] * x[6];
-    const gluon_6l3_real t1 = x[3] * x[4];
-    const gluon_6l3_real t2 = t0 - t1;
-    const gluon_6l3_real t3 = -88.72 * t2;
-    const gluon_6l3_real t4 = t3 + x[1];
-    const gluon_6l3_real t5 = t4 * t4;
-    const gluon_6l3_real t6 = x[4] * x[6];
-    const gluon_6l3_real t7 = x[3] * x[5];
-    const gluon_6l3_real t8 = t6 + t7;
-    const gluon_6l3_real t9 = -88.72 * t8;
-    const gluon_6l3_real t10 = t9 + x[0];
-    const gluon_6l3_real t11 = t10 * t10;
-    const gluon_6l3_real t12 = t5 + t11;
-    const gluon_6l3_real t13 = t12 * 3.4383435877140077e-06;
-    if (t13 > 2.842170943040401e-14) {
-        const gluon_6l3_real t15 = t12 - 5724.4356;
-        const gluon_6l3_real t16 = t15 * 3.4383435877140077e-06;
-        if (t16 > 2.842170943040401e-14) {
-            const gluon_6l3_real t18 = t4 * near[1];
-            const gluon_6l3_real t19 = t10 * near[0];
-            const gluon_6l3_real t20 = t18 + t19;
-            const gluon_6l3_real t21 = -t20;
-            const unsigned int bits0 = (wanted >> 0U) & 3U;
-            const unsigned int side0 = (t21 < 0.0) ? 2U : 1U;
-            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
-                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
-                    const gluon_6l3_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
-                    const gluon_6l3_real t27 = 75.66 * t10;
-                    const gluon_6l3_real t28 = fabs(t15);
-                    const gluon_6l3_real t29 = t15 + t28;
-                    const gluon_6l3_real t30 = 0.5 * t29;
-                    const gluon_6l3_real t31 = sqrt(t30);
-                    const gluon_6l3_real t32 = sign0 * t31;
-                    const gluon_6l3_real t33 = t4 * t32;
-                    const gluon_6l3_real t34 = t27 - t33;
-                    const gluon_6l3_real t35 = 1.0 / t12;
-                    const gluon_6l3_real t36 = t34 * t35;
-                    const gluon_6l3_real t37 = 75.66 * t4;
-                    const gluon_6l3_real t38 = t10 * t32;
-                    const gluon_6l3_real t39 = t37 + t38;
-                    const gluon_6l3_real t40 = t39 * t35;
-                    const gluon_6l3_real t41 = -t40;
-                    const gluon_6l3_real t42 = atan2(t36, t41);
-                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-                    const gluon_6l3_real t43 = t8 + t8;
-                    const gluon_6l3_real t44 = t43 * t36;
-                    const gluon_6l3_real t45 = t2 + t2;
-                    const gluon_6l3_real t46 = t45 * t40;
-                    const gluon_6l3_real t47 = t44 + t46;
-                    const gluon_6l3_real t48 = t47 * t47;
-                    const gluon_6l3_real t49 = 1.0 - t48;
-                    if (t49 > 2.842170943040401e-14) {
-                        const unsigned int bits1 = (wanted >> 2U) & 3U;
-                        const unsigned int side1 = (near[3] < 0.0) ? 2U : 1U;
-                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
-                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
-                                const gluon_6l3_real sign1 = (k1 == 1U) ? 1.0 : -1.0;
-                                const gluon_6l3_real t56 = fabs(t49);
-                                const gluon_6l3_real t57 = t49 + t56;
-                                const gluon_6l3_real t58 = 0.5 * t57;
-                                const gluon_6l3_real t59 = sqrt(t58);
-                                const gluon_6l3_real t60 = sign1 * t59;
-                                const gluon_6l3_real t61 = atan2(t60, t47);
-                                /* q6 turns the normal of q2, q3, q4 to where it must be */
-                                const gluon_6l3_real t62 = x[5] * x[5];
-                                const gluon_6l3_real t63 = x[6] * x[6];
-                                const gluon_6l3_real t64 = t62 + t63;
-                                const gluon_6l3_real t65 = t64 + t64;
-                                const gluon_6l3_real t66 = 1.0 - t65;
-                                const gluon_6l3_real t67 = t66 * t36;
-                                const gluon_6l3_real t68 = x[4] * x[5];
-                                const gluon_6l3_real t69 = x[3] * x[6];
-                                const gluon_6l3_real t70 = t68 + t69;
-                                const gluon_6l3_real t71 = t70 + t70;
-                                const gluon_6l3_real t72 = t71 * t40;
-                                const gluon_6l3_real t73 = t67 + t72;
-                                const gluon_6l3_real t74 = t73 * t60;
-                                const gluon_6l3_real t75 = t74 * t74;
-                                const gluon_6l3_real t76 = t68 - t69;
-                                const gluon_6l3_real t77 = t76 + t76;
-                                const gluon_6l3_real t78 = t77 * t36;
-                                const gluon_6l3_real t79 = x[4] * x[4];
-                                const gluon_6l3_real t80 = t79 + t63;
-                                const gluon_6l3_real t81 = t80 + t80;
-                                const gluon_6l3_real t82 = 1.0 - t81;
-                                const gluon_6l3_real t83 = t82 * t40;
-                                const gluon_6l3_real t84 = t78 + t83;
-                                const gluon_6l3_real t85 = t84 * t60;
-                                const gluon_6l3_real t86 = t85 * t85;
-                                const gluon_6l3_real t87 = t75 + t86;
-                                const gluon_6l3_real t88 = sqrt(t87);
-                                if (t88 > 2.842170943040401e-14) {
-                                    const gluon_6l3_real t90 = -t85;
-                                    const gluon_6l3_real t91 = atan2(t90, t74);
-                                    /* a point of the axis of q4: its distance from the axis of q2
-                                     * tells q3 */
-                                    const gluon_6l3_real t92 = 1.0 / t88;
-                                    const gluon_6l3_real t93 = t85 * t92;
-                                    const gluon_6l3_real t94 = 80.09 * t93;
-                                    const gluon_6l3_real t95 = t74 * t92;
-                                    const gluon_6l3_real t96 = -75.66 * t60;
-                                    const gluon_6l3_real t97 = t95 * t96;
-                                    const gluon_6l3_real t98 = t94 - t97;
-                                    const gluon_6l3_real t99 = t71 * t98;
-                                    const gluon_6l3_real t100 = -80.09 * t95;
-                                    const gluon_6l3_real t101 = t100 + 533.96;
-                                    const gluon_6l3_real t102 = t93 * t96;
-                                    const gluon_6l3_real t103 = t101 - t102;
-                                    const gluon_6l3_real t104 = t103 - 533.96;
-                                    const gluon_6l3_real t105 = t82 * t104;
-                                    const gluon_6l3_real t106 = t99 + t105;
-                                    const gluon_6l3_real t107 = 75.66 * t47;
-                                    const gluon_6l3_real t108 = t107 + 44.36;
-                                    const gluon_6l3_real t109 = t45 * t108;
-                                    const gluon_6l3_real t110 = t106 + t109;
-                                    const gluon_6l3_real t111 = x[1] - t110;
-                                    const gluon_6l3_real t112 = t36 * t111;
-                                    const gluon_6l3_real t113 = t66 * t98;
-                                    const gluon_6l3_real t114 = t77 * t104;
-                                    const gluon_6l3_real t115 = t113 + t114;
-                                    const gluon_6l3_real t116 = t43 * t108;
-                                    const gluon_6l3_real t117 = t115 + t116;
-                                    const gluon_6l3_real t118 = x[0] - t117;
-                                    const gluon_6l3_real t119 = t40 * t118;
-                                    const gluon_6l3_real t120 = t112 - t119;
-                                    const gluon_6l3_real t121 = t120 * t120;
-                                    const gluon_6l3_real t122 = t40 * t111;
-                                    const gluon_6l3_real t123 = t36 * t118;
-                                    const gluon_6l3_real t124 = t122 + t123;
-                                    const gluon_6l3_real t125 = t124 * t124;
-                                    const gluon_6l3_real t126 = t121 + t125;
-                                    const gluon_6l3_real t127 = t6 - t7;
-                                    const gluon_6l3_real t128 = t127 + t127;
-                                    const gluon_6l3_real t129 = t128 * t98;
-                                    const gluon_6l3_real t130 = t0 + t1;
-                                    const gluon_6l3_real t131 = t130 + t130;
-                                    const gluon_6l3_real t132 = t131 * t104;
-                                    const gluon_6l3_real t133 = t129 + t132;
-                                    const gluon_6l3_real t134 = t79 + t62;
-                                    const gluon_6l3_real t135 = t134 + t134;
-                                    const gluon_6l3_real t136 = 1.0 - t135;
-                                    const gluon_6l3_real t137 = t136 * t108;
-                                    const gluon_6l3_real t138 = t133 + t137;
-                                    const gluon_6l3_real t139 = x[2] - t138;
-                                    const gluon_6l3_real t140 = t139 - 105.03;
-                                    const gluon_6l3_real t141 = t140 * t140;
-                                    const gluon_6l3_real t142 = t126 + t141;
-                                    const gluon_6l3_real t143 = t142 - 60844.6728;
-                                    const gluon_6l3_real t144 = 0.5 * t143;
-                                    const gluon_6l3_real t145 = t144 * t144;
-                                    const gluon_6l3_real t146 = 925518552.034765 - t145;
-                                    const gluon_6l3_real t147 = t146 * 1.1822206627174038e-11;
-                                    if (t147 > 2.842170943040401e-14) {
-                                        const gluon_6l3_real t149 = 30422.3364 * near[5];
-                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t149 < 0.0) ? 2U : 1U;
-                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
-                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
-                                                const gluon_6l3_real sign2 = (k2 == 1U)
-                                                    ? 1.0 : -1.0;
-                                                const gluon_6l3_real t155 = fabs(t146);
-                                                const gluon_6l3_real t156 = t146 + t155;
-                                                const gluon_6l3_real t157 = 0.5 * t156;
-                                                const gluon_6l3_real t158 = sqrt(t157);
-                                                const gluon_6l3_real t159 = sign2 * t158;
-                                                const gluon_6l3_real t160 =
-                                                    1.6435292589822258e-05 * t143;
-                                                const gluon_6l3_real t161 =
-                                                    3.2870585179644516e-05 * t159;
-                                                const gluon_6l3_real t162 = atan2(t161, t160);
-                                                /* q2 turns a point of the axis of q4 to where it
-                                                 * must be */
-                                                const gluon_6l3_real t163 =
-                                                    -0.005733287467033597 * t159;
-                                                const gluon_6l3_real t164 = t163 * t120;
-                                                const gluon_6l3_real t165 =
-                                                    0.0028666437335167984 * t143;
-                                                const gluon_6l3_real t166 = t165 + 174.42;
-                                                const gluon_6l3_real t167 = t166 * t140;
-                                                const gluon_6l3_real t168 = t164 + t167;
-                                                const gluon_6l3_real t169 = t168 * t168;
-                                                const gluon_6l3_real t170 = t166 * t120;
-                                                const gluon_6l3_real t171 = t163 * t140;
-                                                const gluon_6l3_real t172 = t170 - t171;
-                                                const gluon_6l3_real t173 = t172 * t172;
-                                                const gluon_6l3_real t174 = t169 + t173;
-                                                const gluon_6l3_real t175 = sqrt(t174);
-                                                const gluon_6l3_real t176 =
-                                                    t175 * 3.4383435877140077e-06;
-                                                if (t176 > 2.842170943040401e-14) {
-                                                    const gluon_6l3_real t178 = -t172;
-                                                    const gluon_6l3_real t179 = atan2(t178, t168);
-                                                    /* q4 turns a direction of the tool to where it
-                                                     * must be */
-                                                    const gluon_6l3_real t180 = 1.0 / t175;
-                                                    const gluon_6l3_real t181 = t168 * t180;
-                                                    const gluon_6l3_real t182 = t45 * t60;
-                                                    const gluon_6l3_real t183 = t95 * t47;
-                                                    const gluon_6l3_real t184 = t71 * t183;
-                                                    const gluon_6l3_real t185 = t93 * t47;
-                                                    const gluon_6l3_real t186 = t82 * t185;
-                                                    const gluon_6l3_real t187 = t184 + t186;
-                                                    const gluon_6l3_real t188 = t182 - t187;
-                                                    const gluon_6l3_real t189 = t36 * t188;
-                                                    const gluon_6l3_real t190 = t43 * t60;
-                                                    const gluon_6l3_real t191 = t66 * t183;
-                                                    const gluon_6l3_real t192 = t77 * t185;
-                                                    const gluon_6l3_real t193 = t191 + t192;
-                                                    const gluon_6l3_real t194 = t190 - t193;
-                                                    const gluon_6l3_real t195 = t40 * t194;
-                                                    const gluon_6l3_real t196 = t189 - t195;
-                                                    const gluon_6l3_real t197 = t181 * t196;
-                                                    const gluon_6l3_real t198 = t172 * t180;
-                                                    const gluon_6l3_real t199 = t136 * t60;
-                                                    const gluon_6l3_real t200 = t128 * t183;
-                                                    const gluon_6l3_real t201 = t131 * t185;
-                                                    const gluon_6l3_real t202 = t200 + t201;
-                                                    const gluon_6l3_real t203 = t199 - t202;
-                                                    const gluon_6l3_real t204 = t198 * t203;
-                                                    const gluon_6l3_real t205 = t197 - t204;
-                                                    const gluon_6l3_real t206 = t160 * t205;
-                                                    const gluon_6l3_real t207 = t181 * t203;
-                                                    const gluon_6l3_real t208 = t198 * t196;
-                                                    const gluon_6l3_real t209 = t207 + t208;
-                                                    const gluon_6l3_real t210 = t161 * t209;
-                                                    const gluon_6l3_real t211 = t206 + t210;
-                                                    const gluon_6l3_real t212 = t211 * t211;
-                                                    const gluon_6l3_real t213 = t160 * t209;
-                                                    const gluon_6l3_real t214 = t161 * t205;
-                                                    const gluon_6l3_real t215 = t213 - t214;
-                                                    const gluon_6l3_real t216 = t215 * t215;
-                                                    const gluon_6l3_real t217 = t212 + t216;
-                                                    const gluon_6l3_real t218 = sqrt(t217);
-                                                    if (t218 > 2.842170943040401e-14) {
-                                                        const gluon_6l3_real t220 = atan2(t215,
-                                                            t211);
-                                                        found[count][0] = t42;
-                                                        found[count][1] = t179;
-                                                        found[count][2] = t162;
-                                                        found[count][3] = t220;
-                                                        found[count][4] = t61;
-                                                        found[count][5] = t91;
-                                                        ++count;
-                                                    } else {
-                                                        *undecided = true;
-                                                    }
-                                                } else {
-                                                    *undecided = true;
-                                                }
-                                            }
-                                        }
-                                    } else if (t147 > -2.842170943040401e-14) {
-                                        *undecided = true;
-                                    } else {
-                                        /* out of reach */
-                                    }
-                                } else {
-                                    *undecided = true;
-                                }
-                            }
-                        }
-                    } else if (t49 > -2.842170943040401e-14) {
-                        *undecided = true;
-                    } else {
-                        /* out of reach */
-                    }
-                }
-            }
-        } else if (t16 > -2.842170943040401e-14) {
-            *undecided = true;
-        } else {
-            /* out of reach */
-        }
-    } else {
-        *undecided = true;
-    }
-    return count;
-}
-
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
- * the range. */
-static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon_6l3_real joints[6])
-{
-    static const bool angular[6] = { true, true, true, true, true, true };
-    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == GLUON_6L3_OUT_OF_RANGE); ++round) {
-        const gluon_6l3_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < 6; ++i) {
-            const gluon_6l3_real number = (goal[i] - joints[i]) * 0.15915494309189535;
-            if (angular[i] && (fabs(number) > 0.5) && (fabs(number) < 10000.0)) {
-                const int whole = (int)(number + ((number < 0.0) ? -0.5 : 0.5));
-                joints[i] += 6.283185307179586 * (gluon_6l3_real)whole;
-            }
-        }
-        status = gluon_6l3_check_limits(joints);
-    }
-    return status;
-}
-
-/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose,
-    const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6],
-    gluon_6l3_real joints[6])
-{
-    gluon_6l3_real x[7];
-    gluon_6l3_real found[1][6];
-    bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
-    if (status == GLUON_6L3_OK) {
-        if (gluon_6l3_branches(x, near, wanted, found, &undecided) == 1) {
-            status = gluon_6l3_turn_near(about, found[0]);
-        } else {
-            status = undecided ? GLUON_6L3_SINGULAR : GLUON_6L3_OUT_OF_RANGE;
-        }
-    }
-    if (status == GLUON_6L3_OK) {
-        for (int i = 0; i < 6; ++i) {
-            joints[i] = found[0][i];
-        }
-    }
-    return status;
-}
-
-/* All branches with the given tool pose. */
-int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6])
-{
-    static const gluon_6l3_real near[6] = { 0.0 };
-    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    gluon_6l3_real x[7];
-    int count = 0;
-    bool undecided = false;
-    gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
-    if (status == GLUON_6L3_OK) {
-        const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided);
-        for (int k = 0; k < all; ++k) {
-            if (gluon_6l3_turn_near(middle, joints[k]) == GLUON_6L3_OK) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
-/* The branch named by the choices' bits. */
-gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch,
-    gluon_6l3_real joints[6])
-{
-    static const gluon_6l3_real near[6] = { 0.0 };
-    static const gluon_6l3_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
-    gluon_6l3_status status = GLUON_6L3_OUT_OF_RANGE;
-    if (branch < 8U) {
-        unsigned int wanted = 0U;
-        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
-        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
-        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
-        status = gluon_6l3_one_branch(pose, near, wanted, middle, joints);
-    }
-    return status;
-}
-
-/* The branch nearest to the guess, choice by choice. */
-gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
-    const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
-{
-    gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
-    if (status == GLUON_6L3_OK) {
-        gluon_6l3_real near[6] = { 0.0 };
-        near[0] = gluon_6l3_sine(guess[0] + 1.5707963267948966);
-        near[1] = gluon_6l3_sine(guess[0]);
-        near[3] = gluon_6l3_sine(guess[4]);
-        near[5] = gluon_6l3_sine(guess[2]);
-        status = gluon_6l3_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

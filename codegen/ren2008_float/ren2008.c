@@ -783,7 +783,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const ren2008_real part = aim - done;
                 done = aim;

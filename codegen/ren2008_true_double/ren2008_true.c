@@ -893,7 +893,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const ren2008_true_real part = aim - done;
                 done = aim;

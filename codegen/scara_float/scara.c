@@ -175,574 +175,550 @@ static void scara_forward(const scara_real q[4], scara_real x[7])
     x[6] = t46;
 }
 
-/* Work space of scara_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: shoulder, elbow, turn, slide
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    scara_real x[4]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    scara_real x0[4];
-    scara_real at[7]; /* known values at the guess, where the line begins */
-    scara_real k[7]; /* known values aimed at */
-    scara_real f[6]; /* rows; the linear solver leaves the step in their place */
-    scara_real a[24]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    scara_real r[16]; /* R of QR, reciprocals on its diagonal */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    scara_real spread;
-    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} scara_inverse_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void scara_inverse_rows(scara_inverse_work *w)
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
+static scara_real scara_angle(scara_real s, scara_real c)
 {
-    /* row 1: shoulder, elbow */
-    const scara_real t0 = cosf(w->x[0]);
-    const scara_real t1 = cosf(w->x[1]);
-    const scara_real t2 = 175.0f * t1;
-    const scara_real t3 = t2 + 225.0f;
-    const scara_real t4 = t0 * t3;
-    const scara_real t5 = sinf(w->x[0]);
-    const scara_real t6 = sinf(w->x[1]);
-    const scara_real t7 = 175.0f * t6;
-    const scara_real t8 = t5 * t7;
-    const scara_real t9 = t4 - t8;
-    const scara_real t10 = w->k[0] - t9;
-    const scara_real t11 = -t10;
-    w->f[0] = t11;
-    /* row 2: shoulder, elbow */
-    const scara_real t13 = t0 * t7;
-    const scara_real t14 = t5 * t3;
-    const scara_real t15 = t13 + t14;
-    const scara_real t16 = w->k[1] - t15;
-    const scara_real t17 = -t16;
-    w->f[1] = t17;
-    /* row 3: shoulder, elbow, turn, slide */
-    const scara_real t19 = cosf(w->x[2]);
-    const scara_real t20 = t19 * w->x[3];
-    const scara_real t21 = 1.0f - t19;
-    const scara_real t22 = t21 * w->x[3];
-    const scara_real t23 = t20 + t22;
-    const scara_real t24 = t1 * t23;
-    const scara_real t25 = 1.0f - t1;
-    const scara_real t26 = t25 * t23;
-    const scara_real t27 = t24 + t26;
-    const scara_real t28 = t0 * t27;
-    const scara_real t29 = 1.0f - t0;
-    const scara_real t30 = t29 * t27;
-    const scara_real t31 = t28 + t30;
-    const scara_real t32 = w->k[2] - t31;
-    const scara_real t33 = -t32;
-    w->f[2] = t33;
-    /* row 4: shoulder, elbow, turn */
-    const scara_real t35 = 0.5f * w->x[0];
-    const scara_real t36 = cosf(t35);
-    const scara_real t37 = 0.5f * w->x[1];
-    const scara_real t38 = cosf(t37);
-    const scara_real t39 = t36 * t38;
-    const scara_real t40 = sinf(t35);
-    const scara_real t41 = sinf(t37);
-    const scara_real t42 = t40 * t41;
-    const scara_real t43 = t39 - t42;
-    const scara_real t44 = 0.5f * w->x[2];
-    const scara_real t45 = cosf(t44);
-    const scara_real t46 = t43 * t45;
-    const scara_real t47 = t36 * t41;
-    const scara_real t48 = t40 * t38;
-    const scara_real t49 = t47 + t48;
-    const scara_real t50 = sinf(t44);
-    const scara_real t51 = t49 * t50;
-    const scara_real t52 = t46 - t51;
-    const scara_real t53 = t52 * w->k[4];
-    const scara_real t54 = t43 * t50;
-    const scara_real t55 = t49 * t45;
-    const scara_real t56 = t54 + t55;
-    const scara_real t57 = t56 * w->k[5];
-    const scara_real t58 = t53 + t57;
-    const scara_real t59 = 800.0f * t58;
-    const scara_real t60 = -t59;
-    w->f[3] = t60;
-    /* row 5: shoulder, elbow, turn */
-    const scara_real t62 = t52 * w->k[5];
-    const scara_real t63 = t56 * w->k[4];
-    const scara_real t64 = t62 - t63;
-    const scara_real t65 = 800.0f * t64;
-    const scara_real t66 = -t65;
-    w->f[4] = t66;
-    /* row 6: shoulder, elbow, turn */
-    const scara_real t68 = t52 * w->k[6];
-    const scara_real t69 = t56 * w->k[3];
-    const scara_real t70 = t68 - t69;
-    const scara_real t71 = 800.0f * t70;
-    const scara_real t72 = -t71;
-    w->f[5] = t72;
+    const scara_real x = fabsf(c);
+    const scara_real y = fabsf(s);
+    const bool steep = y > x;
+    const scara_real ratio = steep ? (x / y) : (y / x);
+    const scara_real square = ratio * ratio;
+    scara_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
 }
 
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static SCARA_SHARED scara_real scara_inverse_residual(const scara_inverse_work *w)
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
+static scara_real scara_sine(scara_real angle)
 {
-    scara_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 6; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static scara_real scara_inverse_apply_step(scara_inverse_work *w)
-{
-    const scara_real t0 = 0.0025f * w->f[0];
-    const scara_real t1 = w->x[0] + t0;
-    const scara_real t2 = 0.0025f * w->f[1];
-    const scara_real t3 = w->x[1] + t2;
-    const scara_real t4 = 0.0025f * w->f[2];
-    const scara_real t5 = w->x[2] + t4;
-    const scara_real t6 = w->x[3] + w->f[3];
-    const scara_real t7 = w->f[0] * w->f[0];
-    const scara_real t8 = w->f[1] * w->f[1];
-    const scara_real t9 = t7 + t8;
-    const scara_real t10 = w->f[2] * w->f[2];
-    const scara_real t11 = t9 + t10;
-    const scara_real t12 = w->f[3] * w->f[3];
-    const scara_real t13 = t11 + t12;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t6;
-    return t13;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static SCARA_SHARED void scara_inverse_set_target(scara_inverse_work *w, const scara_real to[7],
-    scara_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const scara_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4]
-            + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix into w->a, row by row. */
-static void scara_inverse_matrix(scara_inverse_work *w)
-{
-    const scara_real t0 = cosf(w->x[1]);
-    const scara_real t1 = 175.0f * t0;
-    const scara_real t2 = t1 + 225.0f;
-    const scara_real t3 = sinf(w->x[0]);
-    const scara_real t4 = t2 * t3;
-    const scara_real t5 = sinf(w->x[1]);
-    const scara_real t6 = 175.0f * t5;
-    const scara_real t7 = cosf(w->x[0]);
-    const scara_real t8 = t6 * t7;
-    const scara_real t9 = t4 + t8;
-    const scara_real t10 = 0.0025f * t9;
-    w->a[0] = t10;
-    const scara_real t12 = t7 * t6;
-    const scara_real t13 = t3 * t1;
-    const scara_real t14 = t12 + t13;
-    const scara_real t15 = 0.0025f * t14;
-    w->a[1] = t15;
-    w->a[2] = 0.0f;
-    w->a[3] = 0.0f;
-    const scara_real t19 = t2 * t7;
-    const scara_real t20 = t6 * t3;
-    const scara_real t21 = t19 - t20;
-    const scara_real t22 = 0.0025f * t21;
-    const scara_real t23 = -t22;
-    w->a[4] = t23;
-    const scara_real t25 = t7 * t1;
-    const scara_real t26 = t3 * t6;
-    const scara_real t27 = t25 - t26;
-    const scara_real t28 = 0.0025f * t27;
-    const scara_real t29 = -t28;
-    w->a[5] = t29;
-    w->a[6] = 0.0f;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    w->a[9] = 0.0f;
-    w->a[10] = 0.0f;
-    w->a[11] = -1.0f;
-    const scara_real t37 = 0.5f * w->x[2];
-    const scara_real t38 = cosf(t37);
-    const scara_real t39 = 0.5f * w->x[1];
-    const scara_real t40 = cosf(t39);
-    const scara_real t41 = 0.5f * w->x[0];
-    const scara_real t42 = cosf(t41);
-    const scara_real t43 = 0.5f * t42;
-    const scara_real t44 = t40 * t43;
-    const scara_real t45 = sinf(t39);
-    const scara_real t46 = sinf(t41);
-    const scara_real t47 = 0.5f * t46;
-    const scara_real t48 = t45 * t47;
-    const scara_real t49 = t44 - t48;
-    const scara_real t50 = t38 * t49;
-    const scara_real t51 = sinf(t37);
-    const scara_real t52 = t40 * t47;
-    const scara_real t53 = t45 * t43;
-    const scara_real t54 = t52 + t53;
-    const scara_real t55 = t51 * t54;
-    const scara_real t56 = t50 - t55;
-    const scara_real t57 = w->k[5] * t56;
-    const scara_real t58 = t38 * t54;
-    const scara_real t59 = t51 * t49;
-    const scara_real t60 = t58 + t59;
-    const scara_real t61 = w->k[4] * t60;
-    const scara_real t62 = t57 - t61;
-    const scara_real t63 = t62 + t62;
-    w->a[12] = t63;
-    const scara_real t65 = 0.5f * t40;
-    const scara_real t66 = t42 * t65;
-    const scara_real t67 = 0.5f * t45;
-    const scara_real t68 = t46 * t67;
-    const scara_real t69 = t66 - t68;
-    const scara_real t70 = t38 * t69;
-    const scara_real t71 = t42 * t67;
-    const scara_real t72 = t46 * t65;
-    const scara_real t73 = t71 + t72;
-    const scara_real t74 = t51 * t73;
-    const scara_real t75 = t70 - t74;
-    const scara_real t76 = w->k[5] * t75;
-    const scara_real t77 = t38 * t73;
-    const scara_real t78 = t51 * t69;
-    const scara_real t79 = t77 + t78;
-    const scara_real t80 = w->k[4] * t79;
-    const scara_real t81 = t76 - t80;
-    const scara_real t82 = t81 + t81;
-    w->a[13] = t82;
-    const scara_real t84 = t42 * t40;
-    const scara_real t85 = t46 * t45;
-    const scara_real t86 = t84 - t85;
-    const scara_real t87 = 0.5f * t38;
-    const scara_real t88 = t86 * t87;
-    const scara_real t89 = t42 * t45;
-    const scara_real t90 = t46 * t40;
-    const scara_real t91 = t89 + t90;
-    const scara_real t92 = 0.5f * t51;
-    const scara_real t93 = t91 * t92;
-    const scara_real t94 = t88 - t93;
-    const scara_real t95 = w->k[5] * t94;
-    const scara_real t96 = t86 * t92;
-    const scara_real t97 = t91 * t87;
-    const scara_real t98 = t96 + t97;
-    const scara_real t99 = w->k[4] * t98;
-    const scara_real t100 = t95 - t99;
-    const scara_real t101 = t100 + t100;
-    w->a[14] = t101;
-    w->a[15] = 0.0f;
-    const scara_real t104 = w->k[5] * t60;
-    const scara_real t105 = w->k[4] * t56;
-    const scara_real t106 = t104 + t105;
-    const scara_real t107 = t106 + t106;
-    const scara_real t108 = -t107;
-    w->a[16] = t108;
-    const scara_real t110 = w->k[5] * t79;
-    const scara_real t111 = w->k[4] * t75;
-    const scara_real t112 = t110 + t111;
-    const scara_real t113 = t112 + t112;
-    const scara_real t114 = -t113;
-    w->a[17] = t114;
-    const scara_real t116 = w->k[5] * t98;
-    const scara_real t117 = w->k[4] * t94;
-    const scara_real t118 = t116 + t117;
-    const scara_real t119 = t118 + t118;
-    const scara_real t120 = -t119;
-    w->a[18] = t120;
-    w->a[19] = 0.0f;
-    const scara_real t123 = w->k[6] * t60;
-    const scara_real t124 = w->k[3] * t56;
-    const scara_real t125 = t123 + t124;
-    const scara_real t126 = t125 + t125;
-    const scara_real t127 = -t126;
-    w->a[20] = t127;
-    const scara_real t129 = w->k[6] * t79;
-    const scara_real t130 = w->k[3] * t75;
-    const scara_real t131 = t129 + t130;
-    const scara_real t132 = t131 + t131;
-    const scara_real t133 = -t132;
-    w->a[21] = t133;
-    const scara_real t135 = w->k[6] * t98;
-    const scara_real t136 = w->k[3] * t94;
-    const scara_real t137 = t135 + t136;
-    const scara_real t138 = t137 + t137;
-    const scara_real t139 = -t138;
-    w->a[22] = t139;
-    w->a[23] = 0.0f;
-}
-
-/* QR of the 6 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the
- * diagonal; 0 where its columns are dependent. */
-static int scara_inverse_factor(scara_inverse_work *w)
-{
-    scara_inverse_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 4; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        scara_real squared = 0.0f;
-        for (int i = 0; i < 6; ++i) {
-            squared += w->a[4 * i + c] * w->a[4 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const scara_real inverse = 1.0f / sqrtf(squared);
-        w->r[4 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 6; ++i) {
-            w->a[4 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 4; ++j) {
-            scara_real r = 0.0f;
-            for (int i = 0; i < 6; ++i) {
-                r += w->a[4 * i + c] * w->a[4 * i + j];
-            }
-            w->r[4 * c + j] = r;
-            for (int i = 0; i < 6; ++i) {
-                w->a[4 * i + j] -= r * w->a[4 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 4 entries of w->f. */
-static void scara_inverse_solve(scara_inverse_work *w)
-{
-    scara_real y[4];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 4; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 6; ++i) {
-            y[c] += w->a[4 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 6; ++i) {
-            w->f[i] -= y[c] * w->a[4 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 3; c >= 0; --c) {
-        for (int j = c + 1; j < 4; ++j) {
-            y[c] -= w->r[4 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[4 * c + c];
-    }
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the
- * part's begin with its factors, each judged by the next. Where known values turn, the rows' change
- * is bent: both ends of a part may have a configuration, and points between them none. */
-static SCARA_COLD bool scara_inverse_reaches_middle(scara_inverse_work *w, const scara_real to[7],
-    scara_real middle, scara_real still2)
-{
-    scara_real end[4];
-    scara_real size[3];
-    for (int i = 0; i < 4; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    scara_inverse_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        scara_inverse_rows(w);
-        scara_inverse_solve(w);
-        size[i] = scara_inverse_apply_step(w);
-    }
-    for (int i = 0; i < 4; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0])
-        && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones
- * (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
- * values turn by at most 1 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
-static scara_status scara_inverse_newton(scara_inverse_work *w, const scara_real to[7],
-    const scara_config *config, scara_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const scara_real tolerance2 = config->tolerance * config->tolerance;
-    const scara_real longest2 = config->max_step * config->max_step;
-    scara_status status = SCARA_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    scara_real done = 0.0f;
-    scara_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    scara_real size = 0.0f;
-    scara_real kappa2 = 0.00112896f;
-    scara_real limit;
-    scara_real residual = HUGE_VALF;
-    scara_real still2 = 2.3283064e-06f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    /* whether the tolerance should be reached: the rows are evaluated once more */
-    bool verify = false;
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line
-     * is tried first */
-    scara_real turn2 = 0.0f;
-    /* of half the turn */
-    const scara_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5]
-        + w->at[6] * to[6];
-    turn2 = 8.0f * (1.0f - fabsf(cosine));
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    scara_inverse_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    for (;;) {
-        scara_inverse_rows(w);
-        if (verify) {
-            residual = scara_inverse_residual(w);
-            if (residual <= config->tolerance + 0.0015258789f) {
-                status = SCARA_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                scara_inverse_set_target(w, to, done);
-            }
-            int turn = scara_inverse_factor(w);
-            if (taken == 0U) {
-                scara_inverse_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = SCARA_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = SCARA_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
-                ? (3.6379788e-08f * w->spread) : 2.3283064e-06f;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
-        scara_inverse_solve(w);
-        const scara_real before = size;
-        size = scara_inverse_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
+    const scara_real number = angle * 0.15915494f;
+    scara_real sine = 0.0f;
+    if (fabsf(number) < 10000.0f) {
+        scara_real x = angle - 6.2831855f * (scara_real)(int)(number + ((number < 0.0f)
+            ? -0.5f : 0.5f));
+        if (x > 1.5707964f) {
+            x = 3.1415927f - x;
+        } else if (x < -1.5707964f) {
+            x = -3.1415927f - x;
         } else {
-            limit = 0.140625f * before;
+            /* within a quarter turn */
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim
-            - done) * turn2 * w->spread > 0.25f)) {
-            accepted = scara_inverse_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
-            scara_inverse_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                scara_real error2;
-                scara_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+        const scara_real square = x * x;
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
+            + square * -0.00018363616f)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int scara_branches(const scara_real x[7], const scara_real near[2], unsigned int wanted,
+    scara_real found[][4], bool *undecided,
+    scara_real margin[3])
+{
+    int count = 0;
+    (void)margin;
+    (void)near;
+    (void)wanted;
+    /* shoulder, elbow, turn have parallel axes: a level along them, which they do not change, tells
+     * slide */
+    const scara_real t0 = x[4] * x[6];
+    const scara_real t1 = x[3] * x[5];
+    const scara_real t2 = t0 - t1;
+    const scara_real t3 = -800.0f * t2;
+    const scara_real t4 = t3 + x[2];
+    /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
+    const scara_real t5 = t0 + t1;
+    const scara_real t6 = t5 + t5;
+    const scara_real t7 = t6 * t4;
+    const scara_real t8 = x[0] - t7;
+    const scara_real t9 = t8 * t8;
+    const scara_real t10 = x[5] * x[6];
+    const scara_real t11 = x[3] * x[4];
+    const scara_real t12 = t10 - t11;
+    const scara_real t13 = t12 + t12;
+    const scara_real t14 = t13 * t4;
+    const scara_real t15 = x[1] - t14;
+    const scara_real t16 = t15 * t15;
+    const scara_real t17 = t9 + t16;
+    const scara_real t18 = x[4] * x[4];
+    const scara_real t19 = x[5] * x[5];
+    const scara_real t20 = t18 + t19;
+    const scara_real t21 = t20 + t20;
+    const scara_real t22 = 1.0f - t21;
+    const scara_real t23 = t22 * t4;
+    const scara_real t24 = x[2] - t23;
+    const scara_real t25 = t24 * t24;
+    const scara_real t26 = t17 + t25;
+    const scara_real t27 = t26 - 81250.0f;
+    const scara_real t28 = 0.5f * t27;
+    const scara_real t29 = t28 * t28;
+    const scara_real t30 = 1.5503907e+09f - t29;
+    const scara_real t31 = t30 * 3.90625e-11f;
+    if (t31 > 1.5258789e-05f) {
+        margin[0] = t31;
+        const scara_real t34 = 39375.0f * near[1];
+        const unsigned int bits0 = (wanted >> 0U) & 3U;
+        const unsigned int side0 = (t34 < 0.0f) ? 2U : 1U;
+        for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+            if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                const scara_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
+                const scara_real t40 = fabsf(t30);
+                const scara_real t41 = t30 + t40;
+                const scara_real t42 = 0.5f * t41;
+                const scara_real t43 = sqrtf(t42);
+                const scara_real t44 = sign0 * t43;
+                const scara_real t45 = 1.2698412e-05f * t27;
+                const scara_real t46 = 2.5396825e-05f * t44;
+                const scara_real t47 = scara_angle(t46, t45);
+                /* shoulder turns a point of the axis of turn to where it must be */
+                const scara_real t48 = 0.0022222223f * t27;
+                const scara_real t49 = t48 + 225.0f;
+                const scara_real t50 = t49 * t8;
+                const scara_real t51 = 0.0044444446f * t44;
+                const scara_real t52 = t51 * t15;
+                const scara_real t53 = t50 + t52;
+                const scara_real t54 = t53 * t53;
+                const scara_real t55 = t49 * t15;
+                const scara_real t56 = t51 * t8;
+                const scara_real t57 = t55 - t56;
+                const scara_real t58 = t57 * t57;
+                const scara_real t59 = t54 + t58;
+                const scara_real t60 = sqrtf(t59);
+                const scara_real t61 = t60 * 6.25e-06f;
+                if (t61 > 1.5258789e-05f) {
+                    margin[1] = t61;
+                    const scara_real t64 = scara_angle(t57, t53);
+                    /* turn turns a direction of the tool to where it must be */
+                    const scara_real t65 = 1.0f / t60;
+                    const scara_real t66 = t53 * t65;
+                    const scara_real t67 = x[6] * x[6];
+                    const scara_real t68 = t19 + t67;
+                    const scara_real t69 = t68 + t68;
+                    const scara_real t70 = 1.0f - t69;
+                    const scara_real t71 = t66 * t70;
+                    const scara_real t72 = t57 * t65;
+                    const scara_real t73 = x[4] * x[5];
+                    const scara_real t74 = x[3] * x[6];
+                    const scara_real t75 = t73 + t74;
+                    const scara_real t76 = t75 + t75;
+                    const scara_real t77 = t72 * t76;
+                    const scara_real t78 = t71 + t77;
+                    const scara_real t79 = t45 * t78;
+                    const scara_real t80 = t66 * t76;
+                    const scara_real t81 = t72 * t70;
+                    const scara_real t82 = t80 - t81;
+                    const scara_real t83 = t46 * t82;
+                    const scara_real t84 = t79 + t83;
+                    const scara_real t85 = t84 * t84;
+                    const scara_real t86 = t45 * t82;
+                    const scara_real t87 = t46 * t78;
+                    const scara_real t88 = t86 - t87;
+                    const scara_real t89 = t88 * t88;
+                    const scara_real t90 = t85 + t89;
+                    const scara_real t91 = sqrtf(t90);
+                    if (t91 > 1.5258789e-05f) {
+                        margin[2] = t91;
+                        const scara_real t94 = scara_angle(t88, t84);
+                        const scara_real t95 = t66 * t49;
+                        const scara_real t96 = t72 * t51;
+                        const scara_real t97 = t95 - t96;
+                        const scara_real t98 = t97 - x[0];
+                        const scara_real t99 = t98 * t98;
+                        const scara_real t100 = t66 * t51;
+                        const scara_real t101 = t72 * t49;
+                        const scara_real t102 = t100 + t101;
+                        const scara_real t103 = t102 - x[1];
+                        const scara_real t104 = t103 * t103;
+                        const scara_real t105 = t99 + t104;
+                        const scara_real t106 = t3 * t3;
+                        const scara_real t107 = t105 + t106;
+                        const scara_real t108 = t6 * t6;
+                        const scara_real t109 = t13 * t13;
+                        const scara_real t110 = t108 + t109;
+                        const scara_real t111 = 1.0f - t22;
+                        const scara_real t112 = t111 * t111;
+                        const scara_real t113 = t110 + t112;
+                        const scara_real t114 = 160000.0f * t113;
+                        const scara_real t115 = t107 + t114;
+                        const scara_real t116 = 1.0f / t91;
+                        const scara_real t117 = t84 * t116;
+                        const scara_real t118 = t45 * t117;
+                        const scara_real t119 = t88 * t116;
+                        const scara_real t120 = t46 * t119;
+                        const scara_real t121 = t118 - t120;
+                        const scara_real t122 = t66 * t121;
+                        const scara_real t123 = t45 * t119;
+                        const scara_real t124 = t46 * t117;
+                        const scara_real t125 = t123 + t124;
+                        const scara_real t126 = t72 * t125;
+                        const scara_real t127 = t122 - t126;
+                        const scara_real t128 = t127 - t70;
+                        const scara_real t129 = t128 * t128;
+                        const scara_real t130 = t66 * t125;
+                        const scara_real t131 = t72 * t121;
+                        const scara_real t132 = t130 + t131;
+                        const scara_real t133 = t132 - t76;
+                        const scara_real t134 = t133 * t133;
+                        const scara_real t135 = t129 + t134;
+                        const scara_real t136 = t2 + t2;
+                        const scara_real t137 = t136 * t136;
+                        const scara_real t138 = t135 + t137;
+                        const scara_real t139 = 160000.0f * t138;
+                        const scara_real t140 = t115 + t139;
+                        if (t140 < 2.6284397e-06f) {
+                            found[count][0] = t64;
+                            found[count][1] = t47;
+                            found[count][2] = t94;
+                            found[count][3] = t4;
+                            ++count;
+                        }
+                    } else {
+                        *undecided = true;
                     }
+                } else {
+                    *undecided = true;
                 }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
-                    && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
-                 * convergence was quick */
-                const scara_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 4; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                scara_inverse_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
             }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 4; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            scara_inverse_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = SCARA_WRONG_BRANCH;
-            break;
         }
+    } else if (t31 > -1.5258789e-05f) {
+        *undecided = true;
+    } else {
+        /* out of reach */
     }
-    scara_write_info(info, count, residual, size, w->spread);
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
+static scara_status scara_turn_near(const scara_real about[4], scara_real joints[4])
+{
+    static const bool angular[4] = { true, true, true, false };
+    static const scara_real middle[4] = { 0.0f, 0.0f, 0.0f, -75.0f };
+    scara_status status = SCARA_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == SCARA_OUT_OF_RANGE); ++round) {
+        const scara_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 4; ++i) {
+            const scara_real number = (goal[i] - joints[i]) * 0.15915494f;
+            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
+                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+                joints[i] += 6.2831855f * (scara_real)whole;
+            }
+        }
+        status = scara_check_limits(joints);
+    }
     return status;
 }
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static scara_status scara_one_branch(const scara_pose *pose, const scara_real near[2],
+    unsigned int wanted, const scara_real about[4], scara_real joints[4])
+{
+    scara_real x[7];
+    scara_real found[1][4];
+    scara_real margin[3];
+    bool undecided = false;
+    scara_status status = scara_normalise_pose(pose, x);
+    if (status == SCARA_OK) {
+        if (scara_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = scara_turn_near(about, found[0]);
+        } else {
+            status = undecided ? SCARA_SINGULAR : SCARA_OUT_OF_RANGE;
+        }
+    }
+    if (status == SCARA_OK) {
+        for (int i = 0; i < 4; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int scara_inverse_all(const scara_pose *pose, scara_real joints[2][4])
+{
+    static const scara_real near[2] = { 0.0f };
+    static const scara_real middle[4] = { 0.0f, 0.0f, 0.0f, -75.0f };
+    scara_real x[7];
+    int count = 0;
+    scara_real margin[3];
+    bool undecided = false;
+    scara_status status = scara_normalise_pose(pose, x);
+    if (status == SCARA_OK) {
+        const int all = scara_branches(x, near, 3U, joints, &undecided, margin);
+        for (int k = 0; k < all; ++k) {
+            if (scara_turn_near(middle, joints[k]) == SCARA_OK) {
+                for (int i = 0; i < 4; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+scara_status scara_inverse_branch(const scara_pose *pose, unsigned int branch, scara_real joints[4])
+{
+    static const scara_real near[2] = { 0.0f };
+    static const scara_real middle[4] = { 0.0f, 0.0f, 0.0f, -75.0f };
+    scara_status status = SCARA_OUT_OF_RANGE;
+    if (branch < 2U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 1U) != 0U) ? 2U : 1U;
+        status = scara_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[4],
+    scara_real joints[4])
+{
+    scara_status status = scara_check_finite(guess, 4, SCARA_OK);
+    if (status == SCARA_OK) {
+        scara_real near[2] = { 0.0f };
+        near[1] = scara_sine(guess[1]);
+        status = scara_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}
+
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
+static void scara_cosine_and_sine(scara_real angle, scara_real u[2])
+{
+    const scara_real number = angle * 0.63661975f;
+    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
+    const scara_real k = (scara_real)quarter;
+    const scara_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    const scara_real square = x * x;
+    const scara_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const scara_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
+    const scara_real cosine = odd ? s : c;
+    const scara_real sine = odd ? c : s;
+    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
+    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
+static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7],
+    scara_real margin[3])
+{
+    scara_real u[8];
+    unsigned int wanted = 0U;
+    scara_cosine_and_sine(0.5f * joints[0], &u[0]);
+    scara_cosine_and_sine(0.5f * joints[1], &u[2]);
+    scara_cosine_and_sine(0.5f * joints[2], &u[4]);
+    u[6] = joints[3];
+    u[7] = 0.0f;
+    /* the tool's pose */
+    const scara_real t0 = u[0] + u[0];
+    const scara_real t1 = u[0] * t0;
+    const scara_real t2 = t1 - 1.0f;
+    const scara_real t3 = 350.0f * u[2];
+    const scara_real t4 = u[2] * t3;
+    const scara_real t5 = t4 + 50.0f;
+    const scara_real t6 = t2 * t5;
+    const scara_real t7 = u[1] + u[1];
+    const scara_real t8 = u[0] * t7;
+    const scara_real t9 = 350.0f * u[3];
+    const scara_real t10 = u[2] * t9;
+    const scara_real t11 = t8 * t10;
+    const scara_real t12 = t6 - t11;
+    x[0] = t12;
+    const scara_real t14 = t2 * t10;
+    const scara_real t15 = t8 * t5;
+    const scara_real t16 = t14 + t15;
+    x[1] = t16;
+    x[2] = u[6];
+    const scara_real t19 = u[2] * u[4];
+    const scara_real t20 = u[3] * u[5];
+    const scara_real t21 = t19 - t20;
+    const scara_real t22 = u[0] * t21;
+    const scara_real t23 = u[3] * u[4];
+    const scara_real t24 = u[2] * u[5];
+    const scara_real t25 = t23 + t24;
+    const scara_real t26 = u[1] * t25;
+    const scara_real t27 = t22 - t26;
+    x[3] = t27;
+    x[4] = 0.0f;
+    x[5] = 0.0f;
+    const scara_real t31 = u[0] * t25;
+    const scara_real t32 = u[1] * t21;
+    const scara_real t33 = t31 + t32;
+    x[6] = t33;
+    /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
+    const scara_real t35 = 0.4921875f * u[3];
+    const scara_real t36 = u[2] * t35;
+    margin[0] = t36 * t36;
+    wanted |= (t36 < 0.0f) ? 2U : 1U;
+    /* shoulder turns a point of the axis of turn to where it must be */
+    const scara_real t39 = t5 * t12;
+    const scara_real t40 = t10 * t16;
+    const scara_real t41 = t39 + t40;
+    const scara_real t42 = t41 * t41;
+    const scara_real t43 = t5 * t16;
+    const scara_real t44 = t10 * t12;
+    const scara_real t45 = t43 - t44;
+    const scara_real t46 = t45 * t45;
+    const scara_real t47 = t42 + t46;
+    const scara_real t48 = sqrtf(t47);
+    const scara_real t49 = 6.25e-06f * t48;
+    margin[1] = t49;
+    /* turn turns a direction of the tool to where it must be */
+    margin[2] = 1.0f;
+    return wanted;
+}
+
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static scara_real scara_line_share(const scara_real a[3], const scara_real b[3], scara_real place,
+    scara_real turn, const scara_real moved[4])
+{
+    scara_real largest = 0.0f;
+    (void)a;
+    (void)b;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
+    const scara_real bend0 = 7.17f * place + 7.42f * turn + 2.61f * moved[3];
+    const scara_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
+    const scara_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
+    largest = (share0 > largest) ? share0 : largest;
+    /* shoulder turns a point of the axis of turn to where it must be */
+    const scara_real bend1 = 9.94f * place + 15.6f * turn + 5.0f * moved[3];
+    const scara_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
+    const scara_real share1 = bend1 / (2.0f * (a[1] + b[1]) + 4.0f * lesser1);
+    largest = (share1 > largest) ? share1 : largest;
+    /* turn turns a direction of the tool to where it must be */
+    const scara_real bend2 = 0.0f;
+    const scara_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
+    const scara_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
+    largest = (share2 > largest) ? share2 : largest;
+    return largest;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static scara_status scara_inverse_along(const scara_real to[7], const scara_config *config,
+    scara_real joints[4], scara_info *info)
+{
+    static const scara_real per_length[4] = { 1.0f, 1.0f, 1.0f, 0.0025f };
+    static const bool angular[4] = { true, true, true, false };
+    static const scara_real near[2] = { 0.0f };
+    const scara_real most2 = config->max_step * config->max_step * 6.25e-06f;
+    scara_real at[7];
+    scara_real x[7];
+    scara_real left[3] = { 1.0f };
+    scara_real margin[3] = { 1.0f };
+    scara_real found[1][4];
+    scara_real done = 0.0f;
+    scara_real part = 1.0f;
+    scara_real moved[4];
+    scara_real way2 = 0.0f;
+    scara_real least = 1.0f;
+    unsigned int count = 0U;
+    const unsigned int wanted = scara_read_joints(joints, at, left);
+    /* of q and -q, one rotation, the one on the guess's side */
+    const scara_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const scara_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
+    const scara_real turn2 = 8.0f * ((1.0f - side * cosine) + 2.3841858e-07f);
+    scara_real place2 = 0.0f;
+    scara_status status = SCARA_MAX_ITERATIONS;
+    for (int i = 0; i < 3; ++i) {
+        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 6.25e-06f;
+    }
+    for (int k = 0; k < 3; ++k) {
+        if (!(left[k] > 1.5258789e-05f)) {
+            status = SCARA_SINGULAR;
+        }
+    }
+    while ((status == SCARA_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
+        const scara_real end = (done + part < 0.999f) ? (done + part) : 1.0f;
+        bool undecided = false;
+        ++count;
+        for (int i = 0; i < 7; ++i) {
+            const scara_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0f) {
+            const scara_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        if (scara_branches(x, near, wanted, found, &undecided, margin) != 1) {
+            /* the guess's branch does not reach this point of the line */
+            status = undecided ? SCARA_SINGULAR : ((end < 1.0f)
+                ? SCARA_WRONG_BRANCH : SCARA_OUT_OF_RANGE);
+        } else {
+            way2 = 0.0f;
+            for (int i = 0; i < 4; ++i) {
+                scara_real way = found[0][i] - joints[i];
+                const scara_real number = way * 0.15915494f;
+                if (angular[i] && (fabsf(number) > 0.5f)) {
+                    way -= 6.2831855f * (scara_real)(int)(number + ((number < 0.0f)
+                        ? -0.5f : 0.5f));
+                }
+                found[0][i] = joints[i] + way;
+                moved[i] = (way * per_length[i]) * (way * per_length[i]);
+                way2 += moved[i];
+            }
+            const scara_real share = scara_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
+            if ((way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f)) {
+                for (int i = 0; i < 4; ++i) {
+                    joints[i] = found[0][i];
+                }
+                for (int k = 0; k < 3; ++k) {
+                    left[k] = margin[k];
+                }
+                done = end;
+                part *= (share < 0.2f) ? 2.0f : ((share < 0.6f) ? 1.0f : 0.75f);
+                if (done >= 1.0f) {
+                    status = SCARA_OK;
+                }
+            } else {
+                part *= (share < 4.0f) ? 0.5f : 0.25f;
+                if (part < 0.00024414062f) {
+                    status = SCARA_WRONG_BRANCH;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        least = (left[k] < least) ? left[k] : least;
+    }
+    scara_write_info(info, count, (status == SCARA_OK) ? 0.0016212463f : HUGE_VALF,
+        way2 * 160000.0f, (least > 0.0f) ? (1.0f / least) : 0.0f);
+    return status;
+}
+
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 scara_status scara_direct(const scara_real joints[4], scara_pose *pose)
 {
@@ -764,12 +740,12 @@ scara_status scara_direct(const scara_real joints[4], scara_pose *pose)
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* The joints by the closed form along the line of tool poses from the guess's to the given one. */
 scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
     const scara_real guess[4], scara_real joints[4], scara_info *info)
 {
     static const scara_config usual = { SCARA_TOLERANCE, SCARA_MAX_STEPS, SCARA_MAX_STEP };
-    scara_inverse_work w;
+    scara_real at[4];
     scara_real to[7];
     scara_status status = scara_check_finite(guess, 4, scara_normalise_pose(pose, to));
     scara_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -785,23 +761,22 @@ scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
         status = scara_check_config(config, status);
     }
     if (status == SCARA_OK) {
-        w.x[0] = guess[0];
-        w.x[1] = guess[1];
-        w.x[2] = guess[2];
-        w.x[3] = guess[3];
-        scara_forward(w.x, w.at);
-        status = scara_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        at[0] = guess[0];
+        at[1] = guess[1];
+        at[2] = guess[2];
+        at[3] = guess[3];
+        status = scara_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == SCARA_OK) {
-            status = scara_check_limits(w.x);
+            status = scara_check_limits(at);
             if (info != NULL) {
-                info->joint = scara_first_beyond(w.x);
+                info->joint = scara_first_beyond(at);
             }
         }
         if (status == SCARA_OK) {
-            joints[0] = w.x[0];
-            joints[1] = w.x[1];
-            joints[2] = w.x[2];
-            joints[3] = w.x[3];
+            joints[0] = at[0];
+            joints[1] = at[1];
+            joints[2] = at[2];
+            joints[3] = at[3];
         }
     }
     return status;
@@ -1200,320 +1175,6 @@ scara_status scara_track(const scara_pose *pose, scara_real joints[4], scara_inf
         } else {
             /* nobody asks which joint */
         }
-    }
-    return status;
-}
-
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
- * least error for atan up to 1. */
-static scara_real scara_angle(scara_real s, scara_real c)
-{
-    const scara_real x = fabsf(c);
-    const scara_real y = fabsf(s);
-    const bool steep = y > x;
-    const scara_real ratio = steep ? (x / y) : (y / x);
-    const scara_real square = ratio * ratio;
-    scara_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
-        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
-        + square * (0.02186267f + square * -0.004054485f)))))));
-    if (steep) {
-        angle = 1.5707964f - angle;
-    }
-    if (c < 0.0f) {
-        angle = 3.1415927f - angle;
-    }
-    return (s < 0.0f) ? -angle : angle;
-}
-
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
- * turns. */
-static scara_real scara_sine(scara_real angle)
-{
-    const scara_real number = angle * 0.15915494f;
-    scara_real sine = 0.0f;
-    if (fabsf(number) < 10000.0f) {
-        scara_real x = angle - 6.2831855f * (scara_real)(int)(number + ((number < 0.0f)
-            ? -0.5f : 0.5f));
-        if (x > 1.5707964f) {
-            x = 3.1415927f - x;
-        } else if (x < -1.5707964f) {
-            x = -3.1415927f - x;
-        } else {
-            /* within a quarter turn */
-        }
-        const scara_real square = x * x;
-        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
-            + square * -0.00018363616f)));
-    }
-    return sine;
-}
-
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
- * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
- * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
- * where nothing decides a joint. */
-static int scara_branches(const scara_real x[7], const scara_real near[2], unsigned int wanted,
-    scara_real found[][4], bool *undecided)
-{
-    int count = 0;
-    (void)near;
-    (void)wanted;
-    /* shoulder, elbow, turn have parallel axes: a level along them, which they do not change, tells
-     * slide */
-    const scara_real t0 = x[4] * x[6];
-    const scara_real t1 = x[3] * x[5];
-    const scara_real t2 = t0 - t1;
-    const scara_real t3 = -800.0f * t2;
-    const scara_real t4 = t3 + x[2];
-    /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
-    const scara_real t5 = t0 + t1;
-    const scara_real t6 = t5 + t5;
-    const scara_real t7 = t6 * t4;
-    const scara_real t8 = x[0] - t7;
-    const scara_real t9 = t8 * t8;
-    const scara_real t10 = x[5] * x[6];
-    const scara_real t11 = x[3] * x[4];
-    const scara_real t12 = t10 - t11;
-    const scara_real t13 = t12 + t12;
-    const scara_real t14 = t13 * t4;
-    const scara_real t15 = x[1] - t14;
-    const scara_real t16 = t15 * t15;
-    const scara_real t17 = t9 + t16;
-    const scara_real t18 = x[4] * x[4];
-    const scara_real t19 = x[5] * x[5];
-    const scara_real t20 = t18 + t19;
-    const scara_real t21 = t20 + t20;
-    const scara_real t22 = 1.0f - t21;
-    const scara_real t23 = t22 * t4;
-    const scara_real t24 = x[2] - t23;
-    const scara_real t25 = t24 * t24;
-    const scara_real t26 = t17 + t25;
-    const scara_real t27 = t26 - 81250.0f;
-    const scara_real t28 = 0.5f * t27;
-    const scara_real t29 = t28 * t28;
-    const scara_real t30 = 1.5503907e+09f - t29;
-    const scara_real t31 = t30 * 3.90625e-11f;
-    if (t31 > 1.5258789e-05f) {
-        const scara_real t33 = 39375.0f * near[1];
-        const unsigned int bits0 = (wanted >> 0U) & 3U;
-        const unsigned int side0 = (t33 < 0.0f) ? 2U : 1U;
-        for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
-            if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
-                const scara_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
-                const scara_real t39 = fabsf(t30);
-                const scara_real t40 = t30 + t39;
-                const scara_real t41 = 0.5f * t40;
-                const scara_real t42 = sqrtf(t41);
-                const scara_real t43 = sign0 * t42;
-                const scara_real t44 = 1.2698412e-05f * t27;
-                const scara_real t45 = 2.5396825e-05f * t43;
-                const scara_real t46 = scara_angle(t45, t44);
-                /* shoulder turns a point of the axis of turn to where it must be */
-                const scara_real t47 = 0.0022222223f * t27;
-                const scara_real t48 = t47 + 225.0f;
-                const scara_real t49 = t48 * t8;
-                const scara_real t50 = 0.0044444446f * t43;
-                const scara_real t51 = t50 * t15;
-                const scara_real t52 = t49 + t51;
-                const scara_real t53 = t52 * t52;
-                const scara_real t54 = t48 * t15;
-                const scara_real t55 = t50 * t8;
-                const scara_real t56 = t54 - t55;
-                const scara_real t57 = t56 * t56;
-                const scara_real t58 = t53 + t57;
-                const scara_real t59 = sqrtf(t58);
-                const scara_real t60 = t59 * 6.25e-06f;
-                if (t60 > 1.5258789e-05f) {
-                    const scara_real t62 = scara_angle(t56, t52);
-                    /* turn turns a direction of the tool to where it must be */
-                    const scara_real t63 = 1.0f / t59;
-                    const scara_real t64 = t52 * t63;
-                    const scara_real t65 = x[6] * x[6];
-                    const scara_real t66 = t19 + t65;
-                    const scara_real t67 = t66 + t66;
-                    const scara_real t68 = 1.0f - t67;
-                    const scara_real t69 = t64 * t68;
-                    const scara_real t70 = t56 * t63;
-                    const scara_real t71 = x[4] * x[5];
-                    const scara_real t72 = x[3] * x[6];
-                    const scara_real t73 = t71 + t72;
-                    const scara_real t74 = t73 + t73;
-                    const scara_real t75 = t70 * t74;
-                    const scara_real t76 = t69 + t75;
-                    const scara_real t77 = t44 * t76;
-                    const scara_real t78 = t64 * t74;
-                    const scara_real t79 = t70 * t68;
-                    const scara_real t80 = t78 - t79;
-                    const scara_real t81 = t45 * t80;
-                    const scara_real t82 = t77 + t81;
-                    const scara_real t83 = t82 * t82;
-                    const scara_real t84 = t44 * t80;
-                    const scara_real t85 = t45 * t76;
-                    const scara_real t86 = t84 - t85;
-                    const scara_real t87 = t86 * t86;
-                    const scara_real t88 = t83 + t87;
-                    const scara_real t89 = sqrtf(t88);
-                    if (t89 > 1.5258789e-05f) {
-                        const scara_real t91 = scara_angle(t86, t82);
-                        const scara_real t92 = t64 * t48;
-                        const scara_real t93 = t70 * t50;
-                        const scara_real t94 = t92 - t93;
-                        const scara_real t95 = t94 - x[0];
-                        const scara_real t96 = t95 * t95;
-                        const scara_real t97 = t64 * t50;
-                        const scara_real t98 = t70 * t48;
-                        const scara_real t99 = t97 + t98;
-                        const scara_real t100 = t99 - x[1];
-                        const scara_real t101 = t100 * t100;
-                        const scara_real t102 = t96 + t101;
-                        const scara_real t103 = t3 * t3;
-                        const scara_real t104 = t102 + t103;
-                        const scara_real t105 = t6 * t6;
-                        const scara_real t106 = t13 * t13;
-                        const scara_real t107 = t105 + t106;
-                        const scara_real t108 = 1.0f - t22;
-                        const scara_real t109 = t108 * t108;
-                        const scara_real t110 = t107 + t109;
-                        const scara_real t111 = 160000.0f * t110;
-                        const scara_real t112 = t104 + t111;
-                        const scara_real t113 = 1.0f / t89;
-                        const scara_real t114 = t82 * t113;
-                        const scara_real t115 = t44 * t114;
-                        const scara_real t116 = t86 * t113;
-                        const scara_real t117 = t45 * t116;
-                        const scara_real t118 = t115 - t117;
-                        const scara_real t119 = t64 * t118;
-                        const scara_real t120 = t44 * t116;
-                        const scara_real t121 = t45 * t114;
-                        const scara_real t122 = t120 + t121;
-                        const scara_real t123 = t70 * t122;
-                        const scara_real t124 = t119 - t123;
-                        const scara_real t125 = t124 - t68;
-                        const scara_real t126 = t125 * t125;
-                        const scara_real t127 = t64 * t122;
-                        const scara_real t128 = t70 * t118;
-                        const scara_real t129 = t127 + t128;
-                        const scara_real t130 = t129 - t74;
-                        const scara_real t131 = t130 * t130;
-                        const scara_real t132 = t126 + t131;
-                        const scara_real t133 = t2 + t2;
-                        const scara_real t134 = t133 * t133;
-                        const scara_real t135 = t132 + t134;
-                        const scara_real t136 = 160000.0f * t135;
-                        const scara_real t137 = t112 + t136;
-                        if (t137 < 2.6284397e-06f) {
-                            found[count][0] = t62;
-                            found[count][1] = t46;
-                            found[count][2] = t91;
-                            found[count][3] = t4;
-                            ++count;
-                        }
-                    } else {
-                        *undecided = true;
-                    }
-                } else {
-                    *undecided = true;
-                }
-            }
-        }
-    } else if (t31 > -1.5258789e-05f) {
-        *undecided = true;
-    } else {
-        /* out of reach */
-    }
-    return count;
-}
-
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
- * the range. */
-static scara_status scara_turn_near(const scara_real about[4], scara_real joints[4])
-{
-    static const bool angular[4] = { true, true, true, false };
-    static const scara_real middle[4] = { 0.0f, 0.0f, 0.0f, -75.0f };
-    scara_status status = SCARA_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == SCARA_OUT_OF_RANGE); ++round) {
-        const scara_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < 4; ++i) {
-            const scara_real number = (goal[i] - joints[i]) * 0.15915494f;
-            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
-                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-                joints[i] += 6.2831855f * (scara_real)whole;
-            }
-        }
-        status = scara_check_limits(joints);
-    }
-    return status;
-}
-
-/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static scara_status scara_one_branch(const scara_pose *pose, const scara_real near[2],
-    unsigned int wanted, const scara_real about[4], scara_real joints[4])
-{
-    scara_real x[7];
-    scara_real found[1][4];
-    bool undecided = false;
-    scara_status status = scara_normalise_pose(pose, x);
-    if (status == SCARA_OK) {
-        if (scara_branches(x, near, wanted, found, &undecided) == 1) {
-            status = scara_turn_near(about, found[0]);
-        } else {
-            status = undecided ? SCARA_SINGULAR : SCARA_OUT_OF_RANGE;
-        }
-    }
-    if (status == SCARA_OK) {
-        for (int i = 0; i < 4; ++i) {
-            joints[i] = found[0][i];
-        }
-    }
-    return status;
-}
-
-/* All branches with the given tool pose. */
-int scara_inverse_all(const scara_pose *pose, scara_real joints[2][4])
-{
-    static const scara_real near[2] = { 0.0f };
-    static const scara_real middle[4] = { 0.0f, 0.0f, 0.0f, -75.0f };
-    scara_real x[7];
-    int count = 0;
-    bool undecided = false;
-    scara_status status = scara_normalise_pose(pose, x);
-    if (status == SCARA_OK) {
-        const int all = scara_branches(x, near, 3U, joints, &undecided);
-        for (int k = 0; k < all; ++k) {
-            if (scara_turn_near(middle, joints[k]) == SCARA_OK) {
-                for (int i = 0; i < 4; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
-/* The branch named by the choices' bits. */
-scara_status scara_inverse_branch(const scara_pose *pose, unsigned int branch, scara_real joints[4])
-{
-    static const scara_real near[2] = { 0.0f };
-    static const scara_real middle[4] = { 0.0f, 0.0f, 0.0f, -75.0f };
-    scara_status status = SCARA_OUT_OF_RANGE;
-    if (branch < 2U) {
-        unsigned int wanted = 0U;
-        wanted |= ((branch & 1U) != 0U) ? 2U : 1U;
-        status = scara_one_branch(pose, near, wanted, middle, joints);
-    }
-    return status;
-}
-
-/* The branch nearest to the guess, choice by choice. */
-scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[4],
-    scara_real joints[4])
-{
-    scara_status status = scara_check_finite(guess, 4, SCARA_OK);
-    if (status == SCARA_OK) {
-        scara_real near[2] = { 0.0f };
-        near[1] = scara_sine(guess[1]);
-        status = scara_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

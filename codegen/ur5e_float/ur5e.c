@@ -280,2154 +280,921 @@ static void ur5e_forward(const ur5e_real q[6], ur5e_real x[7])
     x[6] = t156;
 }
 
-/* Work space of ur5e_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: q1, q2, q3, q4, q5, q6
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    ur5e_real x[6]; /* state */
-    ur5e_real x0[6]; /* state at the part of the line that is done, to which a failed try returns */
-    ur5e_real at[7]; /* known values at the guess, where the line begins */
-    ur5e_real k[7]; /* known values aimed at */
-    ur5e_real f[6]; /* rows; the linear solver leaves the step in their place */
-    ur5e_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    ur5e_real spread;
-    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} ur5e_inverse_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void ur5e_inverse_rows(ur5e_inverse_work *w)
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
+static ur5e_real ur5e_angle(ur5e_real s, ur5e_real c)
 {
-    /* row 1: q1, q2, q3, q4, q5, q6 */
-    const ur5e_real t0 = cosf(w->x[0]);
-    const ur5e_real t1 = cosf(w->x[1]);
-    const ur5e_real t2 = cosf(w->x[2]);
-    const ur5e_real t3 = cosf(w->x[3]);
-    const ur5e_real t4 = cosf(w->x[4]);
-    const ur5e_real t5 = sinf(w->x[5]);
-    const ur5e_real t6 = 7.904788e-15f * t5;
-    const ur5e_real t7 = t4 * t6;
-    const ur5e_real t8 = sinf(w->x[4]);
-    const ur5e_real t9 = cosf(w->x[5]);
-    const ur5e_real t10 = -99.6f * t9;
-    const ur5e_real t11 = 1.0f - t9;
-    const ur5e_real t12 = 99.6f * t11;
-    const ur5e_real t13 = t10 - t12;
-    const ur5e_real t14 = t8 * t13;
-    const ur5e_real t15 = t7 + t14;
-    const ur5e_real t16 = t3 * t15;
-    const ur5e_real t17 = sinf(w->x[3]);
-    const ur5e_real t18 = 1.4210855e-14f * t9;
-    const ur5e_real t19 = 2.2115642e-14f * t11;
-    const ur5e_real t20 = t18 + t19;
-    const ur5e_real t21 = t20 - 99.7f;
-    const ur5e_real t22 = t4 * t21;
-    const ur5e_real t23 = 1.0f - t4;
-    const ur5e_real t24 = t23 * t21;
-    const ur5e_real t25 = t22 + t24;
-    const ur5e_real t26 = t17 * t25;
-    const ur5e_real t27 = t16 - t26;
-    const ur5e_real t28 = t27 - 392.2f;
-    const ur5e_real t29 = t2 * t28;
-    const ur5e_real t30 = sinf(w->x[2]);
-    const ur5e_real t31 = t3 * t25;
-    const ur5e_real t32 = t17 * t15;
-    const ur5e_real t33 = t31 + t32;
-    const ur5e_real t34 = t30 * t33;
-    const ur5e_real t35 = t29 - t34;
-    const ur5e_real t36 = t35 - 425.0f;
-    const ur5e_real t37 = t1 * t36;
-    const ur5e_real t38 = sinf(w->x[1]);
-    const ur5e_real t39 = t2 * t33;
-    const ur5e_real t40 = t30 * t28;
-    const ur5e_real t41 = t39 + t40;
-    const ur5e_real t42 = t38 * t41;
-    const ur5e_real t43 = t37 - t42;
-    const ur5e_real t44 = t0 * t43;
-    const ur5e_real t45 = sinf(w->x[0]);
-    const ur5e_real t46 = t4 * t13;
-    const ur5e_real t47 = t8 * t6;
-    const ur5e_real t48 = t46 - t47;
-    const ur5e_real t49 = t48 - 133.3f;
-    const ur5e_real t50 = t3 * t49;
-    const ur5e_real t51 = 1.0f - t3;
-    const ur5e_real t52 = t51 * t49;
-    const ur5e_real t53 = t50 + t52;
-    const ur5e_real t54 = t2 * t53;
-    const ur5e_real t55 = 1.0f - t2;
-    const ur5e_real t56 = t55 * t53;
-    const ur5e_real t57 = t54 + t56;
-    const ur5e_real t58 = t1 * t57;
-    const ur5e_real t59 = 1.0f - t1;
-    const ur5e_real t60 = t59 * t57;
-    const ur5e_real t61 = t58 + t60;
-    const ur5e_real t62 = t45 * t61;
-    const ur5e_real t63 = t44 - t62;
-    const ur5e_real t64 = w->k[0] - t63;
-    const ur5e_real t65 = -t64;
-    w->f[0] = t65;
-    /* row 2: q1, q2, q3, q4, q5, q6 */
-    const ur5e_real t67 = t0 * t61;
-    const ur5e_real t68 = t45 * t43;
-    const ur5e_real t69 = t67 + t68;
-    const ur5e_real t70 = w->k[1] - t69;
-    const ur5e_real t71 = -t70;
-    w->f[1] = t71;
-    /* row 3: q1, q2, q3, q4, q5, q6 */
-    const ur5e_real t73 = t1 * t41;
-    const ur5e_real t74 = t38 * t36;
-    const ur5e_real t75 = t73 + t74;
-    const ur5e_real t76 = t75 + 162.5f;
-    const ur5e_real t77 = t0 * t76;
-    const ur5e_real t78 = 1.0f - t0;
-    const ur5e_real t79 = t78 * t76;
-    const ur5e_real t80 = t77 + t79;
-    const ur5e_real t81 = w->k[2] - t80;
-    const ur5e_real t82 = -t81;
-    w->f[2] = t82;
-    /* row 4: q1, q2, q3, q4, q5, q6 */
-    const ur5e_real t84 = 0.5f * w->x[0];
-    const ur5e_real t85 = cosf(t84);
-    const ur5e_real t86 = 0.5f * w->x[1];
-    const ur5e_real t87 = cosf(t86);
-    const ur5e_real t88 = t85 * t87;
-    const ur5e_real t89 = 0.5f * w->x[2];
-    const ur5e_real t90 = cosf(t89);
-    const ur5e_real t91 = t88 * t90;
-    const ur5e_real t92 = sinf(t86);
-    const ur5e_real t93 = t85 * t92;
-    const ur5e_real t94 = sinf(t89);
-    const ur5e_real t95 = t93 * t94;
-    const ur5e_real t96 = t91 - t95;
-    const ur5e_real t97 = 0.5f * w->x[3];
-    const ur5e_real t98 = cosf(t97);
-    const ur5e_real t99 = t96 * t98;
-    const ur5e_real t100 = t88 * t94;
-    const ur5e_real t101 = t93 * t90;
-    const ur5e_real t102 = t100 + t101;
-    const ur5e_real t103 = sinf(t97);
-    const ur5e_real t104 = t102 * t103;
-    const ur5e_real t105 = t99 - t104;
-    const ur5e_real t106 = 0.5f * w->x[4];
-    const ur5e_real t107 = cosf(t106);
-    const ur5e_real t108 = t105 * t107;
-    const ur5e_real t109 = sinf(t84);
-    const ur5e_real t110 = t109 * t87;
-    const ur5e_real t111 = t110 * t90;
-    const ur5e_real t112 = t109 * t92;
-    const ur5e_real t113 = t112 * t94;
-    const ur5e_real t114 = t111 - t113;
-    const ur5e_real t115 = t114 * t98;
-    const ur5e_real t116 = t112 * t90;
-    const ur5e_real t117 = t110 * t94;
-    const ur5e_real t118 = t116 + t117;
-    const ur5e_real t119 = t118 * t103;
-    const ur5e_real t120 = t115 - t119;
-    const ur5e_real t121 = sinf(t106);
-    const ur5e_real t122 = t120 * t121;
-    const ur5e_real t123 = t108 + t122;
-    const ur5e_real t124 = 0.5f * w->x[5];
-    const ur5e_real t125 = cosf(t124);
-    const ur5e_real t126 = t123 * t125;
-    const ur5e_real t127 = t118 * t98;
-    const ur5e_real t128 = t114 * t103;
-    const ur5e_real t129 = t127 + t128;
-    const ur5e_real t130 = t129 * t121;
-    const ur5e_real t131 = t96 * t103;
-    const ur5e_real t132 = t102 * t98;
-    const ur5e_real t133 = t131 + t132;
-    const ur5e_real t134 = t133 * t107;
-    const ur5e_real t135 = t130 - t134;
-    const ur5e_real t136 = sinf(t124);
-    const ur5e_real t137 = t135 * t136;
-    const ur5e_real t138 = t126 + t137;
-    const ur5e_real t139 = 0.70710677f * w->k[4];
-    const ur5e_real t140 = 0.70710677f * w->k[3];
-    const ur5e_real t141 = t139 - t140;
-    const ur5e_real t142 = t138 * t141;
-    const ur5e_real t143 = t129 * t107;
-    const ur5e_real t144 = t133 * t121;
-    const ur5e_real t145 = t143 + t144;
-    const ur5e_real t146 = t145 * t125;
-    const ur5e_real t147 = t120 * t107;
-    const ur5e_real t148 = t105 * t121;
-    const ur5e_real t149 = t147 - t148;
-    const ur5e_real t150 = t149 * t136;
-    const ur5e_real t151 = t146 + t150;
-    const ur5e_real t152 = 0.70710677f * w->k[3];
-    const ur5e_real t153 = 0.70710677f * w->k[4];
-    const ur5e_real t154 = t152 + t153;
-    const ur5e_real t155 = t151 * t154;
-    const ur5e_real t156 = t142 - t155;
-    const ur5e_real t157 = t135 * t125;
-    const ur5e_real t158 = t123 * t136;
-    const ur5e_real t159 = t157 - t158;
-    const ur5e_real t160 = 0.70710677f * w->k[5];
-    const ur5e_real t161 = 0.70710677f * w->k[6];
-    const ur5e_real t162 = t160 + t161;
-    const ur5e_real t163 = t159 * t162;
-    const ur5e_real t164 = t156 - t163;
-    const ur5e_real t165 = t149 * t125;
-    const ur5e_real t166 = t145 * t136;
-    const ur5e_real t167 = t165 - t166;
-    const ur5e_real t168 = 0.70710677f * w->k[5];
-    const ur5e_real t169 = 0.70710677f * w->k[6];
-    const ur5e_real t170 = t168 - t169;
-    const ur5e_real t171 = t167 * t170;
-    const ur5e_real t172 = t164 + t171;
-    const ur5e_real t173 = 1687.5912f * t172;
-    const ur5e_real t174 = -t173;
-    w->f[3] = t174;
-    /* row 5: q1, q2, q3, q4, q5, q6 */
-    const ur5e_real t176 = t138 * t170;
-    const ur5e_real t177 = t151 * t162;
-    const ur5e_real t178 = t176 + t177;
-    const ur5e_real t179 = t159 * t154;
-    const ur5e_real t180 = t178 - t179;
-    const ur5e_real t181 = t167 * t141;
-    const ur5e_real t182 = t180 - t181;
-    const ur5e_real t183 = 1687.5912f * t182;
-    const ur5e_real t184 = -t183;
-    w->f[4] = t184;
-    /* row 6: q1, q2, q3, q4, q5, q6 */
-    const ur5e_real t186 = t138 * t162;
-    const ur5e_real t187 = t151 * t170;
-    const ur5e_real t188 = t186 - t187;
-    const ur5e_real t189 = t159 * t141;
-    const ur5e_real t190 = t188 + t189;
-    const ur5e_real t191 = t167 * t154;
-    const ur5e_real t192 = t190 - t191;
-    const ur5e_real t193 = 1687.5912f * t192;
-    const ur5e_real t194 = -t193;
-    w->f[5] = t194;
+    const ur5e_real x = fabsf(c);
+    const ur5e_real y = fabsf(s);
+    const bool steep = y > x;
+    const ur5e_real ratio = steep ? (x / y) : (y / x);
+    const ur5e_real square = ratio * ratio;
+    ur5e_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
 }
 
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static UR5E_SHARED ur5e_real ur5e_inverse_residual(const ur5e_inverse_work *w)
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
+static ur5e_real ur5e_sine(ur5e_real angle)
 {
-    ur5e_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 6; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static ur5e_real ur5e_inverse_apply_step(ur5e_inverse_work *w)
-{
-    const ur5e_real t0 = 0.0011851211f * w->f[0];
-    const ur5e_real t1 = w->x[0] + t0;
-    const ur5e_real t2 = 0.0011851211f * w->f[1];
-    const ur5e_real t3 = w->x[1] + t2;
-    const ur5e_real t4 = 0.0011851211f * w->f[2];
-    const ur5e_real t5 = w->x[2] + t4;
-    const ur5e_real t6 = 0.0011851211f * w->f[3];
-    const ur5e_real t7 = w->x[3] + t6;
-    const ur5e_real t8 = 0.0011851211f * w->f[4];
-    const ur5e_real t9 = w->x[4] + t8;
-    const ur5e_real t10 = 0.0011851211f * w->f[5];
-    const ur5e_real t11 = w->x[5] + t10;
-    const ur5e_real t12 = w->f[0] * w->f[0];
-    const ur5e_real t13 = w->f[1] * w->f[1];
-    const ur5e_real t14 = t12 + t13;
-    const ur5e_real t15 = w->f[2] * w->f[2];
-    const ur5e_real t16 = t14 + t15;
-    const ur5e_real t17 = w->f[3] * w->f[3];
-    const ur5e_real t18 = t16 + t17;
-    const ur5e_real t19 = w->f[4] * w->f[4];
-    const ur5e_real t20 = t18 + t19;
-    const ur5e_real t21 = w->f[5] * w->f[5];
-    const ur5e_real t22 = t20 + t21;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    w->x[4] = t9;
-    w->x[5] = t11;
-    return t22;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static UR5E_SHARED void ur5e_inverse_set_target(ur5e_inverse_work *w, const ur5e_real to[7],
-    ur5e_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const ur5e_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4]
-            + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void ur5e_inverse_matrix(ur5e_inverse_work *w)
-{
-    const ur5e_real t0 = cosf(w->x[1]);
-    const ur5e_real t1 = cosf(w->x[2]);
-    const ur5e_real t2 = cosf(w->x[3]);
-    const ur5e_real t3 = cosf(w->x[4]);
-    const ur5e_real t4 = sinf(w->x[5]);
-    const ur5e_real t5 = 7.904788e-15f * t4;
-    const ur5e_real t6 = t3 * t5;
-    const ur5e_real t7 = sinf(w->x[4]);
-    const ur5e_real t8 = cosf(w->x[5]);
-    const ur5e_real t9 = -99.6f * t8;
-    const ur5e_real t10 = 1.0f - t8;
-    const ur5e_real t11 = 99.6f * t10;
-    const ur5e_real t12 = t9 - t11;
-    const ur5e_real t13 = t7 * t12;
-    const ur5e_real t14 = t6 + t13;
-    const ur5e_real t15 = t2 * t14;
-    const ur5e_real t16 = sinf(w->x[3]);
-    const ur5e_real t17 = 1.4210855e-14f * t8;
-    const ur5e_real t18 = 2.2115642e-14f * t10;
-    const ur5e_real t19 = t17 + t18;
-    const ur5e_real t20 = t19 - 99.7f;
-    const ur5e_real t21 = t3 * t20;
-    const ur5e_real t22 = 1.0f - t3;
-    const ur5e_real t23 = t22 * t20;
-    const ur5e_real t24 = t21 + t23;
-    const ur5e_real t25 = t16 * t24;
-    const ur5e_real t26 = t15 - t25;
-    const ur5e_real t27 = t26 - 392.2f;
-    const ur5e_real t28 = t1 * t27;
-    const ur5e_real t29 = sinf(w->x[2]);
-    const ur5e_real t30 = t2 * t24;
-    const ur5e_real t31 = t16 * t14;
-    const ur5e_real t32 = t30 + t31;
-    const ur5e_real t33 = t29 * t32;
-    const ur5e_real t34 = t28 - t33;
-    const ur5e_real t35 = t34 - 425.0f;
-    const ur5e_real t36 = t0 * t35;
-    const ur5e_real t37 = sinf(w->x[1]);
-    const ur5e_real t38 = t1 * t32;
-    const ur5e_real t39 = t29 * t27;
-    const ur5e_real t40 = t38 + t39;
-    const ur5e_real t41 = t37 * t40;
-    const ur5e_real t42 = t36 - t41;
-    const ur5e_real t43 = sinf(w->x[0]);
-    const ur5e_real t44 = t42 * t43;
-    const ur5e_real t45 = t3 * t12;
-    const ur5e_real t46 = t7 * t5;
-    const ur5e_real t47 = t45 - t46;
-    const ur5e_real t48 = t47 - 133.3f;
-    const ur5e_real t49 = t2 * t48;
-    const ur5e_real t50 = 1.0f - t2;
-    const ur5e_real t51 = t50 * t48;
-    const ur5e_real t52 = t49 + t51;
-    const ur5e_real t53 = t1 * t52;
-    const ur5e_real t54 = 1.0f - t1;
-    const ur5e_real t55 = t54 * t52;
-    const ur5e_real t56 = t53 + t55;
-    const ur5e_real t57 = t0 * t56;
-    const ur5e_real t58 = 1.0f - t0;
-    const ur5e_real t59 = t58 * t56;
-    const ur5e_real t60 = t57 + t59;
-    const ur5e_real t61 = cosf(w->x[0]);
-    const ur5e_real t62 = t60 * t61;
-    const ur5e_real t63 = t44 + t62;
-    const ur5e_real t64 = 0.0011851211f * t63;
-    w->a[0] = t64;
-    const ur5e_real t66 = t35 * t37;
-    const ur5e_real t67 = t40 * t0;
-    const ur5e_real t68 = t66 + t67;
-    const ur5e_real t69 = t61 * t68;
-    const ur5e_real t70 = 0.0011851211f * t69;
-    w->a[1] = t70;
-    const ur5e_real t72 = t27 * t29;
-    const ur5e_real t73 = t32 * t1;
-    const ur5e_real t74 = t72 + t73;
-    const ur5e_real t75 = t0 * t74;
-    const ur5e_real t76 = t27 * t1;
-    const ur5e_real t77 = t32 * t29;
-    const ur5e_real t78 = t76 - t77;
-    const ur5e_real t79 = t37 * t78;
-    const ur5e_real t80 = t75 + t79;
-    const ur5e_real t81 = t61 * t80;
-    const ur5e_real t82 = 0.0011851211f * t81;
-    w->a[2] = t82;
-    const ur5e_real t84 = t14 * t16;
-    const ur5e_real t85 = t24 * t2;
-    const ur5e_real t86 = t84 + t85;
-    const ur5e_real t87 = t1 * t86;
-    const ur5e_real t88 = t14 * t2;
-    const ur5e_real t89 = t24 * t16;
-    const ur5e_real t90 = t88 - t89;
-    const ur5e_real t91 = t29 * t90;
-    const ur5e_real t92 = t87 + t91;
-    const ur5e_real t93 = t0 * t92;
-    const ur5e_real t94 = t1 * t90;
-    const ur5e_real t95 = t29 * t86;
-    const ur5e_real t96 = t94 - t95;
-    const ur5e_real t97 = t37 * t96;
-    const ur5e_real t98 = t93 + t97;
-    const ur5e_real t99 = t61 * t98;
-    const ur5e_real t100 = 0.0011851211f * t99;
-    w->a[3] = t100;
-    const ur5e_real t102 = t12 * t3;
-    const ur5e_real t103 = t5 * t7;
-    const ur5e_real t104 = t102 - t103;
-    const ur5e_real t105 = t2 * t104;
-    const ur5e_real t106 = t1 * t105;
-    const ur5e_real t107 = t16 * t104;
-    const ur5e_real t108 = t29 * t107;
-    const ur5e_real t109 = t106 - t108;
-    const ur5e_real t110 = t0 * t109;
-    const ur5e_real t111 = t1 * t107;
-    const ur5e_real t112 = t29 * t105;
-    const ur5e_real t113 = t111 + t112;
-    const ur5e_real t114 = t37 * t113;
-    const ur5e_real t115 = t110 - t114;
-    const ur5e_real t116 = t61 * t115;
-    const ur5e_real t117 = t12 * t7;
-    const ur5e_real t118 = t5 * t3;
-    const ur5e_real t119 = t117 + t118;
-    const ur5e_real t120 = t2 * t119;
-    const ur5e_real t121 = t50 * t119;
-    const ur5e_real t122 = t120 + t121;
-    const ur5e_real t123 = t1 * t122;
-    const ur5e_real t124 = t54 * t122;
-    const ur5e_real t125 = t123 + t124;
-    const ur5e_real t126 = t0 * t125;
-    const ur5e_real t127 = t58 * t125;
-    const ur5e_real t128 = t126 + t127;
-    const ur5e_real t129 = t43 * t128;
-    const ur5e_real t130 = t116 + t129;
-    const ur5e_real t131 = 0.0011851211f * t130;
-    const ur5e_real t132 = -t131;
-    w->a[4] = t132;
-    const ur5e_real t134 = 7.904788e-15f * t8;
-    const ur5e_real t135 = t3 * t134;
-    const ur5e_real t136 = -99.6f * t4;
-    const ur5e_real t137 = 99.6f * t4;
-    const ur5e_real t138 = t136 + t137;
-    const ur5e_real t139 = t7 * t138;
-    const ur5e_real t140 = t135 - t139;
-    const ur5e_real t141 = t2 * t140;
-    const ur5e_real t142 = 2.2115642e-14f * t4;
-    const ur5e_real t143 = 1.4210855e-14f * t4;
-    const ur5e_real t144 = t142 - t143;
-    const ur5e_real t145 = t3 * t144;
-    const ur5e_real t146 = t22 * t144;
-    const ur5e_real t147 = t145 + t146;
-    const ur5e_real t148 = t16 * t147;
-    const ur5e_real t149 = t141 - t148;
-    const ur5e_real t150 = t1 * t149;
-    const ur5e_real t151 = t2 * t147;
-    const ur5e_real t152 = t16 * t140;
-    const ur5e_real t153 = t151 + t152;
-    const ur5e_real t154 = t29 * t153;
-    const ur5e_real t155 = t150 - t154;
-    const ur5e_real t156 = t0 * t155;
-    const ur5e_real t157 = t1 * t153;
-    const ur5e_real t158 = t29 * t149;
-    const ur5e_real t159 = t157 + t158;
-    const ur5e_real t160 = t37 * t159;
-    const ur5e_real t161 = t156 - t160;
-    const ur5e_real t162 = t61 * t161;
-    const ur5e_real t163 = t3 * t138;
-    const ur5e_real t164 = t7 * t134;
-    const ur5e_real t165 = t163 + t164;
-    const ur5e_real t166 = t2 * t165;
-    const ur5e_real t167 = t50 * t165;
-    const ur5e_real t168 = t166 + t167;
-    const ur5e_real t169 = t1 * t168;
-    const ur5e_real t170 = t54 * t168;
-    const ur5e_real t171 = t169 + t170;
-    const ur5e_real t172 = t0 * t171;
-    const ur5e_real t173 = t58 * t171;
-    const ur5e_real t174 = t172 + t173;
-    const ur5e_real t175 = t43 * t174;
-    const ur5e_real t176 = t162 + t175;
-    const ur5e_real t177 = 0.0011851211f * t176;
-    const ur5e_real t178 = -t177;
-    w->a[5] = t178;
-    const ur5e_real t180 = t42 * t61;
-    const ur5e_real t181 = t60 * t43;
-    const ur5e_real t182 = t180 - t181;
-    const ur5e_real t183 = 0.0011851211f * t182;
-    const ur5e_real t184 = -t183;
-    w->a[6] = t184;
-    const ur5e_real t186 = t43 * t68;
-    const ur5e_real t187 = 0.0011851211f * t186;
-    w->a[7] = t187;
-    const ur5e_real t189 = t43 * t80;
-    const ur5e_real t190 = 0.0011851211f * t189;
-    w->a[8] = t190;
-    const ur5e_real t192 = t43 * t98;
-    const ur5e_real t193 = 0.0011851211f * t192;
-    w->a[9] = t193;
-    const ur5e_real t195 = t43 * t115;
-    const ur5e_real t196 = t61 * t128;
-    const ur5e_real t197 = t195 - t196;
-    const ur5e_real t198 = 0.0011851211f * t197;
-    const ur5e_real t199 = -t198;
-    w->a[10] = t199;
-    const ur5e_real t201 = t43 * t161;
-    const ur5e_real t202 = t61 * t174;
-    const ur5e_real t203 = t201 - t202;
-    const ur5e_real t204 = 0.0011851211f * t203;
-    const ur5e_real t205 = -t204;
-    w->a[11] = t205;
-    w->a[12] = 0.0f;
-    const ur5e_real t208 = t35 * t0;
-    const ur5e_real t209 = t40 * t37;
-    const ur5e_real t210 = t208 - t209;
-    const ur5e_real t211 = t61 * t210;
-    const ur5e_real t212 = 1.0f - t61;
-    const ur5e_real t213 = t212 * t210;
-    const ur5e_real t214 = t211 + t213;
-    const ur5e_real t215 = 0.0011851211f * t214;
-    const ur5e_real t216 = -t215;
-    w->a[13] = t216;
-    const ur5e_real t218 = t0 * t78;
-    const ur5e_real t219 = t37 * t74;
-    const ur5e_real t220 = t218 - t219;
-    const ur5e_real t221 = t61 * t220;
-    const ur5e_real t222 = t212 * t220;
-    const ur5e_real t223 = t221 + t222;
-    const ur5e_real t224 = 0.0011851211f * t223;
-    const ur5e_real t225 = -t224;
-    w->a[14] = t225;
-    const ur5e_real t227 = t0 * t96;
-    const ur5e_real t228 = t37 * t92;
-    const ur5e_real t229 = t227 - t228;
-    const ur5e_real t230 = t61 * t229;
-    const ur5e_real t231 = t212 * t229;
-    const ur5e_real t232 = t230 + t231;
-    const ur5e_real t233 = 0.0011851211f * t232;
-    const ur5e_real t234 = -t233;
-    w->a[15] = t234;
-    const ur5e_real t236 = t0 * t113;
-    const ur5e_real t237 = t37 * t109;
-    const ur5e_real t238 = t236 + t237;
-    const ur5e_real t239 = t61 * t238;
-    const ur5e_real t240 = t212 * t238;
-    const ur5e_real t241 = t239 + t240;
-    const ur5e_real t242 = 0.0011851211f * t241;
-    const ur5e_real t243 = -t242;
-    w->a[16] = t243;
-    const ur5e_real t245 = t0 * t159;
-    const ur5e_real t246 = t37 * t155;
-    const ur5e_real t247 = t245 + t246;
-    const ur5e_real t248 = t61 * t247;
-    const ur5e_real t249 = t212 * t247;
-    const ur5e_real t250 = t248 + t249;
-    const ur5e_real t251 = 0.0011851211f * t250;
-    const ur5e_real t252 = -t251;
-    w->a[17] = t252;
-    const ur5e_real t254 = 0.70710677f * w->k[4];
-    const ur5e_real t255 = 0.70710677f * w->k[3];
-    const ur5e_real t256 = t254 - t255;
-    const ur5e_real t257 = 0.5f * w->x[5];
-    const ur5e_real t258 = cosf(t257);
-    const ur5e_real t259 = 0.5f * w->x[4];
-    const ur5e_real t260 = cosf(t259);
-    const ur5e_real t261 = 0.5f * w->x[3];
-    const ur5e_real t262 = cosf(t261);
-    const ur5e_real t263 = 0.5f * w->x[2];
-    const ur5e_real t264 = sinf(t263);
-    const ur5e_real t265 = 0.5f * w->x[1];
-    const ur5e_real t266 = sinf(t265);
-    const ur5e_real t267 = 0.5f * w->x[0];
-    const ur5e_real t268 = sinf(t267);
-    const ur5e_real t269 = 0.5f * t268;
-    const ur5e_real t270 = t266 * t269;
-    const ur5e_real t271 = t264 * t270;
-    const ur5e_real t272 = cosf(t263);
-    const ur5e_real t273 = cosf(t265);
-    const ur5e_real t274 = t273 * t269;
-    const ur5e_real t275 = t272 * t274;
-    const ur5e_real t276 = t271 - t275;
-    const ur5e_real t277 = t262 * t276;
-    const ur5e_real t278 = sinf(t261);
-    const ur5e_real t279 = t264 * t274;
-    const ur5e_real t280 = t272 * t270;
-    const ur5e_real t281 = t279 + t280;
-    const ur5e_real t282 = t278 * t281;
-    const ur5e_real t283 = t277 + t282;
-    const ur5e_real t284 = t260 * t283;
-    const ur5e_real t285 = sinf(t259);
-    const ur5e_real t286 = cosf(t267);
-    const ur5e_real t287 = 0.5f * t286;
-    const ur5e_real t288 = t273 * t287;
-    const ur5e_real t289 = t272 * t288;
-    const ur5e_real t290 = t266 * t287;
-    const ur5e_real t291 = t264 * t290;
-    const ur5e_real t292 = t289 - t291;
-    const ur5e_real t293 = t262 * t292;
-    const ur5e_real t294 = t272 * t290;
-    const ur5e_real t295 = t264 * t288;
-    const ur5e_real t296 = t294 + t295;
-    const ur5e_real t297 = t278 * t296;
-    const ur5e_real t298 = t293 - t297;
-    const ur5e_real t299 = t285 * t298;
-    const ur5e_real t300 = t284 + t299;
-    const ur5e_real t301 = t258 * t300;
-    const ur5e_real t302 = sinf(t257);
-    const ur5e_real t303 = t262 * t296;
-    const ur5e_real t304 = t278 * t292;
-    const ur5e_real t305 = t303 + t304;
-    const ur5e_real t306 = t285 * t305;
-    const ur5e_real t307 = t278 * t276;
-    const ur5e_real t308 = t262 * t281;
-    const ur5e_real t309 = t307 - t308;
-    const ur5e_real t310 = t260 * t309;
-    const ur5e_real t311 = t306 - t310;
-    const ur5e_real t312 = t302 * t311;
-    const ur5e_real t313 = t301 + t312;
-    const ur5e_real t314 = t256 * t313;
-    const ur5e_real t315 = 0.70710677f * w->k[3];
-    const ur5e_real t316 = 0.70710677f * w->k[4];
-    const ur5e_real t317 = t315 + t316;
-    const ur5e_real t318 = t260 * t305;
-    const ur5e_real t319 = t285 * t309;
-    const ur5e_real t320 = t318 + t319;
-    const ur5e_real t321 = t258 * t320;
-    const ur5e_real t322 = t260 * t298;
-    const ur5e_real t323 = t285 * t283;
-    const ur5e_real t324 = t322 - t323;
-    const ur5e_real t325 = t302 * t324;
-    const ur5e_real t326 = t321 + t325;
-    const ur5e_real t327 = t317 * t326;
-    const ur5e_real t328 = t314 - t327;
-    const ur5e_real t329 = 0.70710677f * w->k[5];
-    const ur5e_real t330 = 0.70710677f * w->k[6];
-    const ur5e_real t331 = t329 + t330;
-    const ur5e_real t332 = t258 * t311;
-    const ur5e_real t333 = t302 * t300;
-    const ur5e_real t334 = t332 - t333;
-    const ur5e_real t335 = t331 * t334;
-    const ur5e_real t336 = t328 - t335;
-    const ur5e_real t337 = 0.70710677f * w->k[5];
-    const ur5e_real t338 = 0.70710677f * w->k[6];
-    const ur5e_real t339 = t337 - t338;
-    const ur5e_real t340 = t258 * t324;
-    const ur5e_real t341 = t302 * t320;
-    const ur5e_real t342 = t340 - t341;
-    const ur5e_real t343 = t339 * t342;
-    const ur5e_real t344 = t336 + t343;
-    const ur5e_real t345 = t344 + t344;
-    w->a[18] = t345;
-    const ur5e_real t347 = 0.5f * t273;
-    const ur5e_real t348 = t268 * t347;
-    const ur5e_real t349 = t272 * t348;
-    const ur5e_real t350 = 0.5f * t266;
-    const ur5e_real t351 = t268 * t350;
-    const ur5e_real t352 = t264 * t351;
-    const ur5e_real t353 = t349 - t352;
-    const ur5e_real t354 = t262 * t353;
-    const ur5e_real t355 = t272 * t351;
-    const ur5e_real t356 = t264 * t348;
-    const ur5e_real t357 = t355 + t356;
-    const ur5e_real t358 = t278 * t357;
-    const ur5e_real t359 = t354 - t358;
-    const ur5e_real t360 = t285 * t359;
-    const ur5e_real t361 = t286 * t347;
-    const ur5e_real t362 = t272 * t361;
-    const ur5e_real t363 = t286 * t350;
-    const ur5e_real t364 = t264 * t363;
-    const ur5e_real t365 = t362 - t364;
-    const ur5e_real t366 = t262 * t365;
-    const ur5e_real t367 = t272 * t363;
-    const ur5e_real t368 = t264 * t361;
-    const ur5e_real t369 = t367 + t368;
-    const ur5e_real t370 = t278 * t369;
-    const ur5e_real t371 = t366 - t370;
-    const ur5e_real t372 = t260 * t371;
-    const ur5e_real t373 = t360 - t372;
-    const ur5e_real t374 = t302 * t373;
-    const ur5e_real t375 = t262 * t369;
-    const ur5e_real t376 = t278 * t365;
-    const ur5e_real t377 = t375 + t376;
-    const ur5e_real t378 = t260 * t377;
-    const ur5e_real t379 = t262 * t357;
-    const ur5e_real t380 = t278 * t353;
-    const ur5e_real t381 = t379 + t380;
-    const ur5e_real t382 = t285 * t381;
-    const ur5e_real t383 = t378 + t382;
-    const ur5e_real t384 = t258 * t383;
-    const ur5e_real t385 = t374 - t384;
-    const ur5e_real t386 = t256 * t385;
-    const ur5e_real t387 = t260 * t359;
-    const ur5e_real t388 = t285 * t371;
-    const ur5e_real t389 = t387 + t388;
-    const ur5e_real t390 = t258 * t389;
-    const ur5e_real t391 = t285 * t377;
-    const ur5e_real t392 = t260 * t381;
-    const ur5e_real t393 = t391 - t392;
-    const ur5e_real t394 = t302 * t393;
-    const ur5e_real t395 = t390 + t394;
-    const ur5e_real t396 = t317 * t395;
-    const ur5e_real t397 = t386 - t396;
-    const ur5e_real t398 = t258 * t373;
-    const ur5e_real t399 = t302 * t383;
-    const ur5e_real t400 = t398 + t399;
-    const ur5e_real t401 = t331 * t400;
-    const ur5e_real t402 = t397 - t401;
-    const ur5e_real t403 = t258 * t393;
-    const ur5e_real t404 = t302 * t389;
-    const ur5e_real t405 = t403 - t404;
-    const ur5e_real t406 = t339 * t405;
-    const ur5e_real t407 = t402 + t406;
-    const ur5e_real t408 = t407 + t407;
-    w->a[19] = t408;
-    const ur5e_real t410 = t268 * t273;
-    const ur5e_real t411 = 0.5f * t272;
-    const ur5e_real t412 = t410 * t411;
-    const ur5e_real t413 = t268 * t266;
-    const ur5e_real t414 = 0.5f * t264;
-    const ur5e_real t415 = t413 * t414;
-    const ur5e_real t416 = t412 - t415;
-    const ur5e_real t417 = t262 * t416;
-    const ur5e_real t418 = t413 * t411;
-    const ur5e_real t419 = t410 * t414;
-    const ur5e_real t420 = t418 + t419;
-    const ur5e_real t421 = t278 * t420;
-    const ur5e_real t422 = t417 - t421;
-    const ur5e_real t423 = t285 * t422;
-    const ur5e_real t424 = t286 * t273;
-    const ur5e_real t425 = t424 * t411;
-    const ur5e_real t426 = t286 * t266;
-    const ur5e_real t427 = t426 * t414;
-    const ur5e_real t428 = t425 - t427;
-    const ur5e_real t429 = t262 * t428;
-    const ur5e_real t430 = t424 * t414;
-    const ur5e_real t431 = t426 * t411;
-    const ur5e_real t432 = t430 + t431;
-    const ur5e_real t433 = t278 * t432;
-    const ur5e_real t434 = t429 - t433;
-    const ur5e_real t435 = t260 * t434;
-    const ur5e_real t436 = t423 - t435;
-    const ur5e_real t437 = t302 * t436;
-    const ur5e_real t438 = t262 * t432;
-    const ur5e_real t439 = t278 * t428;
-    const ur5e_real t440 = t438 + t439;
-    const ur5e_real t441 = t260 * t440;
-    const ur5e_real t442 = t262 * t420;
-    const ur5e_real t443 = t278 * t416;
-    const ur5e_real t444 = t442 + t443;
-    const ur5e_real t445 = t285 * t444;
-    const ur5e_real t446 = t441 + t445;
-    const ur5e_real t447 = t258 * t446;
-    const ur5e_real t448 = t437 - t447;
-    const ur5e_real t449 = t256 * t448;
-    const ur5e_real t450 = t260 * t422;
-    const ur5e_real t451 = t285 * t434;
-    const ur5e_real t452 = t450 + t451;
-    const ur5e_real t453 = t258 * t452;
-    const ur5e_real t454 = t285 * t440;
-    const ur5e_real t455 = t260 * t444;
-    const ur5e_real t456 = t454 - t455;
-    const ur5e_real t457 = t302 * t456;
-    const ur5e_real t458 = t453 + t457;
-    const ur5e_real t459 = t317 * t458;
-    const ur5e_real t460 = t449 - t459;
-    const ur5e_real t461 = t258 * t436;
-    const ur5e_real t462 = t302 * t446;
-    const ur5e_real t463 = t461 + t462;
-    const ur5e_real t464 = t331 * t463;
-    const ur5e_real t465 = t460 - t464;
-    const ur5e_real t466 = t258 * t456;
-    const ur5e_real t467 = t302 * t452;
-    const ur5e_real t468 = t466 - t467;
-    const ur5e_real t469 = t339 * t468;
-    const ur5e_real t470 = t465 + t469;
-    const ur5e_real t471 = t470 + t470;
-    w->a[20] = t471;
-    const ur5e_real t473 = t410 * t272;
-    const ur5e_real t474 = t413 * t264;
-    const ur5e_real t475 = t473 - t474;
-    const ur5e_real t476 = 0.5f * t262;
-    const ur5e_real t477 = t475 * t476;
-    const ur5e_real t478 = t413 * t272;
-    const ur5e_real t479 = t410 * t264;
-    const ur5e_real t480 = t478 + t479;
-    const ur5e_real t481 = 0.5f * t278;
-    const ur5e_real t482 = t480 * t481;
-    const ur5e_real t483 = t477 - t482;
-    const ur5e_real t484 = t285 * t483;
-    const ur5e_real t485 = t424 * t272;
-    const ur5e_real t486 = t426 * t264;
-    const ur5e_real t487 = t485 - t486;
-    const ur5e_real t488 = t487 * t476;
-    const ur5e_real t489 = t424 * t264;
-    const ur5e_real t490 = t426 * t272;
-    const ur5e_real t491 = t489 + t490;
-    const ur5e_real t492 = t491 * t481;
-    const ur5e_real t493 = t488 - t492;
-    const ur5e_real t494 = t260 * t493;
-    const ur5e_real t495 = t484 - t494;
-    const ur5e_real t496 = t302 * t495;
-    const ur5e_real t497 = t487 * t481;
-    const ur5e_real t498 = t491 * t476;
-    const ur5e_real t499 = t497 + t498;
-    const ur5e_real t500 = t260 * t499;
-    const ur5e_real t501 = t480 * t476;
-    const ur5e_real t502 = t475 * t481;
-    const ur5e_real t503 = t501 + t502;
-    const ur5e_real t504 = t285 * t503;
-    const ur5e_real t505 = t500 + t504;
-    const ur5e_real t506 = t258 * t505;
-    const ur5e_real t507 = t496 - t506;
-    const ur5e_real t508 = t256 * t507;
-    const ur5e_real t509 = t260 * t483;
-    const ur5e_real t510 = t285 * t493;
-    const ur5e_real t511 = t509 + t510;
-    const ur5e_real t512 = t258 * t511;
-    const ur5e_real t513 = t285 * t499;
-    const ur5e_real t514 = t260 * t503;
-    const ur5e_real t515 = t513 - t514;
-    const ur5e_real t516 = t302 * t515;
-    const ur5e_real t517 = t512 + t516;
-    const ur5e_real t518 = t317 * t517;
-    const ur5e_real t519 = t508 - t518;
-    const ur5e_real t520 = t258 * t495;
-    const ur5e_real t521 = t302 * t505;
-    const ur5e_real t522 = t520 + t521;
-    const ur5e_real t523 = t331 * t522;
-    const ur5e_real t524 = t519 - t523;
-    const ur5e_real t525 = t258 * t515;
-    const ur5e_real t526 = t302 * t511;
-    const ur5e_real t527 = t525 - t526;
-    const ur5e_real t528 = t339 * t527;
-    const ur5e_real t529 = t524 + t528;
-    const ur5e_real t530 = t529 + t529;
-    w->a[21] = t530;
-    const ur5e_real t532 = t475 * t262;
-    const ur5e_real t533 = t480 * t278;
-    const ur5e_real t534 = t532 - t533;
-    const ur5e_real t535 = 0.5f * t260;
-    const ur5e_real t536 = t534 * t535;
-    const ur5e_real t537 = t487 * t262;
-    const ur5e_real t538 = t491 * t278;
-    const ur5e_real t539 = t537 - t538;
-    const ur5e_real t540 = 0.5f * t285;
-    const ur5e_real t541 = t539 * t540;
-    const ur5e_real t542 = t536 - t541;
-    const ur5e_real t543 = t258 * t542;
-    const ur5e_real t544 = t480 * t262;
-    const ur5e_real t545 = t475 * t278;
-    const ur5e_real t546 = t544 + t545;
-    const ur5e_real t547 = t546 * t535;
-    const ur5e_real t548 = t487 * t278;
-    const ur5e_real t549 = t491 * t262;
-    const ur5e_real t550 = t548 + t549;
-    const ur5e_real t551 = t550 * t540;
-    const ur5e_real t552 = t547 + t551;
-    const ur5e_real t553 = t302 * t552;
-    const ur5e_real t554 = t543 + t553;
-    const ur5e_real t555 = t256 * t554;
-    const ur5e_real t556 = t550 * t535;
-    const ur5e_real t557 = t546 * t540;
-    const ur5e_real t558 = t556 - t557;
-    const ur5e_real t559 = t258 * t558;
-    const ur5e_real t560 = t539 * t535;
-    const ur5e_real t561 = t534 * t540;
-    const ur5e_real t562 = t560 + t561;
-    const ur5e_real t563 = t302 * t562;
-    const ur5e_real t564 = t559 - t563;
-    const ur5e_real t565 = t317 * t564;
-    const ur5e_real t566 = t555 - t565;
-    const ur5e_real t567 = t258 * t552;
-    const ur5e_real t568 = t302 * t542;
-    const ur5e_real t569 = t567 - t568;
-    const ur5e_real t570 = t331 * t569;
-    const ur5e_real t571 = t566 - t570;
-    const ur5e_real t572 = t302 * t558;
-    const ur5e_real t573 = t258 * t562;
-    const ur5e_real t574 = t572 + t573;
-    const ur5e_real t575 = t339 * t574;
-    const ur5e_real t576 = t571 - t575;
-    const ur5e_real t577 = t576 + t576;
-    w->a[22] = t577;
-    const ur5e_real t579 = t546 * t285;
-    const ur5e_real t580 = t550 * t260;
-    const ur5e_real t581 = t579 - t580;
-    const ur5e_real t582 = 0.5f * t258;
-    const ur5e_real t583 = t581 * t582;
-    const ur5e_real t584 = t539 * t260;
-    const ur5e_real t585 = t534 * t285;
-    const ur5e_real t586 = t584 + t585;
-    const ur5e_real t587 = 0.5f * t302;
-    const ur5e_real t588 = t586 * t587;
-    const ur5e_real t589 = t583 - t588;
-    const ur5e_real t590 = t256 * t589;
-    const ur5e_real t591 = t534 * t260;
-    const ur5e_real t592 = t539 * t285;
-    const ur5e_real t593 = t591 - t592;
-    const ur5e_real t594 = t593 * t582;
-    const ur5e_real t595 = t546 * t260;
-    const ur5e_real t596 = t550 * t285;
-    const ur5e_real t597 = t595 + t596;
-    const ur5e_real t598 = t597 * t587;
-    const ur5e_real t599 = t594 - t598;
-    const ur5e_real t600 = t317 * t599;
-    const ur5e_real t601 = t590 - t600;
-    const ur5e_real t602 = t581 * t587;
-    const ur5e_real t603 = t586 * t582;
-    const ur5e_real t604 = t602 + t603;
-    const ur5e_real t605 = t331 * t604;
-    const ur5e_real t606 = t601 + t605;
-    const ur5e_real t607 = t597 * t582;
-    const ur5e_real t608 = t593 * t587;
-    const ur5e_real t609 = t607 + t608;
-    const ur5e_real t610 = t339 * t609;
-    const ur5e_real t611 = t606 - t610;
-    const ur5e_real t612 = t611 + t611;
-    w->a[23] = t612;
-    const ur5e_real t614 = t339 * t313;
-    const ur5e_real t615 = t331 * t326;
-    const ur5e_real t616 = t614 + t615;
-    const ur5e_real t617 = t317 * t334;
-    const ur5e_real t618 = t616 - t617;
-    const ur5e_real t619 = t256 * t342;
-    const ur5e_real t620 = t618 - t619;
-    const ur5e_real t621 = t620 + t620;
-    w->a[24] = t621;
-    const ur5e_real t623 = t339 * t385;
-    const ur5e_real t624 = t331 * t395;
-    const ur5e_real t625 = t623 + t624;
-    const ur5e_real t626 = t317 * t400;
-    const ur5e_real t627 = t625 - t626;
-    const ur5e_real t628 = t256 * t405;
-    const ur5e_real t629 = t627 - t628;
-    const ur5e_real t630 = t629 + t629;
-    w->a[25] = t630;
-    const ur5e_real t632 = t339 * t448;
-    const ur5e_real t633 = t331 * t458;
-    const ur5e_real t634 = t632 + t633;
-    const ur5e_real t635 = t317 * t463;
-    const ur5e_real t636 = t634 - t635;
-    const ur5e_real t637 = t256 * t468;
-    const ur5e_real t638 = t636 - t637;
-    const ur5e_real t639 = t638 + t638;
-    w->a[26] = t639;
-    const ur5e_real t641 = t339 * t507;
-    const ur5e_real t642 = t331 * t517;
-    const ur5e_real t643 = t641 + t642;
-    const ur5e_real t644 = t317 * t522;
-    const ur5e_real t645 = t643 - t644;
-    const ur5e_real t646 = t256 * t527;
-    const ur5e_real t647 = t645 - t646;
-    const ur5e_real t648 = t647 + t647;
-    w->a[27] = t648;
-    const ur5e_real t650 = t339 * t554;
-    const ur5e_real t651 = t331 * t564;
-    const ur5e_real t652 = t650 + t651;
-    const ur5e_real t653 = t317 * t569;
-    const ur5e_real t654 = t652 - t653;
-    const ur5e_real t655 = t256 * t574;
-    const ur5e_real t656 = t654 + t655;
-    const ur5e_real t657 = t656 + t656;
-    w->a[28] = t657;
-    const ur5e_real t659 = t339 * t589;
-    const ur5e_real t660 = t331 * t599;
-    const ur5e_real t661 = t659 + t660;
-    const ur5e_real t662 = t317 * t604;
-    const ur5e_real t663 = t661 + t662;
-    const ur5e_real t664 = t256 * t609;
-    const ur5e_real t665 = t663 + t664;
-    const ur5e_real t666 = t665 + t665;
-    w->a[29] = t666;
-    const ur5e_real t668 = t331 * t313;
-    const ur5e_real t669 = t339 * t326;
-    const ur5e_real t670 = t668 - t669;
-    const ur5e_real t671 = t256 * t334;
-    const ur5e_real t672 = t670 + t671;
-    const ur5e_real t673 = t317 * t342;
-    const ur5e_real t674 = t672 - t673;
-    const ur5e_real t675 = t674 + t674;
-    w->a[30] = t675;
-    const ur5e_real t677 = t331 * t385;
-    const ur5e_real t678 = t339 * t395;
-    const ur5e_real t679 = t677 - t678;
-    const ur5e_real t680 = t256 * t400;
-    const ur5e_real t681 = t679 + t680;
-    const ur5e_real t682 = t317 * t405;
-    const ur5e_real t683 = t681 - t682;
-    const ur5e_real t684 = t683 + t683;
-    w->a[31] = t684;
-    const ur5e_real t686 = t331 * t448;
-    const ur5e_real t687 = t339 * t458;
-    const ur5e_real t688 = t686 - t687;
-    const ur5e_real t689 = t256 * t463;
-    const ur5e_real t690 = t688 + t689;
-    const ur5e_real t691 = t317 * t468;
-    const ur5e_real t692 = t690 - t691;
-    const ur5e_real t693 = t692 + t692;
-    w->a[32] = t693;
-    const ur5e_real t695 = t331 * t507;
-    const ur5e_real t696 = t339 * t517;
-    const ur5e_real t697 = t695 - t696;
-    const ur5e_real t698 = t256 * t522;
-    const ur5e_real t699 = t697 + t698;
-    const ur5e_real t700 = t317 * t527;
-    const ur5e_real t701 = t699 - t700;
-    const ur5e_real t702 = t701 + t701;
-    w->a[33] = t702;
-    const ur5e_real t704 = t331 * t554;
-    const ur5e_real t705 = t339 * t564;
-    const ur5e_real t706 = t704 - t705;
-    const ur5e_real t707 = t256 * t569;
-    const ur5e_real t708 = t706 + t707;
-    const ur5e_real t709 = t317 * t574;
-    const ur5e_real t710 = t708 + t709;
-    const ur5e_real t711 = t710 + t710;
-    w->a[34] = t711;
-    const ur5e_real t713 = t331 * t589;
-    const ur5e_real t714 = t339 * t599;
-    const ur5e_real t715 = t713 - t714;
-    const ur5e_real t716 = t256 * t604;
-    const ur5e_real t717 = t715 - t716;
-    const ur5e_real t718 = t317 * t609;
-    const ur5e_real t719 = t717 + t718;
-    const ur5e_real t720 = t719 + t719;
-    w->a[35] = t720;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
- * singular. */
-static UR5E_COLD int ur5e_inverse_pivoted(ur5e_inverse_work *w)
-{
-    static const ur5e_real scale[6] = { 0.921f, 0.956f, 0.913f, 0.913f, 0.918f, 1.0f };
-    int sign = 1;
-    ur5e_inverse_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0f;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        ur5e_real largest = 0.0f;
-        for (int r = c; r < 6; ++r) {
-            const ur5e_real size = fabsf(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const ur5e_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const ur5e_real inverse = 1.0f / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const ur5e_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of ur5e_inverse_pivoted. */
-static UR5E_COLD void ur5e_inverse_pivoted_solve(ur5e_inverse_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const ur5e_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 5; c >= 0; --c) {
-        const ur5e_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
- * determinant, 0 where a pivot is far below its usual size, which is left to ur5e_inverse_pivoted.
- * What is added to pivots is below the rounding of any other, and keeps divisions by zero away. */
-static int ur5e_inverse_factor(ur5e_inverse_work *w)
-{
-    ur5e_real det;
-    w->pivoted = false;
-    /* pivot 1: row 2, unknown 1 */
-    const ur5e_real t0 = cosf(w->x[1]);
-    const ur5e_real t1 = cosf(w->x[2]);
-    const ur5e_real t2 = cosf(w->x[3]);
-    const ur5e_real t3 = cosf(w->x[4]);
-    const ur5e_real t4 = sinf(w->x[5]);
-    const ur5e_real t5 = 7.904788e-15f * t4;
-    const ur5e_real t6 = t3 * t5;
-    const ur5e_real t7 = sinf(w->x[4]);
-    const ur5e_real t8 = cosf(w->x[5]);
-    const ur5e_real t9 = -99.6f * t8;
-    const ur5e_real t10 = 1.0f - t8;
-    const ur5e_real t11 = 99.6f * t10;
-    const ur5e_real t12 = t9 - t11;
-    const ur5e_real t13 = t7 * t12;
-    const ur5e_real t14 = t6 + t13;
-    const ur5e_real t15 = t2 * t14;
-    const ur5e_real t16 = sinf(w->x[3]);
-    const ur5e_real t17 = 1.4210855e-14f * t8;
-    const ur5e_real t18 = 2.2115642e-14f * t10;
-    const ur5e_real t19 = t17 + t18;
-    const ur5e_real t20 = t19 - 99.7f;
-    const ur5e_real t21 = t3 * t20;
-    const ur5e_real t22 = 1.0f - t3;
-    const ur5e_real t23 = t22 * t20;
-    const ur5e_real t24 = t21 + t23;
-    const ur5e_real t25 = t16 * t24;
-    const ur5e_real t26 = t15 - t25;
-    const ur5e_real t27 = t26 - 392.2f;
-    const ur5e_real t28 = t1 * t27;
-    const ur5e_real t29 = sinf(w->x[2]);
-    const ur5e_real t30 = t2 * t24;
-    const ur5e_real t31 = t16 * t14;
-    const ur5e_real t32 = t30 + t31;
-    const ur5e_real t33 = t29 * t32;
-    const ur5e_real t34 = t28 - t33;
-    const ur5e_real t35 = t34 - 425.0f;
-    const ur5e_real t36 = t0 * t35;
-    const ur5e_real t37 = sinf(w->x[1]);
-    const ur5e_real t38 = t1 * t32;
-    const ur5e_real t39 = t29 * t27;
-    const ur5e_real t40 = t38 + t39;
-    const ur5e_real t41 = t37 * t40;
-    const ur5e_real t42 = t36 - t41;
-    const ur5e_real t43 = sinf(w->x[0]);
-    const ur5e_real t44 = t3 * t12;
-    const ur5e_real t45 = t7 * t5;
-    const ur5e_real t46 = t44 - t45;
-    const ur5e_real t47 = t46 - 133.3f;
-    const ur5e_real t48 = t2 * t47;
-    const ur5e_real t49 = 1.0f - t2;
-    const ur5e_real t50 = t49 * t47;
-    const ur5e_real t51 = t48 + t50;
-    const ur5e_real t52 = t1 * t51;
-    const ur5e_real t53 = 1.0f - t1;
-    const ur5e_real t54 = t53 * t51;
-    const ur5e_real t55 = t52 + t54;
-    const ur5e_real t56 = t0 * t55;
-    const ur5e_real t57 = 1.0f - t0;
-    const ur5e_real t58 = t57 * t55;
-    const ur5e_real t59 = t56 + t58;
-    const ur5e_real t60 = cosf(w->x[0]);
-    const ur5e_real t61 = t42 * t60;
-    const ur5e_real t62 = t59 * t43;
-    const ur5e_real t63 = t61 - t62;
-    const ur5e_real t64 = 0.0011851211f * t63;
-    const ur5e_real t65 = -t64;
-    const ur5e_real t66 = t12 * t3;
-    const ur5e_real t67 = t5 * t7;
-    const ur5e_real t68 = t66 - t67;
-    const ur5e_real t69 = t2 * t68;
-    const ur5e_real t70 = t1 * t69;
-    const ur5e_real t71 = t16 * t68;
-    const ur5e_real t72 = t29 * t71;
-    const ur5e_real t73 = t70 - t72;
-    const ur5e_real t74 = t0 * t73;
-    const ur5e_real t75 = t1 * t71;
-    const ur5e_real t76 = t29 * t69;
-    const ur5e_real t77 = t75 + t76;
-    const ur5e_real t78 = t37 * t77;
-    const ur5e_real t79 = t74 - t78;
-    const ur5e_real t80 = t12 * t7;
-    const ur5e_real t81 = t5 * t3;
-    const ur5e_real t82 = t80 + t81;
-    const ur5e_real t83 = t2 * t82;
-    const ur5e_real t84 = t49 * t82;
-    const ur5e_real t85 = t83 + t84;
-    const ur5e_real t86 = t1 * t85;
-    const ur5e_real t87 = t53 * t85;
-    const ur5e_real t88 = t86 + t87;
-    const ur5e_real t89 = t0 * t88;
-    const ur5e_real t90 = t57 * t88;
-    const ur5e_real t91 = t89 + t90;
-    const ur5e_real t92 = t43 * t79;
-    const ur5e_real t93 = t60 * t91;
-    const ur5e_real t94 = t92 - t93;
-    const ur5e_real t95 = 0.0011851211f * t94;
-    const ur5e_real t96 = -t95;
-    const ur5e_real t97 = t35 * t37;
-    const ur5e_real t98 = t40 * t0;
-    const ur5e_real t99 = t97 + t98;
-    const ur5e_real t100 = t43 * t99;
-    const ur5e_real t101 = 0.0011851211f * t100;
-    const ur5e_real t102 = 7.904788e-15f * t8;
-    const ur5e_real t103 = t3 * t102;
-    const ur5e_real t104 = -99.6f * t4;
-    const ur5e_real t105 = 99.6f * t4;
-    const ur5e_real t106 = t104 + t105;
-    const ur5e_real t107 = t7 * t106;
-    const ur5e_real t108 = t103 - t107;
-    const ur5e_real t109 = t2 * t108;
-    const ur5e_real t110 = 2.2115642e-14f * t4;
-    const ur5e_real t111 = 1.4210855e-14f * t4;
-    const ur5e_real t112 = t110 - t111;
-    const ur5e_real t113 = t3 * t112;
-    const ur5e_real t114 = t22 * t112;
-    const ur5e_real t115 = t113 + t114;
-    const ur5e_real t116 = t16 * t115;
-    const ur5e_real t117 = t109 - t116;
-    const ur5e_real t118 = t1 * t117;
-    const ur5e_real t119 = t2 * t115;
-    const ur5e_real t120 = t16 * t108;
-    const ur5e_real t121 = t119 + t120;
-    const ur5e_real t122 = t29 * t121;
-    const ur5e_real t123 = t118 - t122;
-    const ur5e_real t124 = t0 * t123;
-    const ur5e_real t125 = t1 * t121;
-    const ur5e_real t126 = t29 * t117;
-    const ur5e_real t127 = t125 + t126;
-    const ur5e_real t128 = t37 * t127;
-    const ur5e_real t129 = t124 - t128;
-    const ur5e_real t130 = t3 * t106;
-    const ur5e_real t131 = t7 * t102;
-    const ur5e_real t132 = t130 + t131;
-    const ur5e_real t133 = t2 * t132;
-    const ur5e_real t134 = t49 * t132;
-    const ur5e_real t135 = t133 + t134;
-    const ur5e_real t136 = t1 * t135;
-    const ur5e_real t137 = t53 * t135;
-    const ur5e_real t138 = t136 + t137;
-    const ur5e_real t139 = t0 * t138;
-    const ur5e_real t140 = t57 * t138;
-    const ur5e_real t141 = t139 + t140;
-    const ur5e_real t142 = t43 * t129;
-    const ur5e_real t143 = t60 * t141;
-    const ur5e_real t144 = t142 - t143;
-    const ur5e_real t145 = 0.0011851211f * t144;
-    const ur5e_real t146 = -t145;
-    const ur5e_real t147 = t14 * t16;
-    const ur5e_real t148 = t24 * t2;
-    const ur5e_real t149 = t147 + t148;
-    const ur5e_real t150 = t1 * t149;
-    const ur5e_real t151 = t14 * t2;
-    const ur5e_real t152 = t24 * t16;
-    const ur5e_real t153 = t151 - t152;
-    const ur5e_real t154 = t29 * t153;
-    const ur5e_real t155 = t150 + t154;
-    const ur5e_real t156 = t0 * t155;
-    const ur5e_real t157 = t1 * t153;
-    const ur5e_real t158 = t29 * t149;
-    const ur5e_real t159 = t157 - t158;
-    const ur5e_real t160 = t37 * t159;
-    const ur5e_real t161 = t156 + t160;
-    const ur5e_real t162 = t43 * t161;
-    const ur5e_real t163 = 0.0011851211f * t162;
-    const ur5e_real t164 = t27 * t29;
-    const ur5e_real t165 = t32 * t1;
-    const ur5e_real t166 = t164 + t165;
-    const ur5e_real t167 = t0 * t166;
-    const ur5e_real t168 = t27 * t1;
-    const ur5e_real t169 = t32 * t29;
-    const ur5e_real t170 = t168 - t169;
-    const ur5e_real t171 = t37 * t170;
-    const ur5e_real t172 = t167 + t171;
-    const ur5e_real t173 = t43 * t172;
-    const ur5e_real t174 = 0.0011851211f * t173;
-    const ur5e_real t175 = 1.0f / (t65 + 1.93e-11f);
-    w->a[0] = t175;
-    const ur5e_real t177 = t175 * 0.777324f;
-    w->a[1] = t96;
-    w->a[2] = t101;
-    w->a[3] = t146;
-    w->a[4] = t163;
-    w->a[5] = t174;
-    /* pivot 2: row 6, unknown 5 */
-    const ur5e_real t183 = 0.70710677f * w->k[4];
-    const ur5e_real t184 = 0.70710677f * w->k[3];
-    const ur5e_real t185 = t183 - t184;
-    const ur5e_real t186 = 0.5f * w->x[5];
-    const ur5e_real t187 = cosf(t186);
-    const ur5e_real t188 = 0.5f * w->x[4];
-    const ur5e_real t189 = cosf(t188);
-    const ur5e_real t190 = 0.5f * w->x[3];
-    const ur5e_real t191 = cosf(t190);
-    const ur5e_real t192 = 0.5f * w->x[2];
-    const ur5e_real t193 = sinf(t192);
-    const ur5e_real t194 = 0.5f * w->x[1];
-    const ur5e_real t195 = sinf(t194);
-    const ur5e_real t196 = 0.5f * w->x[0];
-    const ur5e_real t197 = sinf(t196);
-    const ur5e_real t198 = 0.5f * t197;
-    const ur5e_real t199 = t195 * t198;
-    const ur5e_real t200 = t193 * t199;
-    const ur5e_real t201 = cosf(t192);
-    const ur5e_real t202 = cosf(t194);
-    const ur5e_real t203 = t202 * t198;
-    const ur5e_real t204 = t201 * t203;
-    const ur5e_real t205 = t200 - t204;
-    const ur5e_real t206 = t191 * t205;
-    const ur5e_real t207 = sinf(t190);
-    const ur5e_real t208 = t193 * t203;
-    const ur5e_real t209 = t201 * t199;
-    const ur5e_real t210 = t208 + t209;
-    const ur5e_real t211 = t207 * t210;
-    const ur5e_real t212 = t206 + t211;
-    const ur5e_real t213 = t189 * t212;
-    const ur5e_real t214 = sinf(t188);
-    const ur5e_real t215 = cosf(t196);
-    const ur5e_real t216 = 0.5f * t215;
-    const ur5e_real t217 = t202 * t216;
-    const ur5e_real t218 = t201 * t217;
-    const ur5e_real t219 = t195 * t216;
-    const ur5e_real t220 = t193 * t219;
-    const ur5e_real t221 = t218 - t220;
-    const ur5e_real t222 = t191 * t221;
-    const ur5e_real t223 = t201 * t219;
-    const ur5e_real t224 = t193 * t217;
-    const ur5e_real t225 = t223 + t224;
-    const ur5e_real t226 = t207 * t225;
-    const ur5e_real t227 = t222 - t226;
-    const ur5e_real t228 = t214 * t227;
-    const ur5e_real t229 = t213 + t228;
-    const ur5e_real t230 = t187 * t229;
-    const ur5e_real t231 = sinf(t186);
-    const ur5e_real t232 = t191 * t225;
-    const ur5e_real t233 = t207 * t221;
-    const ur5e_real t234 = t232 + t233;
-    const ur5e_real t235 = t214 * t234;
-    const ur5e_real t236 = t207 * t205;
-    const ur5e_real t237 = t191 * t210;
-    const ur5e_real t238 = t236 - t237;
-    const ur5e_real t239 = t189 * t238;
-    const ur5e_real t240 = t235 - t239;
-    const ur5e_real t241 = t231 * t240;
-    const ur5e_real t242 = t230 + t241;
-    const ur5e_real t243 = 0.70710677f * w->k[3];
-    const ur5e_real t244 = 0.70710677f * w->k[4];
-    const ur5e_real t245 = t243 + t244;
-    const ur5e_real t246 = t189 * t234;
-    const ur5e_real t247 = t214 * t238;
-    const ur5e_real t248 = t246 + t247;
-    const ur5e_real t249 = t187 * t248;
-    const ur5e_real t250 = t189 * t227;
-    const ur5e_real t251 = t214 * t212;
-    const ur5e_real t252 = t250 - t251;
-    const ur5e_real t253 = t231 * t252;
-    const ur5e_real t254 = t249 + t253;
-    const ur5e_real t255 = 0.70710677f * w->k[5];
-    const ur5e_real t256 = 0.70710677f * w->k[6];
-    const ur5e_real t257 = t255 + t256;
-    const ur5e_real t258 = t187 * t240;
-    const ur5e_real t259 = t231 * t229;
-    const ur5e_real t260 = t258 - t259;
-    const ur5e_real t261 = 0.70710677f * w->k[5];
-    const ur5e_real t262 = 0.70710677f * w->k[6];
-    const ur5e_real t263 = t261 - t262;
-    const ur5e_real t264 = t187 * t252;
-    const ur5e_real t265 = t231 * t248;
-    const ur5e_real t266 = t264 - t265;
-    const ur5e_real t267 = t257 * t242;
-    const ur5e_real t268 = t263 * t254;
-    const ur5e_real t269 = t267 - t268;
-    const ur5e_real t270 = t185 * t260;
-    const ur5e_real t271 = t269 + t270;
-    const ur5e_real t272 = t245 * t266;
-    const ur5e_real t273 = t271 - t272;
-    const ur5e_real t274 = t273 + t273;
-    const ur5e_real t275 = t197 * t202;
-    const ur5e_real t276 = t197 * t195;
-    const ur5e_real t277 = t215 * t202;
-    const ur5e_real t278 = t215 * t195;
-    const ur5e_real t279 = t275 * t201;
-    const ur5e_real t280 = t276 * t193;
-    const ur5e_real t281 = t279 - t280;
-    const ur5e_real t282 = t276 * t201;
-    const ur5e_real t283 = t275 * t193;
-    const ur5e_real t284 = t282 + t283;
-    const ur5e_real t285 = t277 * t201;
-    const ur5e_real t286 = t278 * t193;
-    const ur5e_real t287 = t285 - t286;
-    const ur5e_real t288 = t277 * t193;
-    const ur5e_real t289 = t278 * t201;
-    const ur5e_real t290 = t288 + t289;
-    const ur5e_real t291 = t281 * t191;
-    const ur5e_real t292 = t284 * t207;
-    const ur5e_real t293 = t291 - t292;
-    const ur5e_real t294 = 0.5f * t189;
-    const ur5e_real t295 = t293 * t294;
-    const ur5e_real t296 = t287 * t191;
-    const ur5e_real t297 = t290 * t207;
-    const ur5e_real t298 = t296 - t297;
-    const ur5e_real t299 = 0.5f * t214;
-    const ur5e_real t300 = t298 * t299;
-    const ur5e_real t301 = t295 - t300;
-    const ur5e_real t302 = t187 * t301;
-    const ur5e_real t303 = t284 * t191;
-    const ur5e_real t304 = t281 * t207;
-    const ur5e_real t305 = t303 + t304;
-    const ur5e_real t306 = t305 * t294;
-    const ur5e_real t307 = t287 * t207;
-    const ur5e_real t308 = t290 * t191;
-    const ur5e_real t309 = t307 + t308;
-    const ur5e_real t310 = t309 * t299;
-    const ur5e_real t311 = t306 + t310;
-    const ur5e_real t312 = t231 * t311;
-    const ur5e_real t313 = t302 + t312;
-    const ur5e_real t314 = t309 * t294;
-    const ur5e_real t315 = t305 * t299;
-    const ur5e_real t316 = t314 - t315;
-    const ur5e_real t317 = t187 * t316;
-    const ur5e_real t318 = t298 * t294;
-    const ur5e_real t319 = t293 * t299;
-    const ur5e_real t320 = t318 + t319;
-    const ur5e_real t321 = t231 * t320;
-    const ur5e_real t322 = t317 - t321;
-    const ur5e_real t323 = t187 * t311;
-    const ur5e_real t324 = t231 * t301;
-    const ur5e_real t325 = t323 - t324;
-    const ur5e_real t326 = t231 * t316;
-    const ur5e_real t327 = t187 * t320;
-    const ur5e_real t328 = t326 + t327;
-    const ur5e_real t329 = t257 * t313;
-    const ur5e_real t330 = t263 * t322;
-    const ur5e_real t331 = t329 - t330;
-    const ur5e_real t332 = t185 * t325;
-    const ur5e_real t333 = t331 + t332;
-    const ur5e_real t334 = t245 * t328;
-    const ur5e_real t335 = t333 + t334;
-    const ur5e_real t336 = t335 + t335;
-    const ur5e_real t337 = 0.5f * t202;
-    const ur5e_real t338 = t197 * t337;
-    const ur5e_real t339 = t201 * t338;
-    const ur5e_real t340 = 0.5f * t195;
-    const ur5e_real t341 = t197 * t340;
-    const ur5e_real t342 = t193 * t341;
-    const ur5e_real t343 = t339 - t342;
-    const ur5e_real t344 = t191 * t343;
-    const ur5e_real t345 = t201 * t341;
-    const ur5e_real t346 = t193 * t338;
-    const ur5e_real t347 = t345 + t346;
-    const ur5e_real t348 = t207 * t347;
-    const ur5e_real t349 = t344 - t348;
-    const ur5e_real t350 = t214 * t349;
-    const ur5e_real t351 = t215 * t337;
-    const ur5e_real t352 = t201 * t351;
-    const ur5e_real t353 = t215 * t340;
-    const ur5e_real t354 = t193 * t353;
-    const ur5e_real t355 = t352 - t354;
-    const ur5e_real t356 = t191 * t355;
-    const ur5e_real t357 = t201 * t353;
-    const ur5e_real t358 = t193 * t351;
-    const ur5e_real t359 = t357 + t358;
-    const ur5e_real t360 = t207 * t359;
-    const ur5e_real t361 = t356 - t360;
-    const ur5e_real t362 = t189 * t361;
-    const ur5e_real t363 = t350 - t362;
-    const ur5e_real t364 = t231 * t363;
-    const ur5e_real t365 = t191 * t359;
-    const ur5e_real t366 = t207 * t355;
-    const ur5e_real t367 = t365 + t366;
-    const ur5e_real t368 = t189 * t367;
-    const ur5e_real t369 = t191 * t347;
-    const ur5e_real t370 = t207 * t343;
-    const ur5e_real t371 = t369 + t370;
-    const ur5e_real t372 = t214 * t371;
-    const ur5e_real t373 = t368 + t372;
-    const ur5e_real t374 = t187 * t373;
-    const ur5e_real t375 = t364 - t374;
-    const ur5e_real t376 = t189 * t349;
-    const ur5e_real t377 = t214 * t361;
-    const ur5e_real t378 = t376 + t377;
-    const ur5e_real t379 = t187 * t378;
-    const ur5e_real t380 = t214 * t367;
-    const ur5e_real t381 = t189 * t371;
-    const ur5e_real t382 = t380 - t381;
-    const ur5e_real t383 = t231 * t382;
-    const ur5e_real t384 = t379 + t383;
-    const ur5e_real t385 = t187 * t363;
-    const ur5e_real t386 = t231 * t373;
-    const ur5e_real t387 = t385 + t386;
-    const ur5e_real t388 = t187 * t382;
-    const ur5e_real t389 = t231 * t378;
-    const ur5e_real t390 = t388 - t389;
-    const ur5e_real t391 = t257 * t375;
-    const ur5e_real t392 = t263 * t384;
-    const ur5e_real t393 = t391 - t392;
-    const ur5e_real t394 = t185 * t387;
-    const ur5e_real t395 = t393 + t394;
-    const ur5e_real t396 = t245 * t390;
-    const ur5e_real t397 = t395 - t396;
-    const ur5e_real t398 = t397 + t397;
-    const ur5e_real t399 = t305 * t214;
-    const ur5e_real t400 = t309 * t189;
-    const ur5e_real t401 = t399 - t400;
-    const ur5e_real t402 = 0.5f * t187;
-    const ur5e_real t403 = t401 * t402;
-    const ur5e_real t404 = t298 * t189;
-    const ur5e_real t405 = t293 * t214;
-    const ur5e_real t406 = t404 + t405;
-    const ur5e_real t407 = 0.5f * t231;
-    const ur5e_real t408 = t406 * t407;
-    const ur5e_real t409 = t403 - t408;
-    const ur5e_real t410 = t293 * t189;
-    const ur5e_real t411 = t298 * t214;
-    const ur5e_real t412 = t410 - t411;
-    const ur5e_real t413 = t412 * t402;
-    const ur5e_real t414 = t305 * t189;
-    const ur5e_real t415 = t309 * t214;
-    const ur5e_real t416 = t414 + t415;
-    const ur5e_real t417 = t416 * t407;
-    const ur5e_real t418 = t413 - t417;
-    const ur5e_real t419 = t401 * t407;
-    const ur5e_real t420 = t406 * t402;
-    const ur5e_real t421 = t419 + t420;
-    const ur5e_real t422 = t416 * t402;
-    const ur5e_real t423 = t412 * t407;
-    const ur5e_real t424 = t422 + t423;
-    const ur5e_real t425 = t257 * t409;
-    const ur5e_real t426 = t263 * t418;
-    const ur5e_real t427 = t425 - t426;
-    const ur5e_real t428 = t185 * t421;
-    const ur5e_real t429 = t427 - t428;
-    const ur5e_real t430 = t245 * t424;
-    const ur5e_real t431 = t429 + t430;
-    const ur5e_real t432 = t431 + t431;
-    const ur5e_real t433 = 0.5f * t191;
-    const ur5e_real t434 = t281 * t433;
-    const ur5e_real t435 = 0.5f * t207;
-    const ur5e_real t436 = t284 * t435;
-    const ur5e_real t437 = t434 - t436;
-    const ur5e_real t438 = t214 * t437;
-    const ur5e_real t439 = t287 * t433;
-    const ur5e_real t440 = t290 * t435;
-    const ur5e_real t441 = t439 - t440;
-    const ur5e_real t442 = t189 * t441;
-    const ur5e_real t443 = t438 - t442;
-    const ur5e_real t444 = t231 * t443;
-    const ur5e_real t445 = t287 * t435;
-    const ur5e_real t446 = t290 * t433;
-    const ur5e_real t447 = t445 + t446;
-    const ur5e_real t448 = t189 * t447;
-    const ur5e_real t449 = t284 * t433;
-    const ur5e_real t450 = t281 * t435;
-    const ur5e_real t451 = t449 + t450;
-    const ur5e_real t452 = t214 * t451;
-    const ur5e_real t453 = t448 + t452;
-    const ur5e_real t454 = t187 * t453;
-    const ur5e_real t455 = t444 - t454;
-    const ur5e_real t456 = t189 * t437;
-    const ur5e_real t457 = t214 * t441;
-    const ur5e_real t458 = t456 + t457;
-    const ur5e_real t459 = t187 * t458;
-    const ur5e_real t460 = t214 * t447;
-    const ur5e_real t461 = t189 * t451;
-    const ur5e_real t462 = t460 - t461;
-    const ur5e_real t463 = t231 * t462;
-    const ur5e_real t464 = t459 + t463;
-    const ur5e_real t465 = t187 * t443;
-    const ur5e_real t466 = t231 * t453;
-    const ur5e_real t467 = t465 + t466;
-    const ur5e_real t468 = t187 * t462;
-    const ur5e_real t469 = t231 * t458;
-    const ur5e_real t470 = t468 - t469;
-    const ur5e_real t471 = t257 * t455;
-    const ur5e_real t472 = t263 * t464;
-    const ur5e_real t473 = t471 - t472;
-    const ur5e_real t474 = t185 * t467;
-    const ur5e_real t475 = t473 + t474;
-    const ur5e_real t476 = t245 * t470;
-    const ur5e_real t477 = t475 - t476;
-    const ur5e_real t478 = t477 + t477;
-    const ur5e_real t479 = 0.5f * t201;
-    const ur5e_real t480 = t275 * t479;
-    const ur5e_real t481 = 0.5f * t193;
-    const ur5e_real t482 = t276 * t481;
-    const ur5e_real t483 = t480 - t482;
-    const ur5e_real t484 = t191 * t483;
-    const ur5e_real t485 = t276 * t479;
-    const ur5e_real t486 = t275 * t481;
-    const ur5e_real t487 = t485 + t486;
-    const ur5e_real t488 = t207 * t487;
-    const ur5e_real t489 = t484 - t488;
-    const ur5e_real t490 = t214 * t489;
-    const ur5e_real t491 = t277 * t479;
-    const ur5e_real t492 = t278 * t481;
-    const ur5e_real t493 = t491 - t492;
-    const ur5e_real t494 = t191 * t493;
-    const ur5e_real t495 = t277 * t481;
-    const ur5e_real t496 = t278 * t479;
-    const ur5e_real t497 = t495 + t496;
-    const ur5e_real t498 = t207 * t497;
-    const ur5e_real t499 = t494 - t498;
-    const ur5e_real t500 = t189 * t499;
-    const ur5e_real t501 = t490 - t500;
-    const ur5e_real t502 = t231 * t501;
-    const ur5e_real t503 = t191 * t497;
-    const ur5e_real t504 = t207 * t493;
-    const ur5e_real t505 = t503 + t504;
-    const ur5e_real t506 = t189 * t505;
-    const ur5e_real t507 = t191 * t487;
-    const ur5e_real t508 = t207 * t483;
-    const ur5e_real t509 = t507 + t508;
-    const ur5e_real t510 = t214 * t509;
-    const ur5e_real t511 = t506 + t510;
-    const ur5e_real t512 = t187 * t511;
-    const ur5e_real t513 = t502 - t512;
-    const ur5e_real t514 = t189 * t489;
-    const ur5e_real t515 = t214 * t499;
-    const ur5e_real t516 = t514 + t515;
-    const ur5e_real t517 = t187 * t516;
-    const ur5e_real t518 = t214 * t505;
-    const ur5e_real t519 = t189 * t509;
-    const ur5e_real t520 = t518 - t519;
-    const ur5e_real t521 = t231 * t520;
-    const ur5e_real t522 = t517 + t521;
-    const ur5e_real t523 = t187 * t501;
-    const ur5e_real t524 = t231 * t511;
-    const ur5e_real t525 = t523 + t524;
-    const ur5e_real t526 = t187 * t520;
-    const ur5e_real t527 = t231 * t516;
-    const ur5e_real t528 = t526 - t527;
-    const ur5e_real t529 = t257 * t513;
-    const ur5e_real t530 = t263 * t522;
-    const ur5e_real t531 = t529 - t530;
-    const ur5e_real t532 = t185 * t525;
-    const ur5e_real t533 = t531 + t532;
-    const ur5e_real t534 = t245 * t528;
-    const ur5e_real t535 = t533 - t534;
-    const ur5e_real t536 = t535 + t535;
-    const ur5e_real t537 = t274 * t175;
-    w->a[6] = t537;
-    const ur5e_real t539 = t336 - t537 * t96;
-    const ur5e_real t540 = t398 - t537 * t101;
-    const ur5e_real t541 = t432 - t537 * t146;
-    const ur5e_real t542 = t478 - t537 * t163;
-    const ur5e_real t543 = t536 - t537 * t174;
-    const ur5e_real t544 = 1.0f / (t539 + 1.93e-11f);
-    w->a[7] = t544;
-    const ur5e_real t546 = t544 * 1.26684f;
-    w->a[8] = t540;
-    w->a[9] = t541;
-    w->a[10] = t542;
-    w->a[11] = t543;
-    /* pivot 3: row 3, unknown 2 */
-    const ur5e_real t551 = 1.0f - t60;
-    const ur5e_real t552 = t0 * t77;
-    const ur5e_real t553 = t37 * t73;
-    const ur5e_real t554 = t552 + t553;
-    const ur5e_real t555 = t60 * t554;
-    const ur5e_real t556 = t551 * t554;
-    const ur5e_real t557 = t555 + t556;
-    const ur5e_real t558 = 0.0011851211f * t557;
-    const ur5e_real t559 = -t558;
-    const ur5e_real t560 = t35 * t0;
-    const ur5e_real t561 = t40 * t37;
-    const ur5e_real t562 = t560 - t561;
-    const ur5e_real t563 = t60 * t562;
-    const ur5e_real t564 = t551 * t562;
-    const ur5e_real t565 = t563 + t564;
-    const ur5e_real t566 = 0.0011851211f * t565;
-    const ur5e_real t567 = -t566;
-    const ur5e_real t568 = t0 * t127;
-    const ur5e_real t569 = t37 * t123;
-    const ur5e_real t570 = t568 + t569;
-    const ur5e_real t571 = t60 * t570;
-    const ur5e_real t572 = t551 * t570;
-    const ur5e_real t573 = t571 + t572;
-    const ur5e_real t574 = 0.0011851211f * t573;
-    const ur5e_real t575 = -t574;
-    const ur5e_real t576 = t0 * t159;
-    const ur5e_real t577 = t37 * t155;
-    const ur5e_real t578 = t576 - t577;
-    const ur5e_real t579 = t60 * t578;
-    const ur5e_real t580 = t551 * t578;
-    const ur5e_real t581 = t579 + t580;
-    const ur5e_real t582 = 0.0011851211f * t581;
-    const ur5e_real t583 = -t582;
-    const ur5e_real t584 = t0 * t170;
-    const ur5e_real t585 = t37 * t166;
-    const ur5e_real t586 = t584 - t585;
-    const ur5e_real t587 = t60 * t586;
-    const ur5e_real t588 = t551 * t586;
-    const ur5e_real t589 = t587 + t588;
-    const ur5e_real t590 = 0.0011851211f * t589;
-    const ur5e_real t591 = -t590;
-    const ur5e_real t592 = t559 * t544;
-    w->a[13] = t592;
-    const ur5e_real t594 = t567 - t592 * t540;
-    const ur5e_real t595 = t575 - t592 * t541;
-    const ur5e_real t596 = t583 - t592 * t542;
-    const ur5e_real t597 = t591 - t592 * t543;
-    const ur5e_real t598 = 1.0f / (t594 + 1.93e-11f);
-    w->a[14] = t598;
-    const ur5e_real t600 = t598 * 0.952176f;
-    w->a[15] = t595;
-    w->a[16] = t596;
-    w->a[17] = t597;
-    /* pivot 4: row 5, unknown 6 */
-    const ur5e_real t604 = t263 * t242;
-    const ur5e_real t605 = t257 * t254;
-    const ur5e_real t606 = t604 + t605;
-    const ur5e_real t607 = t245 * t260;
-    const ur5e_real t608 = t606 - t607;
-    const ur5e_real t609 = t185 * t266;
-    const ur5e_real t610 = t608 - t609;
-    const ur5e_real t611 = t610 + t610;
-    const ur5e_real t612 = t263 * t313;
-    const ur5e_real t613 = t257 * t322;
-    const ur5e_real t614 = t612 + t613;
-    const ur5e_real t615 = t245 * t325;
-    const ur5e_real t616 = t614 - t615;
-    const ur5e_real t617 = t185 * t328;
-    const ur5e_real t618 = t616 + t617;
-    const ur5e_real t619 = t618 + t618;
-    const ur5e_real t620 = t263 * t375;
-    const ur5e_real t621 = t257 * t384;
-    const ur5e_real t622 = t620 + t621;
-    const ur5e_real t623 = t245 * t387;
-    const ur5e_real t624 = t622 - t623;
-    const ur5e_real t625 = t185 * t390;
-    const ur5e_real t626 = t624 - t625;
-    const ur5e_real t627 = t626 + t626;
-    const ur5e_real t628 = t263 * t409;
-    const ur5e_real t629 = t257 * t418;
-    const ur5e_real t630 = t628 + t629;
-    const ur5e_real t631 = t245 * t421;
-    const ur5e_real t632 = t630 + t631;
-    const ur5e_real t633 = t185 * t424;
-    const ur5e_real t634 = t632 + t633;
-    const ur5e_real t635 = t634 + t634;
-    const ur5e_real t636 = t263 * t455;
-    const ur5e_real t637 = t257 * t464;
-    const ur5e_real t638 = t636 + t637;
-    const ur5e_real t639 = t245 * t467;
-    const ur5e_real t640 = t638 - t639;
-    const ur5e_real t641 = t185 * t470;
-    const ur5e_real t642 = t640 - t641;
-    const ur5e_real t643 = t642 + t642;
-    const ur5e_real t644 = t263 * t513;
-    const ur5e_real t645 = t257 * t522;
-    const ur5e_real t646 = t644 + t645;
-    const ur5e_real t647 = t245 * t525;
-    const ur5e_real t648 = t646 - t647;
-    const ur5e_real t649 = t185 * t528;
-    const ur5e_real t650 = t648 - t649;
-    const ur5e_real t651 = t650 + t650;
-    const ur5e_real t652 = t611 * t175;
-    w->a[18] = t652;
-    const ur5e_real t654 = t619 - t652 * t96;
-    const ur5e_real t655 = t627 - t652 * t101;
-    const ur5e_real t656 = t635 - t652 * t146;
-    const ur5e_real t657 = t643 - t652 * t163;
-    const ur5e_real t658 = t651 - t652 * t174;
-    const ur5e_real t659 = t654 * t544;
-    w->a[19] = t659;
-    const ur5e_real t661 = t655 - t659 * t540;
-    const ur5e_real t662 = t656 - t659 * t541;
-    const ur5e_real t663 = t657 - t659 * t542;
-    const ur5e_real t664 = t658 - t659 * t543;
-    const ur5e_real t665 = t661 * t598;
-    w->a[20] = t665;
-    const ur5e_real t667 = t662 - t665 * t595;
-    const ur5e_real t668 = t663 - t665 * t596;
-    const ur5e_real t669 = t664 - t665 * t597;
-    const ur5e_real t670 = 1.0f / (t667 + 1.93e-11f);
-    w->a[21] = t670;
-    const ur5e_real t672 = t670 * 2.01f;
-    w->a[22] = t668;
-    w->a[23] = t669;
-    /* pivot 5: row 4, unknown 4 */
-    const ur5e_real t675 = t185 * t242;
-    const ur5e_real t676 = t245 * t254;
-    const ur5e_real t677 = t675 - t676;
-    const ur5e_real t678 = t257 * t260;
-    const ur5e_real t679 = t677 - t678;
-    const ur5e_real t680 = t263 * t266;
-    const ur5e_real t681 = t679 + t680;
-    const ur5e_real t682 = t681 + t681;
-    const ur5e_real t683 = t185 * t313;
-    const ur5e_real t684 = t245 * t322;
-    const ur5e_real t685 = t683 - t684;
-    const ur5e_real t686 = t257 * t325;
-    const ur5e_real t687 = t685 - t686;
-    const ur5e_real t688 = t263 * t328;
-    const ur5e_real t689 = t687 - t688;
-    const ur5e_real t690 = t689 + t689;
-    const ur5e_real t691 = t185 * t375;
-    const ur5e_real t692 = t245 * t384;
-    const ur5e_real t693 = t691 - t692;
-    const ur5e_real t694 = t257 * t387;
-    const ur5e_real t695 = t693 - t694;
-    const ur5e_real t696 = t263 * t390;
-    const ur5e_real t697 = t695 + t696;
-    const ur5e_real t698 = t697 + t697;
-    const ur5e_real t699 = t185 * t409;
-    const ur5e_real t700 = t245 * t418;
-    const ur5e_real t701 = t699 - t700;
-    const ur5e_real t702 = t257 * t421;
-    const ur5e_real t703 = t701 + t702;
-    const ur5e_real t704 = t263 * t424;
-    const ur5e_real t705 = t703 - t704;
-    const ur5e_real t706 = t705 + t705;
-    const ur5e_real t707 = t185 * t455;
-    const ur5e_real t708 = t245 * t464;
-    const ur5e_real t709 = t707 - t708;
-    const ur5e_real t710 = t257 * t467;
-    const ur5e_real t711 = t709 - t710;
-    const ur5e_real t712 = t263 * t470;
-    const ur5e_real t713 = t711 + t712;
-    const ur5e_real t714 = t713 + t713;
-    const ur5e_real t715 = t185 * t513;
-    const ur5e_real t716 = t245 * t522;
-    const ur5e_real t717 = t715 - t716;
-    const ur5e_real t718 = t257 * t525;
-    const ur5e_real t719 = t717 - t718;
-    const ur5e_real t720 = t263 * t528;
-    const ur5e_real t721 = t719 + t720;
-    const ur5e_real t722 = t721 + t721;
-    const ur5e_real t723 = t682 * t175;
-    w->a[24] = t723;
-    const ur5e_real t725 = t690 - t723 * t96;
-    const ur5e_real t726 = t698 - t723 * t101;
-    const ur5e_real t727 = t706 - t723 * t146;
-    const ur5e_real t728 = t714 - t723 * t163;
-    const ur5e_real t729 = t722 - t723 * t174;
-    const ur5e_real t730 = t725 * t544;
-    w->a[25] = t730;
-    const ur5e_real t732 = t726 - t730 * t540;
-    const ur5e_real t733 = t727 - t730 * t541;
-    const ur5e_real t734 = t728 - t730 * t542;
-    const ur5e_real t735 = t729 - t730 * t543;
-    const ur5e_real t736 = t732 * t598;
-    w->a[26] = t736;
-    const ur5e_real t738 = t733 - t736 * t595;
-    const ur5e_real t739 = t734 - t736 * t596;
-    const ur5e_real t740 = t735 - t736 * t597;
-    const ur5e_real t741 = t738 * t670;
-    w->a[27] = t741;
-    const ur5e_real t743 = t739 - t741 * t668;
-    const ur5e_real t744 = t740 - t741 * t669;
-    const ur5e_real t745 = 1.0f / (t743 + 1.93e-11f);
-    w->a[28] = t745;
-    const ur5e_real t747 = t745 * 0.94039f;
-    w->a[29] = t744;
-    /* pivot 6: row 1, unknown 3 */
-    const ur5e_real t749 = t42 * t43;
-    const ur5e_real t750 = t59 * t60;
-    const ur5e_real t751 = t749 + t750;
-    const ur5e_real t752 = 0.0011851211f * t751;
-    const ur5e_real t753 = t60 * t79;
-    const ur5e_real t754 = t43 * t91;
-    const ur5e_real t755 = t753 + t754;
-    const ur5e_real t756 = 0.0011851211f * t755;
-    const ur5e_real t757 = -t756;
-    const ur5e_real t758 = t60 * t99;
-    const ur5e_real t759 = 0.0011851211f * t758;
-    const ur5e_real t760 = t60 * t129;
-    const ur5e_real t761 = t43 * t141;
-    const ur5e_real t762 = t760 + t761;
-    const ur5e_real t763 = 0.0011851211f * t762;
-    const ur5e_real t764 = -t763;
-    const ur5e_real t765 = t60 * t161;
-    const ur5e_real t766 = 0.0011851211f * t765;
-    const ur5e_real t767 = t60 * t172;
-    const ur5e_real t768 = 0.0011851211f * t767;
-    const ur5e_real t769 = t752 * t175;
-    w->a[30] = t769;
-    const ur5e_real t771 = t757 - t769 * t96;
-    const ur5e_real t772 = t759 - t769 * t101;
-    const ur5e_real t773 = t764 - t769 * t146;
-    const ur5e_real t774 = t766 - t769 * t163;
-    const ur5e_real t775 = t768 - t769 * t174;
-    const ur5e_real t776 = t771 * t544;
-    w->a[31] = t776;
-    const ur5e_real t778 = t772 - t776 * t540;
-    const ur5e_real t779 = t773 - t776 * t541;
-    const ur5e_real t780 = t774 - t776 * t542;
-    const ur5e_real t781 = t775 - t776 * t543;
-    const ur5e_real t782 = t778 * t598;
-    w->a[32] = t782;
-    const ur5e_real t784 = t779 - t782 * t595;
-    const ur5e_real t785 = t780 - t782 * t596;
-    const ur5e_real t786 = t781 - t782 * t597;
-    const ur5e_real t787 = t784 * t670;
-    w->a[33] = t787;
-    const ur5e_real t789 = t785 - t787 * t668;
-    const ur5e_real t790 = t786 - t787 * t669;
-    const ur5e_real t791 = t789 * t745;
-    w->a[34] = t791;
-    const ur5e_real t793 = t790 - t791 * t744;
-    const ur5e_real t794 = 1.0f / (t793 + 1.35e-11f);
-    w->a[35] = t794;
-    const ur5e_real t796 = t794 * 0.649143f;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t175 * t544 * t594 * t667 * t743 * t794;
-    w->spread = t177 * t177 + t546 * t546 + t600 * t600 + t672 * t672 + t747 * t747 + t796 * t796;
-    return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void ur5e_inverse_solve(ur5e_inverse_work *w)
-{
-    if (w->pivoted) {
-        ur5e_inverse_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const ur5e_real y0 = w->f[1];
-    const ur5e_real y1 = w->f[5] - w->a[6] * y0;
-    const ur5e_real y2 = w->f[2] - w->a[13] * y1;
-    const ur5e_real y3 = w->f[4] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const ur5e_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const ur5e_real y5 = w->f[0] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3
-        - w->a[34] * y4;
-    /* back substitution */
-    const ur5e_real s5 = (y5) * w->a[35];
-    const ur5e_real s4 = (y4 - w->a[29] * s5) * w->a[28];
-    const ur5e_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
-    const ur5e_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const ur5e_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3
-        - w->a[8] * s2) * w->a[7];
-    const ur5e_real s0 = (y0 - w->a[5] * s5 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2
-        - w->a[1] * s1) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[0] = s0;
-    w->f[4] = s1;
-    w->f[1] = s2;
-    w->f[5] = s3;
-    w->f[3] = s4;
-    w->f[2] = s5;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the
- * part's begin with its factors, each judged by the next. Where known values turn, the rows' change
- * is bent: both ends of a part may have a configuration, and points between them none. */
-static UR5E_COLD bool ur5e_inverse_reaches_middle(ur5e_inverse_work *w, const ur5e_real to[7],
-    ur5e_real middle, ur5e_real still2)
-{
-    ur5e_real end[6];
-    ur5e_real size[3];
-    for (int i = 0; i < 6; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    ur5e_inverse_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        ur5e_inverse_rows(w);
-        ur5e_inverse_solve(w);
-        size[i] = ur5e_inverse_apply_step(w);
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0])
-        && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones
- * (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
- * values turn by at most 1 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
-static ur5e_status ur5e_inverse_newton(ur5e_inverse_work *w, const ur5e_real to[7],
-    const ur5e_config *config, ur5e_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const ur5e_real tolerance2 = config->tolerance * config->tolerance;
-    const ur5e_real longest2 = config->max_step * config->max_step;
-    ur5e_status status = UR5E_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    ur5e_real done = 0.0f;
-    ur5e_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    ur5e_real size = 0.0f;
-    ur5e_real kappa2 = 0.00016129f;
-    ur5e_real limit;
-    ur5e_real residual = HUGE_VALF;
-    ur5e_real still2 = 1.0360833e-05f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    /* whether the tolerance should be reached: the rows are evaluated once more */
-    bool verify = false;
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line
-     * is tried first */
-    ur5e_real turn2 = 0.0f;
-    /* of half the turn */
-    const ur5e_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5]
-        + w->at[6] * to[6];
-    turn2 = 8.0f * (1.0f - fabsf(cosine));
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    ur5e_inverse_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    w->x0[4] = w->x[4];
-    w->x0[5] = w->x[5];
-    for (;;) {
-        ur5e_inverse_rows(w);
-        if (verify) {
-            residual = ur5e_inverse_residual(w);
-            if (residual <= config->tolerance + 0.0032188247f) {
-                status = UR5E_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                ur5e_inverse_set_target(w, to, done);
-            }
-            int turn = ur5e_inverse_factor(w);
-            if (turn == 0) {
-                turn = ur5e_inverse_pivoted(w);
-            }
-            if (taken == 0U) {
-                ur5e_inverse_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = UR5E_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = UR5E_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
-                ? (1.6188801e-07f * w->spread) : 1.0360833e-05f;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
-        ur5e_inverse_solve(w);
-        const ur5e_real before = size;
-        size = ur5e_inverse_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
+    const ur5e_real number = angle * 0.15915494f;
+    ur5e_real sine = 0.0f;
+    if (fabsf(number) < 10000.0f) {
+        ur5e_real x = angle - 6.2831855f * (ur5e_real)(int)(number + ((number < 0.0f)
+            ? -0.5f : 0.5f));
+        if (x > 1.5707964f) {
+            x = 3.1415927f - x;
+        } else if (x < -1.5707964f) {
+            x = -3.1415927f - x;
         } else {
-            limit = 0.140625f * before;
+            /* within a quarter turn */
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim
-            - done) * turn2 * w->spread > 0.25f)) {
-            accepted = ur5e_inverse_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
-            ur5e_inverse_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                ur5e_real error2;
-                ur5e_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+        const ur5e_real square = x * x;
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
+            + square * -0.00018363616f)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned int wanted,
+    ur5e_real found[][6], bool *undecided,
+    ur5e_real margin[6])
+{
+    int count = 0;
+    (void)margin;
+    (void)near;
+    (void)wanted;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const ur5e_real t0 = x[5] * x[6];
+    const ur5e_real t1 = x[3] * x[4];
+    const ur5e_real t2 = t0 - t1;
+    const ur5e_real t3 = -199.2f * t2;
+    const ur5e_real t4 = t3 + x[1];
+    const ur5e_real t5 = t4 * t4;
+    const ur5e_real t6 = x[4] * x[6];
+    const ur5e_real t7 = x[3] * x[5];
+    const ur5e_real t8 = t6 + t7;
+    const ur5e_real t9 = -199.2f * t8;
+    const ur5e_real t10 = t9 + x[0];
+    const ur5e_real t11 = t10 * t10;
+    const ur5e_real t12 = t5 + t11;
+    const ur5e_real t13 = t12 * 1.4045122e-06f;
+    if (t13 > 1.5258789e-05f) {
+        const ur5e_real t15 = t12 - 17768.89f;
+        const ur5e_real t16 = t15 * 1.4045122e-06f;
+        if (t16 > 1.5258789e-05f) {
+            margin[0] = t16;
+            const ur5e_real t19 = t4 * near[1];
+            const ur5e_real t20 = t10 * near[0];
+            const ur5e_real t21 = t19 + t20;
+            const ur5e_real t22 = -t21;
+            const unsigned int bits0 = (wanted >> 0U) & 3U;
+            const unsigned int side0 = (t22 < 0.0f) ? 2U : 1U;
+            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                    const ur5e_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
+                    const ur5e_real t28 = 133.3f * t10;
+                    const ur5e_real t29 = fabsf(t15);
+                    const ur5e_real t30 = t15 + t29;
+                    const ur5e_real t31 = 0.5f * t30;
+                    const ur5e_real t32 = sqrtf(t31);
+                    const ur5e_real t33 = sign0 * t32;
+                    const ur5e_real t34 = t4 * t33;
+                    const ur5e_real t35 = t28 - t34;
+                    const ur5e_real t36 = 1.0f / t12;
+                    const ur5e_real t37 = t35 * t36;
+                    const ur5e_real t38 = 133.3f * t4;
+                    const ur5e_real t39 = t10 * t33;
+                    const ur5e_real t40 = t38 + t39;
+                    const ur5e_real t41 = t40 * t36;
+                    const ur5e_real t42 = -t41;
+                    const ur5e_real t43 = ur5e_angle(t37, t42);
+                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+                    const ur5e_real t44 = t8 + t8;
+                    const ur5e_real t45 = t44 * t37;
+                    const ur5e_real t46 = t2 + t2;
+                    const ur5e_real t47 = t46 * t41;
+                    const ur5e_real t48 = t45 + t47;
+                    const ur5e_real t49 = t48 * t48;
+                    const ur5e_real t50 = 1.0f - t49;
+                    if (t50 > 1.5258789e-05f) {
+                        margin[1] = t50;
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (near[3] < 0.0f) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const ur5e_real sign1 = (k1 == 1U) ? 1.0f : -1.0f;
+                                const ur5e_real t58 = fabsf(t50);
+                                const ur5e_real t59 = t50 + t58;
+                                const ur5e_real t60 = 0.5f * t59;
+                                const ur5e_real t61 = sqrtf(t60);
+                                const ur5e_real t62 = sign1 * t61;
+                                const ur5e_real t63 = ur5e_angle(t62, t48);
+                                /* q6 turns the normal of q2, q3, q4 to where it must be */
+                                const ur5e_real t64 = x[5] * x[5];
+                                const ur5e_real t65 = x[6] * x[6];
+                                const ur5e_real t66 = t64 + t65;
+                                const ur5e_real t67 = t66 + t66;
+                                const ur5e_real t68 = 1.0f - t67;
+                                const ur5e_real t69 = t68 * t37;
+                                const ur5e_real t70 = x[4] * x[5];
+                                const ur5e_real t71 = x[3] * x[6];
+                                const ur5e_real t72 = t70 + t71;
+                                const ur5e_real t73 = t72 + t72;
+                                const ur5e_real t74 = t73 * t41;
+                                const ur5e_real t75 = t69 + t74;
+                                const ur5e_real t76 = t75 * t62;
+                                const ur5e_real t77 = t76 * t76;
+                                const ur5e_real t78 = t70 - t71;
+                                const ur5e_real t79 = t78 + t78;
+                                const ur5e_real t80 = t79 * t37;
+                                const ur5e_real t81 = x[4] * x[4];
+                                const ur5e_real t82 = t81 + t65;
+                                const ur5e_real t83 = t82 + t82;
+                                const ur5e_real t84 = 1.0f - t83;
+                                const ur5e_real t85 = t84 * t41;
+                                const ur5e_real t86 = t80 + t85;
+                                const ur5e_real t87 = t86 * t62;
+                                const ur5e_real t88 = t87 * t87;
+                                const ur5e_real t89 = t77 + t88;
+                                const ur5e_real t90 = sqrtf(t89);
+                                if (t90 > 1.5258789e-05f) {
+                                    margin[2] = t90;
+                                    const ur5e_real t93 = -t87;
+                                    const ur5e_real t94 = ur5e_angle(t93, t76);
+                                    /* a point of the axis of q4: its distance from the axis of q2
+                                     * tells q3 */
+                                    const ur5e_real t95 = 1.0f / t90;
+                                    const ur5e_real t96 = t76 * t95;
+                                    const ur5e_real t97 = 133.3f * t62;
+                                    const ur5e_real t98 = -817.2f - t97;
+                                    const ur5e_real t99 = t98 + 817.2f;
+                                    const ur5e_real t100 = t96 * t99;
+                                    const ur5e_real t101 = t100 - 817.2f;
+                                    const ur5e_real t102 = t87 * t95;
+                                    const ur5e_real t103 = -99.7f * t102;
+                                    const ur5e_real t104 = t101 + t103;
+                                    const ur5e_real t105 = t104 + 817.2f;
+                                    const ur5e_real t106 = t73 * t105;
+                                    const ur5e_real t107 = 99.7f * t96;
+                                    const ur5e_real t108 = t107 + 62.8f;
+                                    const ur5e_real t109 = t102 * t99;
+                                    const ur5e_real t110 = t108 + t109;
+                                    const ur5e_real t111 = t110 - 62.8f;
+                                    const ur5e_real t112 = t84 * t111;
+                                    const ur5e_real t113 = t106 + t112;
+                                    const ur5e_real t114 = 133.3f * t48;
+                                    const ur5e_real t115 = t114 + 99.6f;
+                                    const ur5e_real t116 = t46 * t115;
+                                    const ur5e_real t117 = t113 - t116;
+                                    const ur5e_real t118 = t117 + x[1];
+                                    const ur5e_real t119 = t37 * t118;
+                                    const ur5e_real t120 = t68 * t105;
+                                    const ur5e_real t121 = t79 * t111;
+                                    const ur5e_real t122 = t120 + t121;
+                                    const ur5e_real t123 = t44 * t115;
+                                    const ur5e_real t124 = t122 - t123;
+                                    const ur5e_real t125 = t124 + x[0];
+                                    const ur5e_real t126 = t41 * t125;
+                                    const ur5e_real t127 = t119 - t126;
+                                    const ur5e_real t128 = t127 * t127;
+                                    const ur5e_real t129 = t41 * t118;
+                                    const ur5e_real t130 = t37 * t125;
+                                    const ur5e_real t131 = t129 + t130;
+                                    const ur5e_real t132 = t131 * t131;
+                                    const ur5e_real t133 = t128 + t132;
+                                    const ur5e_real t134 = t6 - t7;
+                                    const ur5e_real t135 = t134 + t134;
+                                    const ur5e_real t136 = t135 * t105;
+                                    const ur5e_real t137 = t0 + t1;
+                                    const ur5e_real t138 = t137 + t137;
+                                    const ur5e_real t139 = t138 * t111;
+                                    const ur5e_real t140 = t136 + t139;
+                                    const ur5e_real t141 = t81 + t64;
+                                    const ur5e_real t142 = t141 + t141;
+                                    const ur5e_real t143 = 1.0f - t142;
+                                    const ur5e_real t144 = t143 * t115;
+                                    const ur5e_real t145 = t140 - t144;
+                                    const ur5e_real t146 = t145 + x[2];
+                                    const ur5e_real t147 = t146 - 162.5f;
+                                    const ur5e_real t148 = t147 * t147;
+                                    const ur5e_real t149 = t133 + t148;
+                                    const ur5e_real t150 = t149 - 334445.84f;
+                                    const ur5e_real t151 = 0.5f * t150;
+                                    const ur5e_real t152 = t151 * t151;
+                                    const ur5e_real t153 = 2.7783889e+10f - t152;
+                                    const ur5e_real t154 = t153 * 1.9726545e-12f;
+                                    if (t154 > 1.5258789e-05f) {
+                                        margin[3] = t154;
+                                        const ur5e_real t157 = 166685.0f * near[5];
+                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                        const unsigned int side2 = (t157 < 0.0f) ? 2U : 1U;
+                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                                const ur5e_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
+                                                const ur5e_real t163 = fabsf(t153);
+                                                const ur5e_real t164 = t153 + t163;
+                                                const ur5e_real t165 = 0.5f * t164;
+                                                const ur5e_real t166 = sqrtf(t165);
+                                                const ur5e_real t167 = sign2 * t166;
+                                                const ur5e_real t168 = 2.99967e-06f * t150;
+                                                const ur5e_real t169 = 5.99934e-06f * t167;
+                                                const ur5e_real t170 = ur5e_angle(t169, t168);
+                                                /* q2 turns a point of the axis of q4 to where it
+                                                 * must be */
+                                                const ur5e_real t171 = -0.0011764705f * t150;
+                                                const ur5e_real t172 = t171 - 425.0f;
+                                                const ur5e_real t173 = t172 * t127;
+                                                const ur5e_real t174 = -0.002352941f * t167;
+                                                const ur5e_real t175 = t174 * t147;
+                                                const ur5e_real t176 = t173 + t175;
+                                                const ur5e_real t177 = t176 * t176;
+                                                const ur5e_real t178 = t174 * t127;
+                                                const ur5e_real t179 = t172 * t147;
+                                                const ur5e_real t180 = t178 - t179;
+                                                const ur5e_real t181 = t180 * t180;
+                                                const ur5e_real t182 = t177 + t181;
+                                                const ur5e_real t183 = sqrtf(t182);
+                                                const ur5e_real t184 = t183 * 1.4045122e-06f;
+                                                if (t184 > 1.5258789e-05f) {
+                                                    margin[4] = t184;
+                                                    const ur5e_real t187 = -t180;
+                                                    const ur5e_real t188 = ur5e_angle(t187, t176);
+                                                    /* q4 turns a direction of the tool to where it
+                                                     * must be */
+                                                    const ur5e_real t189 = 1.0f / t183;
+                                                    const ur5e_real t190 = t176 * t189;
+                                                    const ur5e_real t191 = t96 * t48;
+                                                    const ur5e_real t192 = t73 * t191;
+                                                    const ur5e_real t193 = t102 * t48;
+                                                    const ur5e_real t194 = t84 * t193;
+                                                    const ur5e_real t195 = t192 + t194;
+                                                    const ur5e_real t196 = t46 * t62;
+                                                    const ur5e_real t197 = t195 - t196;
+                                                    const ur5e_real t198 = t37 * t197;
+                                                    const ur5e_real t199 = t68 * t191;
+                                                    const ur5e_real t200 = t79 * t193;
+                                                    const ur5e_real t201 = t199 + t200;
+                                                    const ur5e_real t202 = t44 * t62;
+                                                    const ur5e_real t203 = t201 - t202;
+                                                    const ur5e_real t204 = t41 * t203;
+                                                    const ur5e_real t205 = t198 - t204;
+                                                    const ur5e_real t206 = t190 * t205;
+                                                    const ur5e_real t207 = t180 * t189;
+                                                    const ur5e_real t208 = t135 * t191;
+                                                    const ur5e_real t209 = t138 * t193;
+                                                    const ur5e_real t210 = t208 + t209;
+                                                    const ur5e_real t211 = t143 * t62;
+                                                    const ur5e_real t212 = t210 - t211;
+                                                    const ur5e_real t213 = t207 * t212;
+                                                    const ur5e_real t214 = t206 - t213;
+                                                    const ur5e_real t215 = t168 * t214;
+                                                    const ur5e_real t216 = t190 * t212;
+                                                    const ur5e_real t217 = t207 * t205;
+                                                    const ur5e_real t218 = t216 + t217;
+                                                    const ur5e_real t219 = t169 * t218;
+                                                    const ur5e_real t220 = t215 + t219;
+                                                    const ur5e_real t221 = t220 * t220;
+                                                    const ur5e_real t222 = t168 * t218;
+                                                    const ur5e_real t223 = t169 * t214;
+                                                    const ur5e_real t224 = t222 - t223;
+                                                    const ur5e_real t225 = t224 * t224;
+                                                    const ur5e_real t226 = t221 + t225;
+                                                    const ur5e_real t227 = sqrtf(t226);
+                                                    if (t227 > 1.5258789e-05f) {
+                                                        margin[5] = t227;
+                                                        const ur5e_real t230 = ur5e_angle(t224,
+                                                            t220);
+                                                        found[count][0] = t43;
+                                                        found[count][1] = t188;
+                                                        found[count][2] = t170;
+                                                        found[count][3] = t230;
+                                                        found[count][4] = t63;
+                                                        found[count][5] = t94;
+                                                        ++count;
+                                                    } else {
+                                                        *undecided = true;
+                                                    }
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            }
+                                        }
+                                    } else if (t154 > -1.5258789e-05f) {
+                                        *undecided = true;
+                                    } else {
+                                        /* out of reach */
+                                    }
+                                } else {
+                                    *undecided = true;
+                                }
+                            }
+                        }
+                    } else if (t50 > -1.5258789e-05f) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
                     }
                 }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
-                    && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
-                 * convergence was quick */
-                const ur5e_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 6; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                ur5e_inverse_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
             }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 6; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            ur5e_inverse_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
+        } else if (t16 > -1.5258789e-05f) {
+            *undecided = true;
         } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = UR5E_WRONG_BRANCH;
-            break;
+            /* out of reach */
         }
+    } else {
+        *undecided = true;
     }
-    ur5e_write_info(info, count, residual, size, w->spread);
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
+static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const ur5e_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    ur5e_status status = UR5E_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == UR5E_OUT_OF_RANGE); ++round) {
+        const ur5e_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const ur5e_real number = (goal[i] - joints[i]) * 0.15915494f;
+            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
+                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+                joints[i] += 6.2831855f * (ur5e_real)whole;
+            }
+        }
+        status = ur5e_check_limits(joints);
+    }
     return status;
 }
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6],
+    unsigned int wanted, const ur5e_real about[6], ur5e_real joints[6])
+{
+    ur5e_real x[7];
+    ur5e_real found[1][6];
+    ur5e_real margin[6];
+    bool undecided = false;
+    ur5e_status status = ur5e_normalise_pose(pose, x);
+    if (status == UR5E_OK) {
+        if (ur5e_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = ur5e_turn_near(about, found[0]);
+        } else {
+            status = undecided ? UR5E_SINGULAR : UR5E_OUT_OF_RANGE;
+        }
+    }
+    if (status == UR5E_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[8][6])
+{
+    static const ur5e_real near[6] = { 0.0f };
+    static const ur5e_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    ur5e_real x[7];
+    int count = 0;
+    ur5e_real margin[6];
+    bool undecided = false;
+    ur5e_status status = ur5e_normalise_pose(pose, x);
+    if (status == UR5E_OK) {
+        const int all = ur5e_branches(x, near, 63U, joints, &undecided, margin);
+        for (int k = 0; k < all; ++k) {
+            if (ur5e_turn_near(middle, joints[k]) == UR5E_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch, ur5e_real joints[6])
+{
+    static const ur5e_real near[6] = { 0.0f };
+    static const ur5e_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    ur5e_status status = UR5E_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = ur5e_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6],
+    ur5e_real joints[6])
+{
+    ur5e_status status = ur5e_check_finite(guess, 6, UR5E_OK);
+    if (status == UR5E_OK) {
+        ur5e_real near[6] = { 0.0f };
+        near[0] = ur5e_sine(guess[0] + 1.5707964f);
+        near[1] = ur5e_sine(guess[0]);
+        near[3] = ur5e_sine(guess[4]);
+        near[5] = ur5e_sine(guess[2]);
+        status = ur5e_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}
+
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
+static void ur5e_cosine_and_sine(ur5e_real angle, ur5e_real u[2])
+{
+    const ur5e_real number = angle * 0.63661975f;
+    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
+    const ur5e_real k = (ur5e_real)quarter;
+    const ur5e_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    const ur5e_real square = x * x;
+    const ur5e_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const ur5e_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
+    const ur5e_real cosine = odd ? s : c;
+    const ur5e_real sine = odd ? c : s;
+    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
+    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
+static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], ur5e_real margin[6])
+{
+    ur5e_real u[12];
+    unsigned int wanted = 0U;
+    ur5e_cosine_and_sine(0.5f * joints[0], &u[0]);
+    ur5e_cosine_and_sine(0.5f * joints[1], &u[2]);
+    ur5e_cosine_and_sine(0.5f * joints[2], &u[4]);
+    ur5e_cosine_and_sine(0.5f * joints[3], &u[6]);
+    ur5e_cosine_and_sine(0.5f * joints[4], &u[8]);
+    ur5e_cosine_and_sine(0.5f * joints[5], &u[10]);
+    /* the tool's pose */
+    const ur5e_real t0 = u[0] * u[0];
+    const ur5e_real t1 = u[1] * u[1];
+    const ur5e_real t2 = t0 - t1;
+    const ur5e_real t3 = u[2] * u[2];
+    const ur5e_real t4 = u[3] * u[3];
+    const ur5e_real t5 = t3 - t4;
+    const ur5e_real t6 = u[4] * u[4];
+    const ur5e_real t7 = u[5] * u[5];
+    const ur5e_real t8 = t6 - t7;
+    const ur5e_real t9 = u[6] * u[6];
+    const ur5e_real t10 = u[7] * u[7];
+    const ur5e_real t11 = t9 - t10;
+    const ur5e_real t12 = u[8] + u[8];
+    const ur5e_real t13 = t12 * u[9];
+    const ur5e_real t14 = -99.6f * t13;
+    const ur5e_real t15 = t11 * t14;
+    const ur5e_real t16 = t15 - 817.2f;
+    const ur5e_real t17 = u[6] + u[6];
+    const ur5e_real t18 = t17 * u[7];
+    const ur5e_real t19 = 99.7f * t18;
+    const ur5e_real t20 = t16 + t19;
+    const ur5e_real t21 = t20 + 425.0f;
+    const ur5e_real t22 = t8 * t21;
+    const ur5e_real t23 = t22 - 425.0f;
+    const ur5e_real t24 = u[4] + u[4];
+    const ur5e_real t25 = t24 * u[5];
+    const ur5e_real t26 = -99.7f * t11;
+    const ur5e_real t27 = t26 + 162.5f;
+    const ur5e_real t28 = t18 * t14;
+    const ur5e_real t29 = t27 + t28;
+    const ur5e_real t30 = t29 - 162.5f;
+    const ur5e_real t31 = t25 * t30;
+    const ur5e_real t32 = t23 - t31;
+    const ur5e_real t33 = t5 * t32;
+    const ur5e_real t34 = u[2] + u[2];
+    const ur5e_real t35 = t34 * u[3];
+    const ur5e_real t36 = t8 * t30;
+    const ur5e_real t37 = t36 + 162.5f;
+    const ur5e_real t38 = t25 * t21;
+    const ur5e_real t39 = t37 + t38;
+    const ur5e_real t40 = t39 - 162.5f;
+    const ur5e_real t41 = t35 * t40;
+    const ur5e_real t42 = t33 - t41;
+    const ur5e_real t43 = t2 * t42;
+    const ur5e_real t44 = u[0] + u[0];
+    const ur5e_real t45 = t44 * u[1];
+    const ur5e_real t46 = u[8] * u[8];
+    const ur5e_real t47 = u[9] * u[9];
+    const ur5e_real t48 = t46 - t47;
+    const ur5e_real t49 = -99.6f * t48;
+    const ur5e_real t50 = t49 - 133.3f;
+    const ur5e_real t51 = t45 * t50;
+    const ur5e_real t52 = t43 - t51;
+    x[0] = t52;
+    const ur5e_real t54 = t2 * t50;
+    const ur5e_real t55 = t45 * t42;
+    const ur5e_real t56 = t54 + t55;
+    x[1] = t56;
+    const ur5e_real t58 = t5 * t40;
+    const ur5e_real t59 = t58 + 162.5f;
+    const ur5e_real t60 = t35 * t32;
+    const ur5e_real t61 = t59 + t60;
+    x[2] = t61;
+    const ur5e_real t63 = 0.70710677f * u[10];
+    const ur5e_real t64 = u[8] * t63;
+    const ur5e_real t65 = 0.70710677f * u[11];
+    const ur5e_real t66 = u[9] * t65;
+    const ur5e_real t67 = t64 + t66;
+    const ur5e_real t68 = u[6] * t67;
+    const ur5e_real t69 = 0.70710677f * u[11];
+    const ur5e_real t70 = u[8] * t69;
+    const ur5e_real t71 = 0.70710677f * u[10];
+    const ur5e_real t72 = u[9] * t71;
+    const ur5e_real t73 = t70 + t72;
+    const ur5e_real t74 = u[7] * t73;
+    const ur5e_real t75 = t68 - t74;
+    const ur5e_real t76 = u[4] * t75;
+    const ur5e_real t77 = u[6] * t73;
+    const ur5e_real t78 = u[7] * t67;
+    const ur5e_real t79 = t77 + t78;
+    const ur5e_real t80 = u[5] * t79;
+    const ur5e_real t81 = t76 - t80;
+    const ur5e_real t82 = u[2] * t81;
+    const ur5e_real t83 = u[4] * t79;
+    const ur5e_real t84 = u[5] * t75;
+    const ur5e_real t85 = t83 + t84;
+    const ur5e_real t86 = u[3] * t85;
+    const ur5e_real t87 = t82 - t86;
+    const ur5e_real t88 = u[0] * t87;
+    const ur5e_real t89 = u[8] * t65;
+    const ur5e_real t90 = u[9] * t63;
+    const ur5e_real t91 = t89 - t90;
+    const ur5e_real t92 = u[6] * t91;
+    const ur5e_real t93 = u[8] * t71;
+    const ur5e_real t94 = u[9] * t69;
+    const ur5e_real t95 = t93 - t94;
+    const ur5e_real t96 = u[7] * t95;
+    const ur5e_real t97 = t92 + t96;
+    const ur5e_real t98 = u[4] * t97;
+    const ur5e_real t99 = u[6] * t95;
+    const ur5e_real t100 = u[7] * t91;
+    const ur5e_real t101 = t99 - t100;
+    const ur5e_real t102 = u[5] * t101;
+    const ur5e_real t103 = t98 + t102;
+    const ur5e_real t104 = u[2] * t103;
+    const ur5e_real t105 = u[4] * t101;
+    const ur5e_real t106 = u[5] * t97;
+    const ur5e_real t107 = t105 - t106;
+    const ur5e_real t108 = u[3] * t107;
+    const ur5e_real t109 = t104 + t108;
+    const ur5e_real t110 = u[1] * t109;
+    const ur5e_real t111 = t88 - t110;
+    x[3] = t111;
+    const ur5e_real t113 = u[2] * t107;
+    const ur5e_real t114 = u[3] * t103;
+    const ur5e_real t115 = t113 - t114;
+    const ur5e_real t116 = u[0] * t115;
+    const ur5e_real t117 = u[2] * t85;
+    const ur5e_real t118 = u[3] * t81;
+    const ur5e_real t119 = t117 + t118;
+    const ur5e_real t120 = u[1] * t119;
+    const ur5e_real t121 = t116 + t120;
+    x[4] = t121;
+    const ur5e_real t123 = u[1] * t115;
+    const ur5e_real t124 = u[0] * t119;
+    const ur5e_real t125 = t123 - t124;
+    x[5] = t125;
+    const ur5e_real t127 = u[0] * t109;
+    const ur5e_real t128 = u[1] * t87;
+    const ur5e_real t129 = t127 + t128;
+    x[6] = t129;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const ur5e_real t131 = t125 * t129;
+    const ur5e_real t132 = t111 * t121;
+    const ur5e_real t133 = t131 - t132;
+    const ur5e_real t134 = -199.2f * t133;
+    const ur5e_real t135 = t134 + t56;
+    const ur5e_real t136 = t135 * t45;
+    const ur5e_real t137 = t121 * t129;
+    const ur5e_real t138 = t111 * t125;
+    const ur5e_real t139 = t137 + t138;
+    const ur5e_real t140 = -199.2f * t139;
+    const ur5e_real t141 = t140 + t52;
+    const ur5e_real t142 = t141 * t2;
+    const ur5e_real t143 = t136 + t142;
+    const ur5e_real t144 = t143 * 0.0011851211f;
+    const ur5e_real t145 = -t144;
+    margin[0] = t145 * t145;
+    wanted |= (t145 < 0.0f) ? 2U : 1U;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    margin[1] = t13 * t13;
+    wanted |= (t13 < 0.0f) ? 8U : 4U;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const ur5e_real t150 = t125 * t125;
+    const ur5e_real t151 = t129 * t129;
+    const ur5e_real t152 = t150 + t151;
+    const ur5e_real t153 = t152 + t152;
+    const ur5e_real t154 = 1.0f - t153;
+    const ur5e_real t155 = t154 * t45;
+    const ur5e_real t156 = t121 * t125;
+    const ur5e_real t157 = t111 * t129;
+    const ur5e_real t158 = t156 + t157;
+    const ur5e_real t159 = t158 + t158;
+    const ur5e_real t160 = t159 * t2;
+    const ur5e_real t161 = t155 - t160;
+    const ur5e_real t162 = t161 * t13;
+    const ur5e_real t163 = t162 * t162;
+    const ur5e_real t164 = t156 - t157;
+    const ur5e_real t165 = t164 + t164;
+    const ur5e_real t166 = t165 * t45;
+    const ur5e_real t167 = t121 * t121;
+    const ur5e_real t168 = t167 + t151;
+    const ur5e_real t169 = t168 + t168;
+    const ur5e_real t170 = 1.0f - t169;
+    const ur5e_real t171 = t170 * t2;
+    const ur5e_real t172 = t166 - t171;
+    const ur5e_real t173 = t172 * t13;
+    const ur5e_real t174 = t173 * t173;
+    const ur5e_real t175 = t163 + t174;
+    const ur5e_real t176 = sqrtf(t175);
+    margin[2] = t176;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const ur5e_real t178 = 166685.0f * t25;
+    const ur5e_real t179 = t178 * 1.4045122e-06f;
+    margin[3] = t179 * t179;
+    wanted |= (t179 < 0.0f) ? 32U : 16U;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const ur5e_real t182 = -392.2f * t8;
+    const ur5e_real t183 = t182 - 425.0f;
+    const ur5e_real t184 = u[10] * u[10];
+    const ur5e_real t185 = u[11] * u[11];
+    const ur5e_real t186 = t184 - t185;
+    const ur5e_real t187 = 133.3f * t13;
+    const ur5e_real t188 = -817.2f - t187;
+    const ur5e_real t189 = t188 + 817.2f;
+    const ur5e_real t190 = t186 * t189;
+    const ur5e_real t191 = t190 - 817.2f;
+    const ur5e_real t192 = u[10] + u[10];
+    const ur5e_real t193 = t192 * u[11];
+    const ur5e_real t194 = -99.7f * t193;
+    const ur5e_real t195 = t191 - t194;
+    const ur5e_real t196 = t195 + 817.2f;
+    const ur5e_real t197 = t154 * t196;
+    const ur5e_real t198 = 99.7f * t186;
+    const ur5e_real t199 = t198 + 62.8f;
+    const ur5e_real t200 = t193 * t189;
+    const ur5e_real t201 = t199 - t200;
+    const ur5e_real t202 = t201 - 62.8f;
+    const ur5e_real t203 = t165 * t202;
+    const ur5e_real t204 = t197 + t203;
+    const ur5e_real t205 = t139 + t139;
+    const ur5e_real t206 = 133.3f * t48;
+    const ur5e_real t207 = t206 + 99.6f;
+    const ur5e_real t208 = t205 * t207;
+    const ur5e_real t209 = t204 - t208;
+    const ur5e_real t210 = t209 + t52;
+    const ur5e_real t211 = t2 * t210;
+    const ur5e_real t212 = t159 * t196;
+    const ur5e_real t213 = t170 * t202;
+    const ur5e_real t214 = t212 + t213;
+    const ur5e_real t215 = t133 + t133;
+    const ur5e_real t216 = t215 * t207;
+    const ur5e_real t217 = t214 - t216;
+    const ur5e_real t218 = t217 + t56;
+    const ur5e_real t219 = t45 * t218;
+    const ur5e_real t220 = t211 + t219;
+    const ur5e_real t221 = t183 * t220;
+    const ur5e_real t222 = -392.2f * t25;
+    const ur5e_real t223 = t137 - t138;
+    const ur5e_real t224 = t223 + t223;
+    const ur5e_real t225 = t224 * t196;
+    const ur5e_real t226 = t131 + t132;
+    const ur5e_real t227 = t226 + t226;
+    const ur5e_real t228 = t227 * t202;
+    const ur5e_real t229 = t225 + t228;
+    const ur5e_real t230 = t167 + t150;
+    const ur5e_real t231 = t230 + t230;
+    const ur5e_real t232 = 1.0f - t231;
+    const ur5e_real t233 = t232 * t207;
+    const ur5e_real t234 = t229 - t233;
+    const ur5e_real t235 = t234 + t61;
+    const ur5e_real t236 = t235 - 162.5f;
+    const ur5e_real t237 = t222 * t236;
+    const ur5e_real t238 = t221 + t237;
+    const ur5e_real t239 = t238 * t238;
+    const ur5e_real t240 = t222 * t220;
+    const ur5e_real t241 = t183 * t236;
+    const ur5e_real t242 = t240 - t241;
+    const ur5e_real t243 = t242 * t242;
+    const ur5e_real t244 = t239 + t243;
+    const ur5e_real t245 = sqrtf(t244);
+    const ur5e_real t246 = t245 * 1.4045122e-06f;
+    margin[4] = t246;
+    /* q4 turns a direction of the tool to where it must be */
+    const ur5e_real t248 = t186 * t48;
+    const ur5e_real t249 = t154 * t248;
+    const ur5e_real t250 = t193 * t48;
+    const ur5e_real t251 = t165 * t250;
+    const ur5e_real t252 = t249 - t251;
+    const ur5e_real t253 = t205 * t13;
+    const ur5e_real t254 = t252 - t253;
+    const ur5e_real t255 = t2 * t254;
+    const ur5e_real t256 = t159 * t248;
+    const ur5e_real t257 = t170 * t250;
+    const ur5e_real t258 = t256 - t257;
+    const ur5e_real t259 = t215 * t13;
+    const ur5e_real t260 = t258 - t259;
+    const ur5e_real t261 = t45 * t260;
+    const ur5e_real t262 = t255 + t261;
+    const ur5e_real t263 = t5 * t262;
+    const ur5e_real t264 = t224 * t248;
+    const ur5e_real t265 = t227 * t250;
+    const ur5e_real t266 = t264 - t265;
+    const ur5e_real t267 = t232 * t13;
+    const ur5e_real t268 = t266 - t267;
+    const ur5e_real t269 = t35 * t268;
+    const ur5e_real t270 = t263 + t269;
+    const ur5e_real t271 = t8 * t270;
+    const ur5e_real t272 = t5 * t268;
+    const ur5e_real t273 = t35 * t262;
+    const ur5e_real t274 = t272 - t273;
+    const ur5e_real t275 = t25 * t274;
+    const ur5e_real t276 = t271 + t275;
+    const ur5e_real t277 = t276 * t276;
+    const ur5e_real t278 = t8 * t274;
+    const ur5e_real t279 = t25 * t270;
+    const ur5e_real t280 = t278 - t279;
+    const ur5e_real t281 = t280 * t280;
+    const ur5e_real t282 = t277 + t281;
+    const ur5e_real t283 = sqrtf(t282);
+    margin[5] = t283;
+    return wanted;
+}
+
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5e_real place,
+    ur5e_real turn, const ur5e_real moved[6])
+{
+    ur5e_real largest = 0.0f;
+    (void)a;
+    (void)b;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
+    const ur5e_real bend0 = 5.59f * place + 1.17f * turn;
+    const ur5e_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
+    const ur5e_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
+    largest = (share0 > largest) ? share0 : largest;
+    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
+    const ur5e_real bend1 = 10.0f * turn + 10.0f * moved[0];
+    const ur5e_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
+    const ur5e_real share1 = bend1 / (2.0f * (a[1] + b[1]) + 4.0f * lesser1);
+    largest = (share1 > largest) ? share1 : largest;
+    /* q6 turns the normal of q2, q3, q4 to where it must be */
+    const ur5e_real bend2 = 5.0f * moved[4];
+    const ur5e_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
+    const ur5e_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
+    largest = (share2 > largest) ? share2 : largest;
+    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+    const ur5e_real bend3 = 3.13f * place + 2.27f * turn + 1.28f * moved[4] + 1.29f * moved[5];
+    const ur5e_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
+    const ur5e_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
+    largest = (share3 > largest) ? share3 : largest;
+    /* q2 turns a point of the axis of q4 to where it must be */
+    const ur5e_real bend4 = 12.6f * place + 4.91f * turn + 5.94f * moved[0] + 2.65f * moved[4]
+        + 3.14f * moved[5];
+    const ur5e_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
+    const ur5e_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
+    largest = (share4 > largest) ? share4 : largest;
+    /* q4 turns a direction of the tool to where it must be */
+    const ur5e_real bend5 = 10.0f * turn + 10.0f * moved[0] + 10.0f * moved[4];
+    const ur5e_real lesser5 = (a[5] < b[5]) ? a[5] : b[5];
+    const ur5e_real share5 = bend5 / (2.0f * (a[5] + b[5]) + 4.0f * lesser5);
+    largest = (share5 > largest) ? share5 : largest;
+    return largest;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *config,
+    ur5e_real joints[6], ur5e_info *info)
+{
+    static const ur5e_real per_length[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    static const bool angular[6] = { true, true, true, true, true, true };
+    static const ur5e_real near[6] = { 0.0f };
+    const ur5e_real most2 = config->max_step * config->max_step * 1.4045122e-06f;
+    ur5e_real at[7];
+    ur5e_real x[7];
+    ur5e_real left[6] = { 1.0f };
+    ur5e_real margin[6] = { 1.0f };
+    ur5e_real found[1][6];
+    ur5e_real done = 0.0f;
+    ur5e_real part = 1.0f;
+    ur5e_real moved[6];
+    ur5e_real way2 = 0.0f;
+    ur5e_real least = 1.0f;
+    unsigned int count = 0U;
+    const unsigned int wanted = ur5e_read_joints(joints, at, left);
+    /* of q and -q, one rotation, the one on the guess's side */
+    const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const ur5e_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
+    const ur5e_real turn2 = 8.0f * ((1.0f - side * cosine) + 2.3841858e-07f);
+    ur5e_real place2 = 0.0f;
+    ur5e_status status = UR5E_MAX_ITERATIONS;
+    for (int i = 0; i < 3; ++i) {
+        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 1.4045122e-06f;
+    }
+    for (int k = 0; k < 6; ++k) {
+        if (!(left[k] > 1.5258789e-05f)) {
+            status = UR5E_SINGULAR;
+        }
+    }
+    while ((status == UR5E_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
+        const ur5e_real end = (done + part < 0.999f) ? (done + part) : 1.0f;
+        bool undecided = false;
+        ++count;
+        for (int i = 0; i < 7; ++i) {
+            const ur5e_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0f) {
+            const ur5e_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        if (ur5e_branches(x, near, wanted, found, &undecided, margin) != 1) {
+            /* the guess's branch does not reach this point of the line */
+            status = undecided ? UR5E_SINGULAR : ((end < 1.0f)
+                ? UR5E_WRONG_BRANCH : UR5E_OUT_OF_RANGE);
+        } else {
+            way2 = 0.0f;
+            for (int i = 0; i < 6; ++i) {
+                ur5e_real way = found[0][i] - joints[i];
+                const ur5e_real number = way * 0.15915494f;
+                if (angular[i] && (fabsf(number) > 0.5f)) {
+                    way -= 6.2831855f * (ur5e_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+                }
+                found[0][i] = joints[i] + way;
+                moved[i] = (way * per_length[i]) * (way * per_length[i]);
+                way2 += moved[i];
+            }
+            const ur5e_real share = ur5e_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
+            if ((way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f)) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[i] = found[0][i];
+                }
+                for (int k = 0; k < 6; ++k) {
+                    left[k] = margin[k];
+                }
+                done = end;
+                part *= (share < 0.2f) ? 2.0f : ((share < 0.6f) ? 1.0f : 0.75f);
+                if (done >= 1.0f) {
+                    status = UR5E_OK;
+                }
+            } else {
+                part *= (share < 4.0f) ? 0.5f : 0.25f;
+                if (part < 0.00024414062f) {
+                    status = UR5E_WRONG_BRANCH;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 6; ++k) {
+        least = (left[k] < least) ? left[k] : least;
+    }
+    ur5e_write_info(info, count, (status == UR5E_OK) ? 0.0034200011f : HUGE_VALF, way2 * 711991.0f,
+        (least > 0.0f) ? (1.0f / least) : 0.0f);
+    return status;
+}
+
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
 {
@@ -2449,12 +1216,12 @@ ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* The joints by the closed form along the line of tool poses from the guess's to the given one. */
 ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
     const ur5e_real guess[6], ur5e_real joints[6], ur5e_info *info)
 {
     static const ur5e_config usual = { UR5E_TOLERANCE, UR5E_MAX_STEPS, UR5E_MAX_STEP };
-    ur5e_inverse_work w;
+    ur5e_real at[6];
     ur5e_real to[7];
     ur5e_status status = ur5e_check_finite(guess, 6, ur5e_normalise_pose(pose, to));
     ur5e_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -2470,27 +1237,26 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
         status = ur5e_check_config(config, status);
     }
     if (status == UR5E_OK) {
-        w.x[0] = guess[0];
-        w.x[1] = guess[1];
-        w.x[2] = guess[2];
-        w.x[3] = guess[3];
-        w.x[4] = guess[4];
-        w.x[5] = guess[5];
-        ur5e_forward(w.x, w.at);
-        status = ur5e_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        at[0] = guess[0];
+        at[1] = guess[1];
+        at[2] = guess[2];
+        at[3] = guess[3];
+        at[4] = guess[4];
+        at[5] = guess[5];
+        status = ur5e_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == UR5E_OK) {
-            status = ur5e_check_limits(w.x);
+            status = ur5e_check_limits(at);
             if (info != NULL) {
-                info->joint = ur5e_first_beyond(w.x);
+                info->joint = ur5e_first_beyond(at);
             }
         }
         if (status == UR5E_OK) {
-            joints[0] = w.x[0];
-            joints[1] = w.x[1];
-            joints[2] = w.x[2];
-            joints[3] = w.x[3];
-            joints[4] = w.x[4];
-            joints[5] = w.x[5];
+            joints[0] = at[0];
+            joints[1] = at[1];
+            joints[2] = at[2];
+            joints[3] = at[3];
+            joints[4] = at[4];
+            joints[5] = at[5];
         }
     }
     return status;
@@ -3560,437 +2326,6 @@ ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *in
         } else {
             /* nobody asks which joint */
         }
-    }
-    return status;
-}
-
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
- * least error for atan up to 1. */
-static ur5e_real ur5e_angle(ur5e_real s, ur5e_real c)
-{
-    const ur5e_real x = fabsf(c);
-    const ur5e_real y = fabsf(s);
-    const bool steep = y > x;
-    const ur5e_real ratio = steep ? (x / y) : (y / x);
-    const ur5e_real square = ratio * ratio;
-    ur5e_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
-        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
-        + square * (0.02186267f + square * -0.004054485f)))))));
-    if (steep) {
-        angle = 1.5707964f - angle;
-    }
-    if (c < 0.0f) {
-        angle = 3.1415927f - angle;
-    }
-    return (s < 0.0f) ? -angle : angle;
-}
-
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
- * turns. */
-static ur5e_real ur5e_sine(ur5e_real angle)
-{
-    const ur5e_real number = angle * 0.15915494f;
-    ur5e_real sine = 0.0f;
-    if (fabsf(number) < 10000.0f) {
-        ur5e_real x = angle - 6.2831855f * (ur5e_real)(int)(number + ((number < 0.0f)
-            ? -0.5f : 0.5f));
-        if (x > 1.5707964f) {
-            x = 3.1415927f - x;
-        } else if (x < -1.5707964f) {
-            x = -3.1415927f - x;
-        } else {
-            /* within a quarter turn */
-        }
-        const ur5e_real square = x * x;
-        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
-            + square * -0.00018363616f)));
-    }
-    return sine;
-}
-
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
- * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
- * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
- * where nothing decides a joint. */
-static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned int wanted,
-    ur5e_real found[][6], bool *undecided)
-{
-    int count = 0;
-    (void)near;
-    (void)wanted;
-    /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
-    const ur5e_real t0 = x[5] * x[6];
-    const ur5e_real t1 = x[3] * x[4];
-    const ur5e_real t2 = t0 - t1;
-    const ur5e_real t3 = -199.2f * t2;
-    const ur5e_real t4 = t3 + x[1];
-    const ur5e_real t5 = t4 * t4;
-    const ur5e_real t6 = x[4] * x[6];
-    const ur5e_real t7 = x[3] * x[5];
-    const ur5e_real t8 = t6 + t7;
-    const ur5e_real t9 = -199.2f * t8;
-    const ur5e_real t10 = t9 + x[0];
-    const ur5e_real t11 = t10 * t10;
-    const ur5e_real t12 = t5 + t11;
-    const ur5e_real t13 = t12 * 1.4045122e-06f;
-    if (t13 > 1.5258789e-05f) {
-        const ur5e_real t15 = t12 - 17768.89f;
-        const ur5e_real t16 = t15 * 1.4045122e-06f;
-        if (t16 > 1.5258789e-05f) {
-            const ur5e_real t18 = t4 * near[1];
-            const ur5e_real t19 = t10 * near[0];
-            const ur5e_real t20 = t18 + t19;
-            const ur5e_real t21 = -t20;
-            const unsigned int bits0 = (wanted >> 0U) & 3U;
-            const unsigned int side0 = (t21 < 0.0f) ? 2U : 1U;
-            for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
-                if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
-                    const ur5e_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
-                    const ur5e_real t27 = 133.3f * t10;
-                    const ur5e_real t28 = fabsf(t15);
-                    const ur5e_real t29 = t15 + t28;
-                    const ur5e_real t30 = 0.5f * t29;
-                    const ur5e_real t31 = sqrtf(t30);
-                    const ur5e_real t32 = sign0 * t31;
-                    const ur5e_real t33 = t4 * t32;
-                    const ur5e_real t34 = t27 - t33;
-                    const ur5e_real t35 = 1.0f / t12;
-                    const ur5e_real t36 = t34 * t35;
-                    const ur5e_real t37 = 133.3f * t4;
-                    const ur5e_real t38 = t10 * t32;
-                    const ur5e_real t39 = t37 + t38;
-                    const ur5e_real t40 = t39 * t35;
-                    const ur5e_real t41 = -t40;
-                    const ur5e_real t42 = ur5e_angle(t36, t41);
-                    /* the normal of q2, q3, q4: its level along the axis of q6 tells q5 */
-                    const ur5e_real t43 = t8 + t8;
-                    const ur5e_real t44 = t43 * t36;
-                    const ur5e_real t45 = t2 + t2;
-                    const ur5e_real t46 = t45 * t40;
-                    const ur5e_real t47 = t44 + t46;
-                    const ur5e_real t48 = t47 * t47;
-                    const ur5e_real t49 = 1.0f - t48;
-                    if (t49 > 1.5258789e-05f) {
-                        const unsigned int bits1 = (wanted >> 2U) & 3U;
-                        const unsigned int side1 = (near[3] < 0.0f) ? 2U : 1U;
-                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
-                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
-                                const ur5e_real sign1 = (k1 == 1U) ? 1.0f : -1.0f;
-                                const ur5e_real t56 = fabsf(t49);
-                                const ur5e_real t57 = t49 + t56;
-                                const ur5e_real t58 = 0.5f * t57;
-                                const ur5e_real t59 = sqrtf(t58);
-                                const ur5e_real t60 = sign1 * t59;
-                                const ur5e_real t61 = ur5e_angle(t60, t47);
-                                /* q6 turns the normal of q2, q3, q4 to where it must be */
-                                const ur5e_real t62 = x[5] * x[5];
-                                const ur5e_real t63 = x[6] * x[6];
-                                const ur5e_real t64 = t62 + t63;
-                                const ur5e_real t65 = t64 + t64;
-                                const ur5e_real t66 = 1.0f - t65;
-                                const ur5e_real t67 = t66 * t36;
-                                const ur5e_real t68 = x[4] * x[5];
-                                const ur5e_real t69 = x[3] * x[6];
-                                const ur5e_real t70 = t68 + t69;
-                                const ur5e_real t71 = t70 + t70;
-                                const ur5e_real t72 = t71 * t40;
-                                const ur5e_real t73 = t67 + t72;
-                                const ur5e_real t74 = t73 * t60;
-                                const ur5e_real t75 = t74 * t74;
-                                const ur5e_real t76 = t68 - t69;
-                                const ur5e_real t77 = t76 + t76;
-                                const ur5e_real t78 = t77 * t36;
-                                const ur5e_real t79 = x[4] * x[4];
-                                const ur5e_real t80 = t79 + t63;
-                                const ur5e_real t81 = t80 + t80;
-                                const ur5e_real t82 = 1.0f - t81;
-                                const ur5e_real t83 = t82 * t40;
-                                const ur5e_real t84 = t78 + t83;
-                                const ur5e_real t85 = t84 * t60;
-                                const ur5e_real t86 = t85 * t85;
-                                const ur5e_real t87 = t75 + t86;
-                                const ur5e_real t88 = sqrtf(t87);
-                                if (t88 > 1.5258789e-05f) {
-                                    const ur5e_real t90 = -t85;
-                                    const ur5e_real t91 = ur5e_angle(t90, t74);
-                                    /* a point of the axis of q4: its distance from the axis of q2
-                                     * tells q3 */
-                                    const ur5e_real t92 = 1.0f / t88;
-                                    const ur5e_real t93 = t74 * t92;
-                                    const ur5e_real t94 = 133.3f * t60;
-                                    const ur5e_real t95 = -817.2f - t94;
-                                    const ur5e_real t96 = t95 + 817.2f;
-                                    const ur5e_real t97 = t93 * t96;
-                                    const ur5e_real t98 = t97 - 817.2f;
-                                    const ur5e_real t99 = t85 * t92;
-                                    const ur5e_real t100 = -99.7f * t99;
-                                    const ur5e_real t101 = t98 + t100;
-                                    const ur5e_real t102 = t101 + 817.2f;
-                                    const ur5e_real t103 = t71 * t102;
-                                    const ur5e_real t104 = 99.7f * t93;
-                                    const ur5e_real t105 = t104 + 62.8f;
-                                    const ur5e_real t106 = t99 * t96;
-                                    const ur5e_real t107 = t105 + t106;
-                                    const ur5e_real t108 = t107 - 62.8f;
-                                    const ur5e_real t109 = t82 * t108;
-                                    const ur5e_real t110 = t103 + t109;
-                                    const ur5e_real t111 = 133.3f * t47;
-                                    const ur5e_real t112 = t111 + 99.6f;
-                                    const ur5e_real t113 = t45 * t112;
-                                    const ur5e_real t114 = t110 - t113;
-                                    const ur5e_real t115 = t114 + x[1];
-                                    const ur5e_real t116 = t36 * t115;
-                                    const ur5e_real t117 = t66 * t102;
-                                    const ur5e_real t118 = t77 * t108;
-                                    const ur5e_real t119 = t117 + t118;
-                                    const ur5e_real t120 = t43 * t112;
-                                    const ur5e_real t121 = t119 - t120;
-                                    const ur5e_real t122 = t121 + x[0];
-                                    const ur5e_real t123 = t40 * t122;
-                                    const ur5e_real t124 = t116 - t123;
-                                    const ur5e_real t125 = t124 * t124;
-                                    const ur5e_real t126 = t40 * t115;
-                                    const ur5e_real t127 = t36 * t122;
-                                    const ur5e_real t128 = t126 + t127;
-                                    const ur5e_real t129 = t128 * t128;
-                                    const ur5e_real t130 = t125 + t129;
-                                    const ur5e_real t131 = t6 - t7;
-                                    const ur5e_real t132 = t131 + t131;
-                                    const ur5e_real t133 = t132 * t102;
-                                    const ur5e_real t134 = t0 + t1;
-                                    const ur5e_real t135 = t134 + t134;
-                                    const ur5e_real t136 = t135 * t108;
-                                    const ur5e_real t137 = t133 + t136;
-                                    const ur5e_real t138 = t79 + t62;
-                                    const ur5e_real t139 = t138 + t138;
-                                    const ur5e_real t140 = 1.0f - t139;
-                                    const ur5e_real t141 = t140 * t112;
-                                    const ur5e_real t142 = t137 - t141;
-                                    const ur5e_real t143 = t142 + x[2];
-                                    const ur5e_real t144 = t143 - 162.5f;
-                                    const ur5e_real t145 = t144 * t144;
-                                    const ur5e_real t146 = t130 + t145;
-                                    const ur5e_real t147 = t146 - 334445.84f;
-                                    const ur5e_real t148 = 0.5f * t147;
-                                    const ur5e_real t149 = t148 * t148;
-                                    const ur5e_real t150 = 2.7783889e+10f - t149;
-                                    const ur5e_real t151 = t150 * 1.9726545e-12f;
-                                    if (t151 > 1.5258789e-05f) {
-                                        const ur5e_real t153 = 166685.0f * near[5];
-                                        const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t153 < 0.0f) ? 2U : 1U;
-                                        for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
-                                            if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
-                                                const ur5e_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
-                                                const ur5e_real t159 = fabsf(t150);
-                                                const ur5e_real t160 = t150 + t159;
-                                                const ur5e_real t161 = 0.5f * t160;
-                                                const ur5e_real t162 = sqrtf(t161);
-                                                const ur5e_real t163 = sign2 * t162;
-                                                const ur5e_real t164 = 2.99967e-06f * t147;
-                                                const ur5e_real t165 = 5.99934e-06f * t163;
-                                                const ur5e_real t166 = ur5e_angle(t165, t164);
-                                                /* q2 turns a point of the axis of q4 to where it
-                                                 * must be */
-                                                const ur5e_real t167 = -0.0011764705f * t147;
-                                                const ur5e_real t168 = t167 - 425.0f;
-                                                const ur5e_real t169 = t168 * t124;
-                                                const ur5e_real t170 = -0.002352941f * t163;
-                                                const ur5e_real t171 = t170 * t144;
-                                                const ur5e_real t172 = t169 + t171;
-                                                const ur5e_real t173 = t172 * t172;
-                                                const ur5e_real t174 = t170 * t124;
-                                                const ur5e_real t175 = t168 * t144;
-                                                const ur5e_real t176 = t174 - t175;
-                                                const ur5e_real t177 = t176 * t176;
-                                                const ur5e_real t178 = t173 + t177;
-                                                const ur5e_real t179 = sqrtf(t178);
-                                                const ur5e_real t180 = t179 * 1.4045122e-06f;
-                                                if (t180 > 1.5258789e-05f) {
-                                                    const ur5e_real t182 = -t176;
-                                                    const ur5e_real t183 = ur5e_angle(t182, t172);
-                                                    /* q4 turns a direction of the tool to where it
-                                                     * must be */
-                                                    const ur5e_real t184 = 1.0f / t179;
-                                                    const ur5e_real t185 = t172 * t184;
-                                                    const ur5e_real t186 = t93 * t47;
-                                                    const ur5e_real t187 = t71 * t186;
-                                                    const ur5e_real t188 = t99 * t47;
-                                                    const ur5e_real t189 = t82 * t188;
-                                                    const ur5e_real t190 = t187 + t189;
-                                                    const ur5e_real t191 = t45 * t60;
-                                                    const ur5e_real t192 = t190 - t191;
-                                                    const ur5e_real t193 = t36 * t192;
-                                                    const ur5e_real t194 = t66 * t186;
-                                                    const ur5e_real t195 = t77 * t188;
-                                                    const ur5e_real t196 = t194 + t195;
-                                                    const ur5e_real t197 = t43 * t60;
-                                                    const ur5e_real t198 = t196 - t197;
-                                                    const ur5e_real t199 = t40 * t198;
-                                                    const ur5e_real t200 = t193 - t199;
-                                                    const ur5e_real t201 = t185 * t200;
-                                                    const ur5e_real t202 = t176 * t184;
-                                                    const ur5e_real t203 = t132 * t186;
-                                                    const ur5e_real t204 = t135 * t188;
-                                                    const ur5e_real t205 = t203 + t204;
-                                                    const ur5e_real t206 = t140 * t60;
-                                                    const ur5e_real t207 = t205 - t206;
-                                                    const ur5e_real t208 = t202 * t207;
-                                                    const ur5e_real t209 = t201 - t208;
-                                                    const ur5e_real t210 = t164 * t209;
-                                                    const ur5e_real t211 = t185 * t207;
-                                                    const ur5e_real t212 = t202 * t200;
-                                                    const ur5e_real t213 = t211 + t212;
-                                                    const ur5e_real t214 = t165 * t213;
-                                                    const ur5e_real t215 = t210 + t214;
-                                                    const ur5e_real t216 = t215 * t215;
-                                                    const ur5e_real t217 = t164 * t213;
-                                                    const ur5e_real t218 = t165 * t209;
-                                                    const ur5e_real t219 = t217 - t218;
-                                                    const ur5e_real t220 = t219 * t219;
-                                                    const ur5e_real t221 = t216 + t220;
-                                                    const ur5e_real t222 = sqrtf(t221);
-                                                    if (t222 > 1.5258789e-05f) {
-                                                        const ur5e_real t224 = ur5e_angle(t219,
-                                                            t215);
-                                                        found[count][0] = t42;
-                                                        found[count][1] = t183;
-                                                        found[count][2] = t166;
-                                                        found[count][3] = t224;
-                                                        found[count][4] = t61;
-                                                        found[count][5] = t91;
-                                                        ++count;
-                                                    } else {
-                                                        *undecided = true;
-                                                    }
-                                                } else {
-                                                    *undecided = true;
-                                                }
-                                            }
-                                        }
-                                    } else if (t151 > -1.5258789e-05f) {
-                                        *undecided = true;
-                                    } else {
-                                        /* out of reach */
-                                    }
-                                } else {
-                                    *undecided = true;
-                                }
-                            }
-                        }
-                    } else if (t49 > -1.5258789e-05f) {
-                        *undecided = true;
-                    } else {
-                        /* out of reach */
-                    }
-                }
-            }
-        } else if (t16 > -1.5258789e-05f) {
-            *undecided = true;
-        } else {
-            /* out of reach */
-        }
-    } else {
-        *undecided = true;
-    }
-    return count;
-}
-
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
- * the range. */
-static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
-{
-    static const bool angular[6] = { true, true, true, true, true, true };
-    static const ur5e_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    ur5e_status status = UR5E_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == UR5E_OUT_OF_RANGE); ++round) {
-        const ur5e_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < 6; ++i) {
-            const ur5e_real number = (goal[i] - joints[i]) * 0.15915494f;
-            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
-                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-                joints[i] += 6.2831855f * (ur5e_real)whole;
-            }
-        }
-        status = ur5e_check_limits(joints);
-    }
-    return status;
-}
-
-/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6],
-    unsigned int wanted, const ur5e_real about[6], ur5e_real joints[6])
-{
-    ur5e_real x[7];
-    ur5e_real found[1][6];
-    bool undecided = false;
-    ur5e_status status = ur5e_normalise_pose(pose, x);
-    if (status == UR5E_OK) {
-        if (ur5e_branches(x, near, wanted, found, &undecided) == 1) {
-            status = ur5e_turn_near(about, found[0]);
-        } else {
-            status = undecided ? UR5E_SINGULAR : UR5E_OUT_OF_RANGE;
-        }
-    }
-    if (status == UR5E_OK) {
-        for (int i = 0; i < 6; ++i) {
-            joints[i] = found[0][i];
-        }
-    }
-    return status;
-}
-
-/* All branches with the given tool pose. */
-int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[8][6])
-{
-    static const ur5e_real near[6] = { 0.0f };
-    static const ur5e_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    ur5e_real x[7];
-    int count = 0;
-    bool undecided = false;
-    ur5e_status status = ur5e_normalise_pose(pose, x);
-    if (status == UR5E_OK) {
-        const int all = ur5e_branches(x, near, 63U, joints, &undecided);
-        for (int k = 0; k < all; ++k) {
-            if (ur5e_turn_near(middle, joints[k]) == UR5E_OK) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
-/* The branch named by the choices' bits. */
-ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch, ur5e_real joints[6])
-{
-    static const ur5e_real near[6] = { 0.0f };
-    static const ur5e_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    ur5e_status status = UR5E_OUT_OF_RANGE;
-    if (branch < 8U) {
-        unsigned int wanted = 0U;
-        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
-        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
-        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
-        status = ur5e_one_branch(pose, near, wanted, middle, joints);
-    }
-    return status;
-}
-
-/* The branch nearest to the guess, choice by choice. */
-ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6],
-    ur5e_real joints[6])
-{
-    ur5e_status status = ur5e_check_finite(guess, 6, UR5E_OK);
-    if (status == UR5E_OK) {
-        ur5e_real near[6] = { 0.0f };
-        near[0] = ur5e_sine(guess[0] + 1.5707964f);
-        near[1] = ur5e_sine(guess[0]);
-        near[3] = ur5e_sine(guess[4]);
-        near[5] = ur5e_sine(guess[2]);
-        status = ur5e_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

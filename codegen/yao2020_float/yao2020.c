@@ -242,1781 +242,755 @@ static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
     x[6] = t109;
 }
 
-/* Work space of yao2020_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta1, theta2, theta3, theta4, theta5, L6
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    yao2020_real x[6]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    yao2020_real x0[6];
-    yao2020_real at[7]; /* known values at the guess, where the line begins */
-    yao2020_real k[7]; /* known values aimed at */
-    yao2020_real f[6]; /* rows; the linear solver leaves the step in their place */
-    yao2020_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    yao2020_real spread;
-    uint8_t order[6]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} yao2020_inverse_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void yao2020_inverse_rows(yao2020_inverse_work *w)
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
+static yao2020_real yao2020_angle(yao2020_real s, yao2020_real c)
 {
-    /* row 1: theta1, theta2, theta3, theta4, theta5, L6 */
-    const yao2020_real t0 = cosf(w->x[0]);
-    const yao2020_real t1 = cosf(w->x[1]);
-    const yao2020_real t2 = cosf(w->x[2]);
-    const yao2020_real t3 = cosf(w->x[3]);
-    const yao2020_real t4 = cosf(w->x[4]);
-    const yao2020_real t5 = w->x[5] - 160.0f;
-    const yao2020_real t6 = t4 * t5;
-    const yao2020_real t7 = t6 - 85.0f;
-    const yao2020_real t8 = t3 * t7;
-    const yao2020_real t9 = sinf(w->x[3]);
-    const yao2020_real t10 = 105.0f * t9;
-    const yao2020_real t11 = t8 + t10;
-    const yao2020_real t12 = t11 - 300.0f;
-    const yao2020_real t13 = t2 * t12;
-    const yao2020_real t14 = 1.0f - t2;
-    const yao2020_real t15 = t14 * t12;
-    const yao2020_real t16 = t13 + t15;
-    const yao2020_real t17 = t1 * t16;
-    const yao2020_real t18 = sinf(w->x[1]);
-    const yao2020_real t19 = 105.0f * t3;
-    const yao2020_real t20 = t9 * t7;
-    const yao2020_real t21 = t19 - t20;
-    const yao2020_real t22 = t2 * t21;
-    const yao2020_real t23 = sinf(w->x[2]);
-    const yao2020_real t24 = sinf(w->x[4]);
-    const yao2020_real t25 = t24 * t5;
-    const yao2020_real t26 = t3 * t25;
-    const yao2020_real t27 = 1.0f - t3;
-    const yao2020_real t28 = t27 * t25;
-    const yao2020_real t29 = t26 + t28;
-    const yao2020_real t30 = t23 * t29;
-    const yao2020_real t31 = t22 + t30;
-    const yao2020_real t32 = t18 * t31;
-    const yao2020_real t33 = t17 + t32;
-    const yao2020_real t34 = t0 * t33;
-    const yao2020_real t35 = sinf(w->x[0]);
-    const yao2020_real t36 = t2 * t29;
-    const yao2020_real t37 = t23 * t21;
-    const yao2020_real t38 = t36 - t37;
-    const yao2020_real t39 = t1 * t38;
-    const yao2020_real t40 = 1.0f - t1;
-    const yao2020_real t41 = t40 * t38;
-    const yao2020_real t42 = t39 + t41;
-    const yao2020_real t43 = t35 * t42;
-    const yao2020_real t44 = t34 - t43;
-    const yao2020_real t45 = w->k[0] - t44;
-    const yao2020_real t46 = -t45;
-    w->f[0] = t46;
-    /* row 2: theta1, theta2, theta3, theta4, theta5, L6 */
-    const yao2020_real t48 = t0 * t42;
-    const yao2020_real t49 = t35 * t33;
-    const yao2020_real t50 = t48 + t49;
-    const yao2020_real t51 = w->k[1] - t50;
-    const yao2020_real t52 = -t51;
-    w->f[1] = t52;
-    /* row 3: theta1, theta2, theta3, theta4, theta5, L6 */
-    const yao2020_real t54 = t1 * t31;
-    const yao2020_real t55 = t18 * t16;
-    const yao2020_real t56 = t54 - t55;
-    const yao2020_real t57 = t0 * t56;
-    const yao2020_real t58 = 1.0f - t0;
-    const yao2020_real t59 = t58 * t56;
-    const yao2020_real t60 = t57 + t59;
-    const yao2020_real t61 = w->k[2] - t60;
-    const yao2020_real t62 = -t61;
-    w->f[2] = t62;
-    /* row 4: theta1, theta2, theta3, theta4, theta5 */
-    const yao2020_real t64 = 0.5f * w->x[0];
-    const yao2020_real t65 = cosf(t64);
-    const yao2020_real t66 = 0.5f * w->x[1];
-    const yao2020_real t67 = cosf(t66);
-    const yao2020_real t68 = t65 * t67;
-    const yao2020_real t69 = 0.5f * w->x[2];
-    const yao2020_real t70 = cosf(t69);
-    const yao2020_real t71 = t68 * t70;
-    const yao2020_real t72 = sinf(t64);
-    const yao2020_real t73 = sinf(t66);
-    const yao2020_real t74 = t72 * t73;
-    const yao2020_real t75 = sinf(t69);
-    const yao2020_real t76 = t74 * t75;
-    const yao2020_real t77 = t71 + t76;
-    const yao2020_real t78 = 0.5f * w->x[3];
-    const yao2020_real t79 = cosf(t78);
-    const yao2020_real t80 = t77 * t79;
-    const yao2020_real t81 = t65 * t73;
-    const yao2020_real t82 = t81 * t70;
-    const yao2020_real t83 = t72 * t67;
-    const yao2020_real t84 = t83 * t75;
-    const yao2020_real t85 = t82 + t84;
-    const yao2020_real t86 = sinf(t78);
-    const yao2020_real t87 = t85 * t86;
-    const yao2020_real t88 = t80 - t87;
-    const yao2020_real t89 = 0.5f * w->x[4];
-    const yao2020_real t90 = cosf(t89);
-    const yao2020_real t91 = t88 * t90;
-    const yao2020_real t92 = t68 * t75;
-    const yao2020_real t93 = t74 * t70;
-    const yao2020_real t94 = t92 - t93;
-    const yao2020_real t95 = t94 * t86;
-    const yao2020_real t96 = t83 * t70;
-    const yao2020_real t97 = t81 * t75;
-    const yao2020_real t98 = t96 - t97;
-    const yao2020_real t99 = t98 * t79;
-    const yao2020_real t100 = t95 + t99;
-    const yao2020_real t101 = sinf(t89);
-    const yao2020_real t102 = t100 * t101;
-    const yao2020_real t103 = t91 - t102;
-    const yao2020_real t104 = t103 * w->k[4];
-    const yao2020_real t105 = t94 * t79;
-    const yao2020_real t106 = t98 * t86;
-    const yao2020_real t107 = t105 - t106;
-    const yao2020_real t108 = t107 * t90;
-    const yao2020_real t109 = t77 * t86;
-    const yao2020_real t110 = t85 * t79;
-    const yao2020_real t111 = t109 + t110;
-    const yao2020_real t112 = t111 * t101;
-    const yao2020_real t113 = t108 + t112;
-    const yao2020_real t114 = t113 * w->k[3];
-    const yao2020_real t115 = t104 - t114;
-    const yao2020_real t116 = t111 * t90;
-    const yao2020_real t117 = t107 * t101;
-    const yao2020_real t118 = t116 - t117;
-    const yao2020_real t119 = t118 * w->k[6];
-    const yao2020_real t120 = t115 - t119;
-    const yao2020_real t121 = t88 * t101;
-    const yao2020_real t122 = t100 * t90;
-    const yao2020_real t123 = t121 + t122;
-    const yao2020_real t124 = t123 * w->k[5];
-    const yao2020_real t125 = t120 + t124;
-    const yao2020_real t126 = 1110.045f * t125;
-    const yao2020_real t127 = -t126;
-    w->f[3] = t127;
-    /* row 5: theta1, theta2, theta3, theta4, theta5 */
-    const yao2020_real t129 = t103 * w->k[5];
-    const yao2020_real t130 = t113 * w->k[6];
-    const yao2020_real t131 = t129 + t130;
-    const yao2020_real t132 = t118 * w->k[3];
-    const yao2020_real t133 = t131 - t132;
-    const yao2020_real t134 = t123 * w->k[4];
-    const yao2020_real t135 = t133 - t134;
-    const yao2020_real t136 = 1110.045f * t135;
-    const yao2020_real t137 = -t136;
-    w->f[4] = t137;
-    /* row 6: theta1, theta2, theta3, theta4, theta5 */
-    const yao2020_real t139 = t103 * w->k[6];
-    const yao2020_real t140 = t113 * w->k[5];
-    const yao2020_real t141 = t139 - t140;
-    const yao2020_real t142 = t118 * w->k[4];
-    const yao2020_real t143 = t141 + t142;
-    const yao2020_real t144 = t123 * w->k[3];
-    const yao2020_real t145 = t143 - t144;
-    const yao2020_real t146 = 1110.045f * t145;
-    const yao2020_real t147 = -t146;
-    w->f[5] = t147;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static YAO2020_SHARED yao2020_real yao2020_inverse_residual(const yao2020_inverse_work *w)
-{
-    yao2020_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 6; ++i) {
-        sum += w->f[i] * w->f[i];
+    const yao2020_real x = fabsf(c);
+    const yao2020_real y = fabsf(s);
+    const bool steep = y > x;
+    const yao2020_real ratio = steep ? (x / y) : (y / x);
+    const yao2020_real square = ratio * ratio;
+    yao2020_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
     }
-    return sqrtf(sum);
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
 }
 
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static yao2020_real yao2020_inverse_apply_step(yao2020_inverse_work *w)
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
+static yao2020_real yao2020_sine(yao2020_real angle)
 {
-    const yao2020_real t0 = 0.0018017287f * w->f[0];
-    const yao2020_real t1 = w->x[0] + t0;
-    const yao2020_real t2 = 0.0018017287f * w->f[1];
-    const yao2020_real t3 = w->x[1] + t2;
-    const yao2020_real t4 = 0.0018017287f * w->f[2];
-    const yao2020_real t5 = w->x[2] + t4;
-    const yao2020_real t6 = 0.0018017287f * w->f[3];
-    const yao2020_real t7 = w->x[3] + t6;
-    const yao2020_real t8 = 0.0018017287f * w->f[4];
-    const yao2020_real t9 = w->x[4] + t8;
-    const yao2020_real t10 = w->x[5] + w->f[5];
-    const yao2020_real t11 = w->f[0] * w->f[0];
-    const yao2020_real t12 = w->f[1] * w->f[1];
+    const yao2020_real number = angle * 0.15915494f;
+    yao2020_real sine = 0.0f;
+    if (fabsf(number) < 10000.0f) {
+        yao2020_real x = angle - 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f)
+            ? -0.5f : 0.5f));
+        if (x > 1.5707964f) {
+            x = 3.1415927f - x;
+        } else if (x < -1.5707964f) {
+            x = -3.1415927f - x;
+        } else {
+            /* within a quarter turn */
+        }
+        const yao2020_real square = x * x;
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
+            + square * -0.00018363616f)));
+    }
+    return sine;
+}
+
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
+    unsigned int wanted, yao2020_real found[][6], bool *undecided,
+    yao2020_real margin[5])
+{
+    int count = 0;
+    (void)margin;
+    (void)near;
+    (void)wanted;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
+    const yao2020_real t0 = x[4] * x[6];
+    const yao2020_real t1 = x[3] * x[5];
+    const yao2020_real t2 = t0 + t1;
+    const yao2020_real t3 = t2 + t2;
+    const yao2020_real t4 = t3 * x[0];
+    const yao2020_real t5 = x[5] * x[6];
+    const yao2020_real t6 = x[3] * x[4];
+    const yao2020_real t7 = t5 - t6;
+    const yao2020_real t8 = t7 + t7;
+    const yao2020_real t9 = t8 * x[1];
+    const yao2020_real t10 = t4 + t9;
+    const yao2020_real t11 = x[4] * x[4];
+    const yao2020_real t12 = x[5] * x[5];
     const yao2020_real t13 = t11 + t12;
-    const yao2020_real t14 = w->f[2] * w->f[2];
-    const yao2020_real t15 = t13 + t14;
-    const yao2020_real t16 = w->f[3] * w->f[3];
-    const yao2020_real t17 = t15 + t16;
-    const yao2020_real t18 = w->f[4] * w->f[4];
-    const yao2020_real t19 = t17 + t18;
-    const yao2020_real t20 = w->f[5] * w->f[5];
-    const yao2020_real t21 = t19 + t20;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    w->x[4] = t9;
-    w->x[5] = t10;
-    return t21;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static YAO2020_SHARED void yao2020_inverse_set_target(yao2020_inverse_work *w,
-    const yao2020_real to[7], yao2020_real part)
-{
-    for (int i = 0; i < 7; ++i) {
-        w->k[i] = to[i];
-    }
-    /* of q and -q, one rotation, the one on the guess's side */
-    if (w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5] + w->at[6] * to[6] < 0.0f) {
-        w->k[3] = -w->k[3];
-        w->k[4] = -w->k[4];
-        w->k[5] = -w->k[5];
-        w->k[6] = -w->k[6];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 7; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-        const yao2020_real inverse = 1.0f / sqrtf(w->k[3] * w->k[3] + w->k[4] * w->k[4]
-            + w->k[5] * w->k[5] + w->k[6] * w->k[6]);
-        w->k[3] *= inverse;
-        w->k[4] *= inverse;
-        w->k[5] *= inverse;
-        w->k[6] *= inverse;
-    }
-}
-
-/* The matrix -df/dstep into w->a, row by row: the fallback's start. */
-static void yao2020_inverse_matrix(yao2020_inverse_work *w)
-{
-    const yao2020_real t0 = cosf(w->x[1]);
-    const yao2020_real t1 = cosf(w->x[2]);
-    const yao2020_real t2 = cosf(w->x[3]);
-    const yao2020_real t3 = cosf(w->x[4]);
-    const yao2020_real t4 = w->x[5] - 160.0f;
-    const yao2020_real t5 = t3 * t4;
-    const yao2020_real t6 = t5 - 85.0f;
-    const yao2020_real t7 = t2 * t6;
-    const yao2020_real t8 = sinf(w->x[3]);
-    const yao2020_real t9 = 105.0f * t8;
-    const yao2020_real t10 = t7 + t9;
-    const yao2020_real t11 = t10 - 300.0f;
-    const yao2020_real t12 = t1 * t11;
-    const yao2020_real t13 = 1.0f - t1;
-    const yao2020_real t14 = t13 * t11;
-    const yao2020_real t15 = t12 + t14;
-    const yao2020_real t16 = t0 * t15;
-    const yao2020_real t17 = sinf(w->x[1]);
-    const yao2020_real t18 = 105.0f * t2;
-    const yao2020_real t19 = t8 * t6;
-    const yao2020_real t20 = t18 - t19;
-    const yao2020_real t21 = t1 * t20;
-    const yao2020_real t22 = sinf(w->x[2]);
-    const yao2020_real t23 = sinf(w->x[4]);
-    const yao2020_real t24 = t23 * t4;
-    const yao2020_real t25 = t2 * t24;
-    const yao2020_real t26 = 1.0f - t2;
-    const yao2020_real t27 = t26 * t24;
-    const yao2020_real t28 = t25 + t27;
-    const yao2020_real t29 = t22 * t28;
-    const yao2020_real t30 = t21 + t29;
-    const yao2020_real t31 = t17 * t30;
-    const yao2020_real t32 = t16 + t31;
-    const yao2020_real t33 = sinf(w->x[0]);
-    const yao2020_real t34 = t32 * t33;
-    const yao2020_real t35 = t1 * t28;
-    const yao2020_real t36 = t22 * t20;
-    const yao2020_real t37 = t35 - t36;
-    const yao2020_real t38 = t0 * t37;
-    const yao2020_real t39 = 1.0f - t0;
-    const yao2020_real t40 = t39 * t37;
-    const yao2020_real t41 = t38 + t40;
-    const yao2020_real t42 = cosf(w->x[0]);
-    const yao2020_real t43 = t41 * t42;
-    const yao2020_real t44 = t34 + t43;
-    const yao2020_real t45 = 0.0018017287f * t44;
-    w->a[0] = t45;
-    const yao2020_real t47 = t30 * t0;
-    const yao2020_real t48 = t15 * t17;
-    const yao2020_real t49 = t47 - t48;
-    const yao2020_real t50 = t42 * t49;
-    const yao2020_real t51 = 0.0018017287f * t50;
-    const yao2020_real t52 = -t51;
-    w->a[1] = t52;
-    const yao2020_real t54 = t28 * t1;
-    const yao2020_real t55 = t20 * t22;
-    const yao2020_real t56 = t54 - t55;
-    const yao2020_real t57 = t17 * t56;
-    const yao2020_real t58 = t42 * t57;
-    const yao2020_real t59 = t28 * t22;
-    const yao2020_real t60 = t20 * t1;
-    const yao2020_real t61 = t59 + t60;
-    const yao2020_real t62 = t0 * t61;
-    const yao2020_real t63 = t39 * t61;
-    const yao2020_real t64 = t62 + t63;
-    const yao2020_real t65 = t33 * t64;
-    const yao2020_real t66 = t58 + t65;
-    const yao2020_real t67 = 0.0018017287f * t66;
-    const yao2020_real t68 = -t67;
-    w->a[2] = t68;
-    const yao2020_real t70 = t6 * t8;
-    const yao2020_real t71 = t18 - t70;
-    const yao2020_real t72 = t1 * t71;
-    const yao2020_real t73 = t13 * t71;
-    const yao2020_real t74 = t72 + t73;
-    const yao2020_real t75 = t0 * t74;
-    const yao2020_real t76 = t6 * t2;
-    const yao2020_real t77 = t9 + t76;
-    const yao2020_real t78 = t1 * t77;
-    const yao2020_real t79 = t17 * t78;
-    const yao2020_real t80 = t75 - t79;
-    const yao2020_real t81 = t42 * t80;
-    const yao2020_real t82 = t22 * t77;
-    const yao2020_real t83 = t0 * t82;
-    const yao2020_real t84 = t39 * t82;
-    const yao2020_real t85 = t83 + t84;
-    const yao2020_real t86 = t33 * t85;
-    const yao2020_real t87 = t81 - t86;
-    const yao2020_real t88 = 0.0018017287f * t87;
-    const yao2020_real t89 = -t88;
-    w->a[3] = t89;
-    const yao2020_real t91 = t4 * t23;
-    const yao2020_real t92 = t8 * t91;
-    const yao2020_real t93 = t1 * t92;
-    const yao2020_real t94 = t4 * t3;
-    const yao2020_real t95 = t2 * t94;
-    const yao2020_real t96 = t26 * t94;
-    const yao2020_real t97 = t95 + t96;
-    const yao2020_real t98 = t22 * t97;
-    const yao2020_real t99 = t93 + t98;
-    const yao2020_real t100 = t17 * t99;
-    const yao2020_real t101 = t2 * t91;
-    const yao2020_real t102 = t1 * t101;
-    const yao2020_real t103 = t13 * t101;
-    const yao2020_real t104 = t102 + t103;
-    const yao2020_real t105 = t0 * t104;
-    const yao2020_real t106 = t100 - t105;
-    const yao2020_real t107 = t42 * t106;
-    const yao2020_real t108 = t1 * t97;
-    const yao2020_real t109 = t22 * t92;
-    const yao2020_real t110 = t108 - t109;
-    const yao2020_real t111 = t0 * t110;
-    const yao2020_real t112 = t39 * t110;
-    const yao2020_real t113 = t111 + t112;
-    const yao2020_real t114 = t33 * t113;
-    const yao2020_real t115 = t107 - t114;
-    const yao2020_real t116 = 0.0018017287f * t115;
-    const yao2020_real t117 = -t116;
-    w->a[4] = t117;
-    const yao2020_real t119 = t2 * t3;
-    const yao2020_real t120 = t1 * t119;
-    const yao2020_real t121 = t13 * t119;
-    const yao2020_real t122 = t120 + t121;
-    const yao2020_real t123 = t0 * t122;
-    const yao2020_real t124 = t2 * t23;
-    const yao2020_real t125 = t26 * t23;
-    const yao2020_real t126 = t124 + t125;
-    const yao2020_real t127 = t22 * t126;
-    const yao2020_real t128 = t8 * t3;
-    const yao2020_real t129 = t1 * t128;
-    const yao2020_real t130 = t127 - t129;
-    const yao2020_real t131 = t17 * t130;
-    const yao2020_real t132 = t123 + t131;
-    const yao2020_real t133 = t42 * t132;
-    const yao2020_real t134 = t1 * t126;
-    const yao2020_real t135 = t22 * t128;
-    const yao2020_real t136 = t134 + t135;
-    const yao2020_real t137 = t0 * t136;
-    const yao2020_real t138 = t39 * t136;
-    const yao2020_real t139 = t137 + t138;
-    const yao2020_real t140 = t33 * t139;
-    const yao2020_real t141 = t133 - t140;
-    const yao2020_real t142 = -t141;
-    w->a[5] = t142;
-    const yao2020_real t144 = t32 * t42;
-    const yao2020_real t145 = t41 * t33;
-    const yao2020_real t146 = t144 - t145;
-    const yao2020_real t147 = 0.0018017287f * t146;
-    const yao2020_real t148 = -t147;
-    w->a[6] = t148;
-    const yao2020_real t150 = t33 * t49;
-    const yao2020_real t151 = 0.0018017287f * t150;
-    const yao2020_real t152 = -t151;
-    w->a[7] = t152;
-    const yao2020_real t154 = t33 * t57;
-    const yao2020_real t155 = t42 * t64;
-    const yao2020_real t156 = t154 - t155;
-    const yao2020_real t157 = 0.0018017287f * t156;
-    const yao2020_real t158 = -t157;
-    w->a[8] = t158;
-    const yao2020_real t160 = t42 * t85;
-    const yao2020_real t161 = t33 * t80;
-    const yao2020_real t162 = t160 + t161;
-    const yao2020_real t163 = 0.0018017287f * t162;
-    const yao2020_real t164 = -t163;
-    w->a[9] = t164;
-    const yao2020_real t166 = t42 * t113;
-    const yao2020_real t167 = t33 * t106;
-    const yao2020_real t168 = t166 + t167;
-    const yao2020_real t169 = 0.0018017287f * t168;
-    const yao2020_real t170 = -t169;
-    w->a[10] = t170;
-    const yao2020_real t172 = t42 * t139;
-    const yao2020_real t173 = t33 * t132;
-    const yao2020_real t174 = t172 + t173;
-    const yao2020_real t175 = -t174;
-    w->a[11] = t175;
-    w->a[12] = 0.0f;
-    const yao2020_real t178 = t30 * t17;
-    const yao2020_real t179 = t15 * t0;
-    const yao2020_real t180 = t178 + t179;
-    const yao2020_real t181 = t42 * t180;
-    const yao2020_real t182 = 1.0f - t42;
-    const yao2020_real t183 = t182 * t180;
-    const yao2020_real t184 = t181 + t183;
-    const yao2020_real t185 = 0.0018017287f * t184;
-    w->a[13] = t185;
-    const yao2020_real t187 = t0 * t56;
-    const yao2020_real t188 = t42 * t187;
-    const yao2020_real t189 = t182 * t187;
-    const yao2020_real t190 = t188 + t189;
-    const yao2020_real t191 = 0.0018017287f * t190;
-    const yao2020_real t192 = -t191;
-    w->a[14] = t192;
-    const yao2020_real t194 = t0 * t78;
-    const yao2020_real t195 = t17 * t74;
-    const yao2020_real t196 = t194 + t195;
-    const yao2020_real t197 = t42 * t196;
-    const yao2020_real t198 = t182 * t196;
-    const yao2020_real t199 = t197 + t198;
-    const yao2020_real t200 = 0.0018017287f * t199;
-    w->a[15] = t200;
-    const yao2020_real t202 = t0 * t99;
-    const yao2020_real t203 = t17 * t104;
-    const yao2020_real t204 = t202 + t203;
-    const yao2020_real t205 = t42 * t204;
-    const yao2020_real t206 = t182 * t204;
-    const yao2020_real t207 = t205 + t206;
-    const yao2020_real t208 = 0.0018017287f * t207;
-    const yao2020_real t209 = -t208;
-    w->a[16] = t209;
-    const yao2020_real t211 = t0 * t130;
-    const yao2020_real t212 = t17 * t122;
-    const yao2020_real t213 = t211 - t212;
-    const yao2020_real t214 = t42 * t213;
-    const yao2020_real t215 = t182 * t213;
-    const yao2020_real t216 = t214 + t215;
-    const yao2020_real t217 = -t216;
-    w->a[17] = t217;
-    const yao2020_real t219 = 0.5f * w->x[4];
-    const yao2020_real t220 = cosf(t219);
-    const yao2020_real t221 = 0.5f * w->x[3];
-    const yao2020_real t222 = cosf(t221);
-    const yao2020_real t223 = 0.5f * w->x[2];
-    const yao2020_real t224 = sinf(t223);
-    const yao2020_real t225 = 0.5f * w->x[1];
-    const yao2020_real t226 = sinf(t225);
-    const yao2020_real t227 = 0.5f * w->x[0];
-    const yao2020_real t228 = cosf(t227);
-    const yao2020_real t229 = 0.5f * t228;
-    const yao2020_real t230 = t226 * t229;
-    const yao2020_real t231 = t224 * t230;
-    const yao2020_real t232 = cosf(t223);
-    const yao2020_real t233 = cosf(t225);
-    const yao2020_real t234 = sinf(t227);
-    const yao2020_real t235 = 0.5f * t234;
-    const yao2020_real t236 = t233 * t235;
-    const yao2020_real t237 = t232 * t236;
-    const yao2020_real t238 = t231 - t237;
-    const yao2020_real t239 = t222 * t238;
-    const yao2020_real t240 = sinf(t221);
-    const yao2020_real t241 = t233 * t229;
-    const yao2020_real t242 = t224 * t241;
-    const yao2020_real t243 = t226 * t235;
-    const yao2020_real t244 = t232 * t243;
-    const yao2020_real t245 = t242 - t244;
-    const yao2020_real t246 = t240 * t245;
-    const yao2020_real t247 = t239 - t246;
-    const yao2020_real t248 = t220 * t247;
-    const yao2020_real t249 = sinf(t219);
-    const yao2020_real t250 = t232 * t241;
-    const yao2020_real t251 = t224 * t243;
-    const yao2020_real t252 = t250 + t251;
-    const yao2020_real t253 = t222 * t252;
-    const yao2020_real t254 = t224 * t236;
-    const yao2020_real t255 = t232 * t230;
-    const yao2020_real t256 = t254 + t255;
-    const yao2020_real t257 = t240 * t256;
-    const yao2020_real t258 = t253 - t257;
-    const yao2020_real t259 = t249 * t258;
-    const yao2020_real t260 = t248 - t259;
-    const yao2020_real t261 = w->k[4] * t260;
-    const yao2020_real t262 = t240 * t238;
-    const yao2020_real t263 = t222 * t245;
-    const yao2020_real t264 = t262 + t263;
-    const yao2020_real t265 = t249 * t264;
-    const yao2020_real t266 = t222 * t256;
-    const yao2020_real t267 = t240 * t252;
-    const yao2020_real t268 = t266 + t267;
-    const yao2020_real t269 = t220 * t268;
-    const yao2020_real t270 = t265 - t269;
-    const yao2020_real t271 = w->k[3] * t270;
-    const yao2020_real t272 = t261 - t271;
-    const yao2020_real t273 = t220 * t264;
-    const yao2020_real t274 = t249 * t268;
-    const yao2020_real t275 = t273 + t274;
-    const yao2020_real t276 = w->k[6] * t275;
-    const yao2020_real t277 = t272 - t276;
-    const yao2020_real t278 = t249 * t247;
-    const yao2020_real t279 = t220 * t258;
-    const yao2020_real t280 = t278 + t279;
-    const yao2020_real t281 = w->k[5] * t280;
-    const yao2020_real t282 = t277 + t281;
-    const yao2020_real t283 = t282 + t282;
-    w->a[18] = t283;
-    const yao2020_real t285 = 0.5f * t233;
-    const yao2020_real t286 = t234 * t285;
-    const yao2020_real t287 = t224 * t286;
-    const yao2020_real t288 = 0.5f * t226;
-    const yao2020_real t289 = t228 * t288;
-    const yao2020_real t290 = t232 * t289;
-    const yao2020_real t291 = t287 - t290;
-    const yao2020_real t292 = t222 * t291;
-    const yao2020_real t293 = t228 * t285;
-    const yao2020_real t294 = t232 * t293;
-    const yao2020_real t295 = t234 * t288;
-    const yao2020_real t296 = t224 * t295;
-    const yao2020_real t297 = t294 - t296;
-    const yao2020_real t298 = t240 * t297;
-    const yao2020_real t299 = t292 - t298;
-    const yao2020_real t300 = t220 * t299;
-    const yao2020_real t301 = t224 * t289;
-    const yao2020_real t302 = t232 * t286;
-    const yao2020_real t303 = t301 + t302;
-    const yao2020_real t304 = t240 * t303;
-    const yao2020_real t305 = t232 * t295;
-    const yao2020_real t306 = t224 * t293;
-    const yao2020_real t307 = t305 + t306;
-    const yao2020_real t308 = t222 * t307;
-    const yao2020_real t309 = t304 + t308;
-    const yao2020_real t310 = t249 * t309;
-    const yao2020_real t311 = t300 + t310;
-    const yao2020_real t312 = w->k[4] * t311;
-    const yao2020_real t313 = t240 * t307;
-    const yao2020_real t314 = t222 * t303;
-    const yao2020_real t315 = t313 - t314;
-    const yao2020_real t316 = t220 * t315;
-    const yao2020_real t317 = t240 * t291;
-    const yao2020_real t318 = t222 * t297;
-    const yao2020_real t319 = t317 + t318;
-    const yao2020_real t320 = t249 * t319;
-    const yao2020_real t321 = t316 + t320;
-    const yao2020_real t322 = w->k[3] * t321;
-    const yao2020_real t323 = t312 - t322;
-    const yao2020_real t324 = t220 * t319;
-    const yao2020_real t325 = t249 * t315;
-    const yao2020_real t326 = t324 - t325;
-    const yao2020_real t327 = w->k[6] * t326;
-    const yao2020_real t328 = t323 - t327;
-    const yao2020_real t329 = t249 * t299;
-    const yao2020_real t330 = t220 * t309;
-    const yao2020_real t331 = t329 - t330;
-    const yao2020_real t332 = w->k[5] * t331;
-    const yao2020_real t333 = t328 + t332;
-    const yao2020_real t334 = t333 + t333;
-    w->a[19] = t334;
-    const yao2020_real t336 = t234 * t226;
-    const yao2020_real t337 = 0.5f * t232;
-    const yao2020_real t338 = t336 * t337;
-    const yao2020_real t339 = t228 * t233;
-    const yao2020_real t340 = 0.5f * t224;
-    const yao2020_real t341 = t339 * t340;
-    const yao2020_real t342 = t338 - t341;
-    const yao2020_real t343 = t222 * t342;
-    const yao2020_real t344 = t234 * t233;
-    const yao2020_real t345 = t344 * t337;
-    const yao2020_real t346 = t228 * t226;
-    const yao2020_real t347 = t346 * t340;
-    const yao2020_real t348 = t345 - t347;
-    const yao2020_real t349 = t240 * t348;
-    const yao2020_real t350 = t343 - t349;
-    const yao2020_real t351 = t220 * t350;
-    const yao2020_real t352 = t339 * t337;
-    const yao2020_real t353 = t336 * t340;
-    const yao2020_real t354 = t352 + t353;
-    const yao2020_real t355 = t240 * t354;
-    const yao2020_real t356 = t344 * t340;
-    const yao2020_real t357 = t346 * t337;
-    const yao2020_real t358 = t356 + t357;
-    const yao2020_real t359 = t222 * t358;
-    const yao2020_real t360 = t355 - t359;
-    const yao2020_real t361 = t249 * t360;
-    const yao2020_real t362 = t351 - t361;
-    const yao2020_real t363 = w->k[4] * t362;
-    const yao2020_real t364 = t222 * t354;
-    const yao2020_real t365 = t240 * t358;
-    const yao2020_real t366 = t364 + t365;
-    const yao2020_real t367 = t220 * t366;
-    const yao2020_real t368 = t240 * t342;
-    const yao2020_real t369 = t222 * t348;
-    const yao2020_real t370 = t368 + t369;
-    const yao2020_real t371 = t249 * t370;
-    const yao2020_real t372 = t367 + t371;
-    const yao2020_real t373 = w->k[3] * t372;
-    const yao2020_real t374 = t363 - t373;
-    const yao2020_real t375 = t220 * t370;
-    const yao2020_real t376 = t249 * t366;
-    const yao2020_real t377 = t375 - t376;
-    const yao2020_real t378 = w->k[6] * t377;
-    const yao2020_real t379 = t374 - t378;
-    const yao2020_real t380 = t249 * t350;
-    const yao2020_real t381 = t220 * t360;
-    const yao2020_real t382 = t380 + t381;
-    const yao2020_real t383 = w->k[5] * t382;
-    const yao2020_real t384 = t379 + t383;
-    const yao2020_real t385 = t384 + t384;
-    w->a[20] = t385;
-    const yao2020_real t387 = t339 * t224;
-    const yao2020_real t388 = t336 * t232;
-    const yao2020_real t389 = t387 - t388;
-    const yao2020_real t390 = 0.5f * t222;
-    const yao2020_real t391 = t389 * t390;
-    const yao2020_real t392 = t344 * t232;
-    const yao2020_real t393 = t346 * t224;
-    const yao2020_real t394 = t392 - t393;
-    const yao2020_real t395 = 0.5f * t240;
-    const yao2020_real t396 = t394 * t395;
-    const yao2020_real t397 = t391 - t396;
-    const yao2020_real t398 = t220 * t397;
-    const yao2020_real t399 = t339 * t232;
-    const yao2020_real t400 = t336 * t224;
-    const yao2020_real t401 = t399 + t400;
-    const yao2020_real t402 = t401 * t395;
-    const yao2020_real t403 = t346 * t232;
-    const yao2020_real t404 = t344 * t224;
-    const yao2020_real t405 = t403 + t404;
-    const yao2020_real t406 = t405 * t390;
-    const yao2020_real t407 = t402 + t406;
-    const yao2020_real t408 = t249 * t407;
-    const yao2020_real t409 = t398 - t408;
-    const yao2020_real t410 = w->k[5] * t409;
-    const yao2020_real t411 = t220 * t407;
-    const yao2020_real t412 = t249 * t397;
-    const yao2020_real t413 = t411 + t412;
-    const yao2020_real t414 = w->k[4] * t413;
-    const yao2020_real t415 = t401 * t390;
-    const yao2020_real t416 = t405 * t395;
-    const yao2020_real t417 = t415 - t416;
-    const yao2020_real t418 = t249 * t417;
-    const yao2020_real t419 = t389 * t395;
-    const yao2020_real t420 = t394 * t390;
-    const yao2020_real t421 = t419 + t420;
-    const yao2020_real t422 = t220 * t421;
-    const yao2020_real t423 = t418 - t422;
-    const yao2020_real t424 = w->k[3] * t423;
-    const yao2020_real t425 = t414 + t424;
-    const yao2020_real t426 = t220 * t417;
-    const yao2020_real t427 = t249 * t421;
-    const yao2020_real t428 = t426 + t427;
-    const yao2020_real t429 = w->k[6] * t428;
-    const yao2020_real t430 = t425 + t429;
-    const yao2020_real t431 = t410 - t430;
-    const yao2020_real t432 = t431 + t431;
-    w->a[21] = t432;
-    const yao2020_real t434 = t401 * t240;
-    const yao2020_real t435 = t405 * t222;
-    const yao2020_real t436 = t434 + t435;
-    const yao2020_real t437 = 0.5f * t249;
-    const yao2020_real t438 = t436 * t437;
-    const yao2020_real t439 = t389 * t222;
-    const yao2020_real t440 = t394 * t240;
-    const yao2020_real t441 = t439 - t440;
-    const yao2020_real t442 = 0.5f * t220;
-    const yao2020_real t443 = t441 * t442;
-    const yao2020_real t444 = t438 + t443;
-    const yao2020_real t445 = w->k[6] * t444;
-    const yao2020_real t446 = t401 * t222;
-    const yao2020_real t447 = t405 * t240;
-    const yao2020_real t448 = t446 - t447;
-    const yao2020_real t449 = t448 * t437;
-    const yao2020_real t450 = t389 * t240;
-    const yao2020_real t451 = t394 * t222;
-    const yao2020_real t452 = t450 + t451;
-    const yao2020_real t453 = t452 * t442;
-    const yao2020_real t454 = t449 + t453;
-    const yao2020_real t455 = w->k[4] * t454;
-    const yao2020_real t456 = t436 * t442;
-    const yao2020_real t457 = t441 * t437;
-    const yao2020_real t458 = t456 - t457;
-    const yao2020_real t459 = w->k[3] * t458;
-    const yao2020_real t460 = t455 + t459;
-    const yao2020_real t461 = t445 - t460;
-    const yao2020_real t462 = t448 * t442;
-    const yao2020_real t463 = t452 * t437;
-    const yao2020_real t464 = t462 - t463;
-    const yao2020_real t465 = w->k[5] * t464;
-    const yao2020_real t466 = t461 + t465;
-    const yao2020_real t467 = t466 + t466;
-    w->a[22] = t467;
-    w->a[23] = 0.0f;
-    const yao2020_real t470 = w->k[5] * t260;
-    const yao2020_real t471 = w->k[6] * t270;
-    const yao2020_real t472 = t470 + t471;
-    const yao2020_real t473 = w->k[3] * t275;
-    const yao2020_real t474 = t472 - t473;
-    const yao2020_real t475 = w->k[4] * t280;
-    const yao2020_real t476 = t474 - t475;
-    const yao2020_real t477 = t476 + t476;
-    w->a[24] = t477;
-    const yao2020_real t479 = w->k[5] * t311;
-    const yao2020_real t480 = w->k[6] * t321;
-    const yao2020_real t481 = t479 + t480;
-    const yao2020_real t482 = w->k[3] * t326;
-    const yao2020_real t483 = t481 - t482;
-    const yao2020_real t484 = w->k[4] * t331;
-    const yao2020_real t485 = t483 - t484;
-    const yao2020_real t486 = t485 + t485;
-    w->a[25] = t486;
-    const yao2020_real t488 = w->k[5] * t362;
-    const yao2020_real t489 = w->k[6] * t372;
-    const yao2020_real t490 = t488 + t489;
-    const yao2020_real t491 = w->k[3] * t377;
-    const yao2020_real t492 = t490 - t491;
-    const yao2020_real t493 = w->k[4] * t382;
-    const yao2020_real t494 = t492 - t493;
-    const yao2020_real t495 = t494 + t494;
-    w->a[26] = t495;
-    const yao2020_real t497 = w->k[6] * t423;
-    const yao2020_real t498 = w->k[5] * t413;
-    const yao2020_real t499 = t497 - t498;
-    const yao2020_real t500 = w->k[3] * t428;
-    const yao2020_real t501 = t499 - t500;
-    const yao2020_real t502 = w->k[4] * t409;
-    const yao2020_real t503 = t501 - t502;
-    const yao2020_real t504 = t503 + t503;
-    w->a[27] = t504;
-    const yao2020_real t506 = w->k[6] * t458;
-    const yao2020_real t507 = w->k[5] * t454;
-    const yao2020_real t508 = t506 - t507;
-    const yao2020_real t509 = w->k[3] * t444;
-    const yao2020_real t510 = t508 + t509;
-    const yao2020_real t511 = w->k[4] * t464;
-    const yao2020_real t512 = t510 - t511;
-    const yao2020_real t513 = t512 + t512;
-    w->a[28] = t513;
-    w->a[29] = 0.0f;
-    const yao2020_real t516 = w->k[6] * t260;
-    const yao2020_real t517 = w->k[5] * t270;
-    const yao2020_real t518 = t516 - t517;
-    const yao2020_real t519 = w->k[4] * t275;
-    const yao2020_real t520 = t518 + t519;
-    const yao2020_real t521 = w->k[3] * t280;
-    const yao2020_real t522 = t520 - t521;
-    const yao2020_real t523 = t522 + t522;
-    w->a[30] = t523;
-    const yao2020_real t525 = w->k[6] * t311;
-    const yao2020_real t526 = w->k[5] * t321;
-    const yao2020_real t527 = t525 - t526;
-    const yao2020_real t528 = w->k[4] * t326;
-    const yao2020_real t529 = t527 + t528;
-    const yao2020_real t530 = w->k[3] * t331;
-    const yao2020_real t531 = t529 - t530;
-    const yao2020_real t532 = t531 + t531;
-    w->a[31] = t532;
-    const yao2020_real t534 = w->k[6] * t362;
-    const yao2020_real t535 = w->k[5] * t372;
-    const yao2020_real t536 = t534 - t535;
-    const yao2020_real t537 = w->k[4] * t377;
-    const yao2020_real t538 = t536 + t537;
-    const yao2020_real t539 = w->k[3] * t382;
-    const yao2020_real t540 = t538 - t539;
-    const yao2020_real t541 = t540 + t540;
-    w->a[32] = t541;
-    const yao2020_real t543 = w->k[4] * t428;
-    const yao2020_real t544 = w->k[6] * t413;
-    const yao2020_real t545 = w->k[5] * t423;
-    const yao2020_real t546 = t544 + t545;
-    const yao2020_real t547 = t543 - t546;
-    const yao2020_real t548 = w->k[3] * t409;
-    const yao2020_real t549 = t547 - t548;
-    const yao2020_real t550 = t549 + t549;
-    w->a[33] = t550;
-    const yao2020_real t552 = w->k[6] * t454;
-    const yao2020_real t553 = w->k[5] * t458;
-    const yao2020_real t554 = t552 + t553;
-    const yao2020_real t555 = w->k[4] * t444;
-    const yao2020_real t556 = t554 + t555;
-    const yao2020_real t557 = w->k[3] * t464;
-    const yao2020_real t558 = t556 + t557;
-    const yao2020_real t559 = t558 + t558;
-    const yao2020_real t560 = -t559;
-    w->a[34] = t560;
-    w->a[35] = 0.0f;
-}
-
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
- * singular. */
-static YAO2020_COLD int yao2020_inverse_pivoted(yao2020_inverse_work *w)
-{
-    static const yao2020_real scale[6] = { 0.825f, 0.863f, 0.793f, 0.913f, 1.0f, 0.819f };
-    int sign = 1;
-    yao2020_inverse_matrix(w);
-    w->pivoted = true;
-    w->spread = 0.0f;
-    for (int c = 0; c < 6; ++c) {
-        /* the largest entry of the column becomes the pivot */
-        int best = c;
-        yao2020_real largest = 0.0f;
-        for (int r = c; r < 6; ++r) {
-            const yao2020_real size = fabsf(w->a[6 * r + c]);
-            if (size > largest) {
-                largest = size;
-                best = r;
-            }
-        }
-        if (!(largest > 1.9073486e-06f * scale[c])) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        w->order[c] = (uint8_t)best;
-        if (best != c) {
-            sign = -sign;
-            for (int j = c; j < 6; ++j) {
-                const yao2020_real t = w->a[6 * c + j];
-                w->a[6 * c + j] = w->a[6 * best + j];
-                w->a[6 * best + j] = t;
-            }
-        }
-        if (w->a[6 * c + c] < 0.0f) {
-            sign = -sign;
-        }
-        /* reduce the rows below */
-        const yao2020_real inverse = 1.0f / w->a[6 * c + c];
-        w->a[6 * c + c] = inverse;
-        w->spread += (inverse * scale[c]) * (inverse * scale[c]);
-        for (int r = c + 1; r < 6; ++r) {
-            const yao2020_real factor = w->a[6 * r + c] * inverse;
-            w->a[6 * r + c] = factor;
-            for (int j = c + 1; j < 6; ++j) {
-                w->a[6 * r + j] -= factor * w->a[6 * c + j];
-            }
-        }
-    }
-    return sign;
-}
-
-/* The step from w->f into w->f with the factors of yao2020_inverse_pivoted. */
-static YAO2020_COLD void yao2020_inverse_pivoted_solve(yao2020_inverse_work *w)
-{
-    /* forward substitution with the exchanges of rows */
-    for (int c = 0; c < 6; ++c) {
-        const int best = (int)w->order[c];
-        const yao2020_real t = w->f[best];
-        w->f[best] = w->f[c];
-        w->f[c] = t;
-        for (int r = c + 1; r < 6; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-    /* back substitution */
-    for (int c = 5; c >= 0; --c) {
-        const yao2020_real t = w->f[c] * w->a[6 * c + c];
-        w->f[c] = t;
-        for (int r = 0; r < c; ++r) {
-            w->f[r] -= w->a[6 * r + c] * t;
-        }
-    }
-}
-
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
- * determinant, 0 where a pivot is far below its usual size, which is left to
- * yao2020_inverse_pivoted. What is added to pivots is below the rounding of any other, and keeps
- * divisions by zero away. */
-static int yao2020_inverse_factor(yao2020_inverse_work *w)
-{
-    yao2020_real det;
-    w->pivoted = false;
-    /* pivot 1: row 5, unknown 4 */
-    const yao2020_real t0 = 0.5f * w->x[4];
-    const yao2020_real t1 = cosf(t0);
-    const yao2020_real t2 = 0.5f * w->x[3];
-    const yao2020_real t3 = cosf(t2);
-    const yao2020_real t4 = 0.5f * w->x[2];
-    const yao2020_real t5 = sinf(t4);
-    const yao2020_real t6 = 0.5f * w->x[1];
-    const yao2020_real t7 = sinf(t6);
-    const yao2020_real t8 = 0.5f * w->x[0];
-    const yao2020_real t9 = cosf(t8);
-    const yao2020_real t10 = cosf(t4);
-    const yao2020_real t11 = cosf(t6);
-    const yao2020_real t12 = sinf(t8);
-    const yao2020_real t13 = sinf(t2);
-    const yao2020_real t14 = sinf(t0);
-    const yao2020_real t15 = t12 * t7;
-    const yao2020_real t16 = t9 * t11;
-    const yao2020_real t17 = t12 * t11;
-    const yao2020_real t18 = t9 * t7;
-    const yao2020_real t19 = t16 * t5;
-    const yao2020_real t20 = t15 * t10;
-    const yao2020_real t21 = t19 - t20;
-    const yao2020_real t22 = 0.5f * t3;
-    const yao2020_real t23 = t21 * t22;
-    const yao2020_real t24 = t17 * t10;
-    const yao2020_real t25 = t18 * t5;
-    const yao2020_real t26 = t24 - t25;
-    const yao2020_real t27 = 0.5f * t13;
-    const yao2020_real t28 = t26 * t27;
-    const yao2020_real t29 = t23 - t28;
-    const yao2020_real t30 = t1 * t29;
-    const yao2020_real t31 = t16 * t10;
-    const yao2020_real t32 = t15 * t5;
-    const yao2020_real t33 = t31 + t32;
-    const yao2020_real t34 = t33 * t27;
-    const yao2020_real t35 = t18 * t10;
-    const yao2020_real t36 = t17 * t5;
-    const yao2020_real t37 = t35 + t36;
-    const yao2020_real t38 = t37 * t22;
-    const yao2020_real t39 = t34 + t38;
-    const yao2020_real t40 = t14 * t39;
-    const yao2020_real t41 = t30 - t40;
-    const yao2020_real t42 = t1 * t39;
-    const yao2020_real t43 = t14 * t29;
-    const yao2020_real t44 = t42 + t43;
-    const yao2020_real t45 = t33 * t22;
-    const yao2020_real t46 = t37 * t27;
-    const yao2020_real t47 = t45 - t46;
-    const yao2020_real t48 = t14 * t47;
-    const yao2020_real t49 = t21 * t27;
-    const yao2020_real t50 = t26 * t22;
-    const yao2020_real t51 = t49 + t50;
-    const yao2020_real t52 = t1 * t51;
-    const yao2020_real t53 = t48 - t52;
-    const yao2020_real t54 = t1 * t47;
-    const yao2020_real t55 = t14 * t51;
-    const yao2020_real t56 = t54 + t55;
-    const yao2020_real t57 = w->k[6] * t53;
-    const yao2020_real t58 = w->k[5] * t44;
-    const yao2020_real t59 = t57 - t58;
-    const yao2020_real t60 = w->k[3] * t56;
-    const yao2020_real t61 = t59 - t60;
-    const yao2020_real t62 = w->k[4] * t41;
-    const yao2020_real t63 = t61 - t62;
-    const yao2020_real t64 = t63 + t63;
-    const yao2020_real t65 = 0.5f * t10;
-    const yao2020_real t66 = t15 * t65;
-    const yao2020_real t67 = 0.5f * t5;
-    const yao2020_real t68 = t16 * t67;
-    const yao2020_real t69 = t66 - t68;
-    const yao2020_real t70 = t3 * t69;
-    const yao2020_real t71 = t17 * t65;
-    const yao2020_real t72 = t18 * t67;
-    const yao2020_real t73 = t71 - t72;
-    const yao2020_real t74 = t13 * t73;
-    const yao2020_real t75 = t70 - t74;
-    const yao2020_real t76 = t1 * t75;
-    const yao2020_real t77 = t16 * t65;
-    const yao2020_real t78 = t15 * t67;
-    const yao2020_real t79 = t77 + t78;
-    const yao2020_real t80 = t13 * t79;
-    const yao2020_real t81 = t17 * t67;
-    const yao2020_real t82 = t18 * t65;
-    const yao2020_real t83 = t81 + t82;
-    const yao2020_real t84 = t3 * t83;
-    const yao2020_real t85 = t80 - t84;
-    const yao2020_real t86 = t14 * t85;
-    const yao2020_real t87 = t76 - t86;
-    const yao2020_real t88 = t3 * t79;
-    const yao2020_real t89 = t13 * t83;
-    const yao2020_real t90 = t88 + t89;
-    const yao2020_real t91 = t1 * t90;
-    const yao2020_real t92 = t13 * t69;
-    const yao2020_real t93 = t3 * t73;
-    const yao2020_real t94 = t92 + t93;
-    const yao2020_real t95 = t14 * t94;
-    const yao2020_real t96 = t91 + t95;
-    const yao2020_real t97 = t1 * t94;
-    const yao2020_real t98 = t14 * t90;
-    const yao2020_real t99 = t97 - t98;
-    const yao2020_real t100 = t14 * t75;
-    const yao2020_real t101 = t1 * t85;
-    const yao2020_real t102 = t100 + t101;
-    const yao2020_real t103 = w->k[5] * t87;
-    const yao2020_real t104 = w->k[6] * t96;
-    const yao2020_real t105 = t103 + t104;
-    const yao2020_real t106 = w->k[3] * t99;
-    const yao2020_real t107 = t105 - t106;
-    const yao2020_real t108 = w->k[4] * t102;
-    const yao2020_real t109 = t107 - t108;
-    const yao2020_real t110 = t109 + t109;
-    const yao2020_real t111 = t33 * t13;
-    const yao2020_real t112 = t37 * t3;
-    const yao2020_real t113 = t111 + t112;
-    const yao2020_real t114 = 0.5f * t14;
-    const yao2020_real t115 = t113 * t114;
-    const yao2020_real t116 = t21 * t3;
-    const yao2020_real t117 = t26 * t13;
-    const yao2020_real t118 = t116 - t117;
-    const yao2020_real t119 = 0.5f * t1;
-    const yao2020_real t120 = t118 * t119;
-    const yao2020_real t121 = t115 + t120;
-    const yao2020_real t122 = t33 * t3;
-    const yao2020_real t123 = t37 * t13;
-    const yao2020_real t124 = t122 - t123;
-    const yao2020_real t125 = t124 * t114;
-    const yao2020_real t126 = t21 * t13;
-    const yao2020_real t127 = t26 * t3;
-    const yao2020_real t128 = t126 + t127;
-    const yao2020_real t129 = t128 * t119;
-    const yao2020_real t130 = t125 + t129;
-    const yao2020_real t131 = t113 * t119;
-    const yao2020_real t132 = t118 * t114;
-    const yao2020_real t133 = t131 - t132;
-    const yao2020_real t134 = t124 * t119;
-    const yao2020_real t135 = t128 * t114;
-    const yao2020_real t136 = t134 - t135;
-    const yao2020_real t137 = w->k[6] * t133;
-    const yao2020_real t138 = w->k[5] * t130;
-    const yao2020_real t139 = t137 - t138;
-    const yao2020_real t140 = w->k[3] * t121;
-    const yao2020_real t141 = t139 + t140;
-    const yao2020_real t142 = w->k[4] * t136;
-    const yao2020_real t143 = t141 - t142;
-    const yao2020_real t144 = t143 + t143;
-    const yao2020_real t145 = 0.5f * t9;
-    const yao2020_real t146 = t7 * t145;
-    const yao2020_real t147 = t5 * t146;
-    const yao2020_real t148 = 0.5f * t12;
-    const yao2020_real t149 = t11 * t148;
-    const yao2020_real t150 = t10 * t149;
-    const yao2020_real t151 = t147 - t150;
-    const yao2020_real t152 = t3 * t151;
-    const yao2020_real t153 = t11 * t145;
-    const yao2020_real t154 = t5 * t153;
-    const yao2020_real t155 = t7 * t148;
-    const yao2020_real t156 = t10 * t155;
-    const yao2020_real t157 = t154 - t156;
-    const yao2020_real t158 = t13 * t157;
-    const yao2020_real t159 = t152 - t158;
-    const yao2020_real t160 = t1 * t159;
-    const yao2020_real t161 = t10 * t153;
-    const yao2020_real t162 = t5 * t155;
-    const yao2020_real t163 = t161 + t162;
-    const yao2020_real t164 = t3 * t163;
-    const yao2020_real t165 = t5 * t149;
-    const yao2020_real t166 = t10 * t146;
-    const yao2020_real t167 = t165 + t166;
-    const yao2020_real t168 = t13 * t167;
-    const yao2020_real t169 = t164 - t168;
-    const yao2020_real t170 = t14 * t169;
-    const yao2020_real t171 = t160 - t170;
-    const yao2020_real t172 = t13 * t151;
-    const yao2020_real t173 = t3 * t157;
-    const yao2020_real t174 = t172 + t173;
-    const yao2020_real t175 = t14 * t174;
-    const yao2020_real t176 = t3 * t167;
-    const yao2020_real t177 = t13 * t163;
-    const yao2020_real t178 = t176 + t177;
-    const yao2020_real t179 = t1 * t178;
-    const yao2020_real t180 = t175 - t179;
-    const yao2020_real t181 = t1 * t174;
-    const yao2020_real t182 = t14 * t178;
-    const yao2020_real t183 = t181 + t182;
-    const yao2020_real t184 = t14 * t159;
-    const yao2020_real t185 = t1 * t169;
-    const yao2020_real t186 = t184 + t185;
-    const yao2020_real t187 = w->k[5] * t171;
-    const yao2020_real t188 = w->k[6] * t180;
-    const yao2020_real t189 = t187 + t188;
-    const yao2020_real t190 = w->k[3] * t183;
-    const yao2020_real t191 = t189 - t190;
-    const yao2020_real t192 = w->k[4] * t186;
-    const yao2020_real t193 = t191 - t192;
-    const yao2020_real t194 = t193 + t193;
-    const yao2020_real t195 = 0.5f * t11;
-    const yao2020_real t196 = t12 * t195;
-    const yao2020_real t197 = t5 * t196;
-    const yao2020_real t198 = 0.5f * t7;
-    const yao2020_real t199 = t9 * t198;
-    const yao2020_real t200 = t10 * t199;
-    const yao2020_real t201 = t197 - t200;
-    const yao2020_real t202 = t3 * t201;
-    const yao2020_real t203 = t9 * t195;
-    const yao2020_real t204 = t10 * t203;
-    const yao2020_real t205 = t12 * t198;
-    const yao2020_real t206 = t5 * t205;
-    const yao2020_real t207 = t204 - t206;
-    const yao2020_real t208 = t13 * t207;
-    const yao2020_real t209 = t202 - t208;
-    const yao2020_real t210 = t1 * t209;
-    const yao2020_real t211 = t5 * t199;
-    const yao2020_real t212 = t10 * t196;
-    const yao2020_real t213 = t211 + t212;
-    const yao2020_real t214 = t13 * t213;
-    const yao2020_real t215 = t10 * t205;
-    const yao2020_real t216 = t5 * t203;
-    const yao2020_real t217 = t215 + t216;
-    const yao2020_real t218 = t3 * t217;
-    const yao2020_real t219 = t214 + t218;
-    const yao2020_real t220 = t14 * t219;
-    const yao2020_real t221 = t210 + t220;
-    const yao2020_real t222 = t13 * t217;
-    const yao2020_real t223 = t3 * t213;
-    const yao2020_real t224 = t222 - t223;
-    const yao2020_real t225 = t1 * t224;
-    const yao2020_real t226 = t13 * t201;
-    const yao2020_real t227 = t3 * t207;
-    const yao2020_real t228 = t226 + t227;
-    const yao2020_real t229 = t14 * t228;
-    const yao2020_real t230 = t225 + t229;
-    const yao2020_real t231 = t1 * t228;
-    const yao2020_real t232 = t14 * t224;
-    const yao2020_real t233 = t231 - t232;
-    const yao2020_real t234 = t14 * t209;
-    const yao2020_real t235 = t1 * t219;
-    const yao2020_real t236 = t234 - t235;
-    const yao2020_real t237 = w->k[5] * t221;
-    const yao2020_real t238 = w->k[6] * t230;
-    const yao2020_real t239 = t237 + t238;
-    const yao2020_real t240 = w->k[3] * t233;
-    const yao2020_real t241 = t239 - t240;
-    const yao2020_real t242 = w->k[4] * t236;
-    const yao2020_real t243 = t241 - t242;
-    const yao2020_real t244 = t243 + t243;
-    const yao2020_real t245 = 1.0f / (t64 + 2.83e-11f);
-    w->a[0] = t245;
-    const yao2020_real t247 = t245 * 1.42428f;
-    w->a[1] = t110;
-    w->a[2] = t144;
-    w->a[3] = t194;
-    w->a[4] = t244;
-    /* pivot 2: row 4, unknown 3 */
-    const yao2020_real t252 = w->k[5] * t41;
-    const yao2020_real t253 = w->k[4] * t44;
-    const yao2020_real t254 = w->k[3] * t53;
-    const yao2020_real t255 = t253 + t254;
-    const yao2020_real t256 = w->k[6] * t56;
-    const yao2020_real t257 = t255 + t256;
-    const yao2020_real t258 = t252 - t257;
-    const yao2020_real t259 = t258 + t258;
-    const yao2020_real t260 = w->k[4] * t87;
-    const yao2020_real t261 = w->k[3] * t96;
-    const yao2020_real t262 = t260 - t261;
-    const yao2020_real t263 = w->k[6] * t99;
-    const yao2020_real t264 = t262 - t263;
-    const yao2020_real t265 = w->k[5] * t102;
-    const yao2020_real t266 = t264 + t265;
-    const yao2020_real t267 = t266 + t266;
-    const yao2020_real t268 = w->k[6] * t121;
-    const yao2020_real t269 = w->k[4] * t130;
-    const yao2020_real t270 = w->k[3] * t133;
-    const yao2020_real t271 = t269 + t270;
-    const yao2020_real t272 = t268 - t271;
-    const yao2020_real t273 = w->k[5] * t136;
-    const yao2020_real t274 = t272 + t273;
-    const yao2020_real t275 = t274 + t274;
-    const yao2020_real t276 = w->k[4] * t171;
-    const yao2020_real t277 = w->k[3] * t180;
-    const yao2020_real t278 = t276 - t277;
-    const yao2020_real t279 = w->k[6] * t183;
-    const yao2020_real t280 = t278 - t279;
-    const yao2020_real t281 = w->k[5] * t186;
-    const yao2020_real t282 = t280 + t281;
-    const yao2020_real t283 = t282 + t282;
-    const yao2020_real t284 = w->k[4] * t221;
-    const yao2020_real t285 = w->k[3] * t230;
-    const yao2020_real t286 = t284 - t285;
-    const yao2020_real t287 = w->k[6] * t233;
-    const yao2020_real t288 = t286 - t287;
-    const yao2020_real t289 = w->k[5] * t236;
-    const yao2020_real t290 = t288 + t289;
-    const yao2020_real t291 = t290 + t290;
-    const yao2020_real t292 = t259 * t245;
-    w->a[6] = t292;
-    const yao2020_real t294 = t267 - t292 * t110;
-    const yao2020_real t295 = t275 - t292 * t144;
-    const yao2020_real t296 = t283 - t292 * t194;
-    const yao2020_real t297 = t291 - t292 * t244;
-    const yao2020_real t298 = 1.0f / (t294 + 2.83e-11f);
-    w->a[7] = t298;
-    const yao2020_real t300 = t298 * 1.08641f;
-    w->a[8] = t295;
-    w->a[9] = t296;
-    w->a[10] = t297;
-    /* pivot 3: row 6, unknown 5 */
-    const yao2020_real t304 = w->k[4] * t56;
-    const yao2020_real t305 = w->k[6] * t44;
-    const yao2020_real t306 = w->k[5] * t53;
-    const yao2020_real t307 = t305 + t306;
-    const yao2020_real t308 = t304 - t307;
-    const yao2020_real t309 = w->k[3] * t41;
-    const yao2020_real t310 = t308 - t309;
-    const yao2020_real t311 = t310 + t310;
-    const yao2020_real t312 = w->k[6] * t87;
-    const yao2020_real t313 = w->k[5] * t96;
-    const yao2020_real t314 = t312 - t313;
-    const yao2020_real t315 = w->k[4] * t99;
-    const yao2020_real t316 = t314 + t315;
-    const yao2020_real t317 = w->k[3] * t102;
-    const yao2020_real t318 = t316 - t317;
-    const yao2020_real t319 = t318 + t318;
-    const yao2020_real t320 = w->k[6] * t130;
-    const yao2020_real t321 = w->k[5] * t133;
-    const yao2020_real t322 = t320 + t321;
-    const yao2020_real t323 = w->k[4] * t121;
-    const yao2020_real t324 = t322 + t323;
-    const yao2020_real t325 = w->k[3] * t136;
-    const yao2020_real t326 = t324 + t325;
-    const yao2020_real t327 = t326 + t326;
-    const yao2020_real t328 = -t327;
-    const yao2020_real t329 = w->k[6] * t171;
-    const yao2020_real t330 = w->k[5] * t180;
-    const yao2020_real t331 = t329 - t330;
-    const yao2020_real t332 = w->k[4] * t183;
-    const yao2020_real t333 = t331 + t332;
-    const yao2020_real t334 = w->k[3] * t186;
-    const yao2020_real t335 = t333 - t334;
-    const yao2020_real t336 = t335 + t335;
-    const yao2020_real t337 = w->k[6] * t221;
-    const yao2020_real t338 = w->k[5] * t230;
-    const yao2020_real t339 = t337 - t338;
-    const yao2020_real t340 = w->k[4] * t233;
-    const yao2020_real t341 = t339 + t340;
-    const yao2020_real t342 = w->k[3] * t236;
-    const yao2020_real t343 = t341 - t342;
-    const yao2020_real t344 = t343 + t343;
-    const yao2020_real t345 = t311 * t245;
-    w->a[12] = t345;
-    const yao2020_real t347 = t319 - t345 * t110;
-    const yao2020_real t348 = t328 - t345 * t144;
-    const yao2020_real t349 = t336 - t345 * t194;
-    const yao2020_real t350 = t344 - t345 * t244;
-    const yao2020_real t351 = t347 * t298;
-    w->a[13] = t351;
-    const yao2020_real t353 = t348 - t351 * t295;
-    const yao2020_real t354 = t349 - t351 * t296;
-    const yao2020_real t355 = t350 - t351 * t297;
-    const yao2020_real t356 = 1.0f / (t353 + 2.83e-11f);
-    w->a[14] = t356;
-    const yao2020_real t358 = t356 * 1.51f;
-    w->a[15] = t354;
-    w->a[16] = t355;
-    /* pivot 4: row 2, unknown 1 */
-    const yao2020_real t361 = cosf(w->x[1]);
-    const yao2020_real t362 = cosf(w->x[2]);
-    const yao2020_real t363 = cosf(w->x[3]);
-    const yao2020_real t364 = cosf(w->x[4]);
-    const yao2020_real t365 = w->x[5] - 160.0f;
-    const yao2020_real t366 = t364 * t365;
-    const yao2020_real t367 = t366 - 85.0f;
-    const yao2020_real t368 = sinf(w->x[3]);
-    const yao2020_real t369 = 105.0f * t368;
-    const yao2020_real t370 = 1.0f - t362;
-    const yao2020_real t371 = sinf(w->x[1]);
-    const yao2020_real t372 = 105.0f * t363;
-    const yao2020_real t373 = sinf(w->x[2]);
-    const yao2020_real t374 = sinf(w->x[0]);
-    const yao2020_real t375 = 1.0f - t361;
-    const yao2020_real t376 = cosf(w->x[0]);
-    const yao2020_real t377 = t367 * t368;
-    const yao2020_real t378 = t372 - t377;
-    const yao2020_real t379 = t362 * t378;
-    const yao2020_real t380 = t370 * t378;
-    const yao2020_real t381 = t379 + t380;
-    const yao2020_real t382 = t361 * t381;
-    const yao2020_real t383 = t367 * t363;
-    const yao2020_real t384 = t369 + t383;
-    const yao2020_real t385 = t362 * t384;
-    const yao2020_real t386 = t371 * t385;
-    const yao2020_real t387 = t382 - t386;
-    const yao2020_real t388 = t373 * t384;
-    const yao2020_real t389 = t361 * t388;
-    const yao2020_real t390 = t375 * t388;
-    const yao2020_real t391 = t389 + t390;
-    const yao2020_real t392 = t376 * t391;
-    const yao2020_real t393 = t374 * t387;
-    const yao2020_real t394 = t392 + t393;
-    const yao2020_real t395 = 0.0018017287f * t394;
-    const yao2020_real t396 = -t395;
-    const yao2020_real t397 = t368 * t367;
-    const yao2020_real t398 = t372 - t397;
-    const yao2020_real t399 = sinf(w->x[4]);
-    const yao2020_real t400 = t399 * t365;
-    const yao2020_real t401 = t363 * t400;
-    const yao2020_real t402 = 1.0f - t363;
-    const yao2020_real t403 = t402 * t400;
-    const yao2020_real t404 = t401 + t403;
-    const yao2020_real t405 = t404 * t362;
-    const yao2020_real t406 = t398 * t373;
-    const yao2020_real t407 = t405 - t406;
-    const yao2020_real t408 = t371 * t407;
-    const yao2020_real t409 = t404 * t373;
-    const yao2020_real t410 = t398 * t362;
-    const yao2020_real t411 = t409 + t410;
-    const yao2020_real t412 = t361 * t411;
-    const yao2020_real t413 = t375 * t411;
-    const yao2020_real t414 = t412 + t413;
-    const yao2020_real t415 = t374 * t408;
-    const yao2020_real t416 = t376 * t414;
-    const yao2020_real t417 = t415 - t416;
-    const yao2020_real t418 = 0.0018017287f * t417;
-    const yao2020_real t419 = -t418;
-    const yao2020_real t420 = t365 * t399;
-    const yao2020_real t421 = t368 * t420;
-    const yao2020_real t422 = t362 * t421;
-    const yao2020_real t423 = t365 * t364;
-    const yao2020_real t424 = t363 * t423;
-    const yao2020_real t425 = t402 * t423;
-    const yao2020_real t426 = t424 + t425;
-    const yao2020_real t427 = t373 * t426;
-    const yao2020_real t428 = t422 + t427;
-    const yao2020_real t429 = t371 * t428;
-    const yao2020_real t430 = t363 * t420;
-    const yao2020_real t431 = t362 * t430;
-    const yao2020_real t432 = t370 * t430;
-    const yao2020_real t433 = t431 + t432;
-    const yao2020_real t434 = t361 * t433;
-    const yao2020_real t435 = t429 - t434;
-    const yao2020_real t436 = t362 * t426;
-    const yao2020_real t437 = t373 * t421;
-    const yao2020_real t438 = t436 - t437;
-    const yao2020_real t439 = t361 * t438;
-    const yao2020_real t440 = t375 * t438;
-    const yao2020_real t441 = t439 + t440;
-    const yao2020_real t442 = t376 * t441;
-    const yao2020_real t443 = t374 * t435;
-    const yao2020_real t444 = t442 + t443;
-    const yao2020_real t445 = 0.0018017287f * t444;
-    const yao2020_real t446 = -t445;
-    const yao2020_real t447 = t363 * t367;
-    const yao2020_real t448 = t447 + t369;
-    const yao2020_real t449 = t448 - 300.0f;
-    const yao2020_real t450 = t362 * t449;
-    const yao2020_real t451 = t370 * t449;
-    const yao2020_real t452 = t450 + t451;
-    const yao2020_real t453 = t361 * t452;
-    const yao2020_real t454 = t362 * t398;
-    const yao2020_real t455 = t373 * t404;
-    const yao2020_real t456 = t454 + t455;
-    const yao2020_real t457 = t371 * t456;
-    const yao2020_real t458 = t453 + t457;
-    const yao2020_real t459 = t362 * t404;
-    const yao2020_real t460 = t373 * t398;
-    const yao2020_real t461 = t459 - t460;
-    const yao2020_real t462 = t361 * t461;
-    const yao2020_real t463 = t375 * t461;
-    const yao2020_real t464 = t462 + t463;
-    const yao2020_real t465 = t458 * t376;
-    const yao2020_real t466 = t464 * t374;
-    const yao2020_real t467 = t465 - t466;
-    const yao2020_real t468 = 0.0018017287f * t467;
-    const yao2020_real t469 = -t468;
-    const yao2020_real t470 = t456 * t361;
-    const yao2020_real t471 = t452 * t371;
-    const yao2020_real t472 = t470 - t471;
-    const yao2020_real t473 = t374 * t472;
-    const yao2020_real t474 = 0.0018017287f * t473;
-    const yao2020_real t475 = -t474;
-    const yao2020_real t476 = t363 * t364;
-    const yao2020_real t477 = t362 * t476;
-    const yao2020_real t478 = t370 * t476;
-    const yao2020_real t479 = t477 + t478;
-    const yao2020_real t480 = t361 * t479;
-    const yao2020_real t481 = t363 * t399;
-    const yao2020_real t482 = t402 * t399;
-    const yao2020_real t483 = t481 + t482;
-    const yao2020_real t484 = t373 * t483;
-    const yao2020_real t485 = t368 * t364;
-    const yao2020_real t486 = t362 * t485;
-    const yao2020_real t487 = t484 - t486;
-    const yao2020_real t488 = t371 * t487;
-    const yao2020_real t489 = t480 + t488;
-    const yao2020_real t490 = t362 * t483;
-    const yao2020_real t491 = t373 * t485;
-    const yao2020_real t492 = t490 + t491;
-    const yao2020_real t493 = t361 * t492;
-    const yao2020_real t494 = t375 * t492;
-    const yao2020_real t495 = t493 + t494;
-    const yao2020_real t496 = t376 * t495;
-    const yao2020_real t497 = t374 * t489;
-    const yao2020_real t498 = t496 + t497;
-    const yao2020_real t499 = -t498;
-    const yao2020_real t500 = t396 * t245;
-    w->a[18] = t500;
-    const yao2020_real t502 = t419 - t500 * t110;
-    const yao2020_real t503 = t446 - t500 * t144;
-    const yao2020_real t504 = t469 - t500 * t194;
-    const yao2020_real t505 = t475 - t500 * t244;
-    const yao2020_real t506 = t502 * t298;
-    w->a[19] = t506;
-    const yao2020_real t508 = t503 - t506 * t295;
-    const yao2020_real t509 = t504 - t506 * t296;
-    const yao2020_real t510 = t505 - t506 * t297;
-    const yao2020_real t511 = t508 * t356;
-    w->a[20] = t511;
-    const yao2020_real t513 = t509 - t511 * t354;
-    const yao2020_real t514 = t510 - t511 * t355;
-    const yao2020_real t515 = 1.0f / (t513 + 2.83e-11f);
-    w->a[21] = t515;
-    const yao2020_real t517 = t515 * 0.94875f;
-    w->a[22] = t514;
-    w->a[23] = t499;
-    /* pivot 5: row 3, unknown 2 */
-    const yao2020_real t520 = 1.0f - t376;
-    const yao2020_real t521 = t361 * t385;
-    const yao2020_real t522 = t371 * t381;
-    const yao2020_real t523 = t521 + t522;
-    const yao2020_real t524 = t376 * t523;
-    const yao2020_real t525 = t520 * t523;
-    const yao2020_real t526 = t524 + t525;
-    const yao2020_real t527 = 0.0018017287f * t526;
-    const yao2020_real t528 = t361 * t407;
-    const yao2020_real t529 = t376 * t528;
-    const yao2020_real t530 = t520 * t528;
-    const yao2020_real t531 = t529 + t530;
-    const yao2020_real t532 = 0.0018017287f * t531;
-    const yao2020_real t533 = -t532;
-    const yao2020_real t534 = t361 * t428;
-    const yao2020_real t535 = t371 * t433;
-    const yao2020_real t536 = t534 + t535;
-    const yao2020_real t537 = t376 * t536;
-    const yao2020_real t538 = t520 * t536;
-    const yao2020_real t539 = t537 + t538;
-    const yao2020_real t540 = 0.0018017287f * t539;
-    const yao2020_real t541 = -t540;
-    const yao2020_real t542 = t456 * t371;
-    const yao2020_real t543 = t452 * t361;
-    const yao2020_real t544 = t542 + t543;
-    const yao2020_real t545 = t376 * t544;
-    const yao2020_real t546 = t520 * t544;
-    const yao2020_real t547 = t545 + t546;
-    const yao2020_real t548 = 0.0018017287f * t547;
-    const yao2020_real t549 = t361 * t487;
-    const yao2020_real t550 = t371 * t479;
-    const yao2020_real t551 = t549 - t550;
-    const yao2020_real t552 = t376 * t551;
-    const yao2020_real t553 = t520 * t551;
-    const yao2020_real t554 = t552 + t553;
-    const yao2020_real t555 = -t554;
-    const yao2020_real t556 = t527 * t245;
-    w->a[24] = t556;
-    const yao2020_real t558 = t533 - t556 * t110;
-    const yao2020_real t559 = t541 - t556 * t144;
-    const yao2020_real t560 = -(t556 * t194);
-    const yao2020_real t561 = t548 - t556 * t244;
-    const yao2020_real t562 = t558 * t298;
-    w->a[25] = t562;
-    const yao2020_real t564 = t559 - t562 * t295;
-    const yao2020_real t565 = t560 - t562 * t296;
-    const yao2020_real t566 = t561 - t562 * t297;
-    const yao2020_real t567 = t564 * t356;
-    w->a[26] = t567;
-    const yao2020_real t569 = t565 - t567 * t354;
-    const yao2020_real t570 = t566 - t567 * t355;
-    const yao2020_real t571 = t569 * t515;
-    w->a[27] = t571;
-    const yao2020_real t573 = t570 - t571 * t514;
-    const yao2020_real t574 = t555 - t571 * t499;
-    const yao2020_real t575 = 1.0f / (t573 + 2.83e-11f);
-    w->a[28] = t575;
-    const yao2020_real t577 = t575 * 1.00971f;
-    w->a[29] = t574;
-    /* pivot 6: row 1, unknown 6 */
-    const yao2020_real t579 = t376 * t387;
-    const yao2020_real t580 = t374 * t391;
-    const yao2020_real t581 = t579 - t580;
-    const yao2020_real t582 = 0.0018017287f * t581;
-    const yao2020_real t583 = -t582;
-    const yao2020_real t584 = t376 * t408;
-    const yao2020_real t585 = t374 * t414;
-    const yao2020_real t586 = t584 + t585;
-    const yao2020_real t587 = 0.0018017287f * t586;
-    const yao2020_real t588 = -t587;
-    const yao2020_real t589 = t376 * t435;
-    const yao2020_real t590 = t374 * t441;
-    const yao2020_real t591 = t589 - t590;
-    const yao2020_real t592 = 0.0018017287f * t591;
-    const yao2020_real t593 = -t592;
-    const yao2020_real t594 = t458 * t374;
-    const yao2020_real t595 = t464 * t376;
-    const yao2020_real t596 = t594 + t595;
-    const yao2020_real t597 = 0.0018017287f * t596;
-    const yao2020_real t598 = t376 * t472;
-    const yao2020_real t599 = 0.0018017287f * t598;
-    const yao2020_real t600 = -t599;
-    const yao2020_real t601 = t376 * t489;
-    const yao2020_real t602 = t374 * t495;
-    const yao2020_real t603 = t601 - t602;
-    const yao2020_real t604 = -t603;
-    const yao2020_real t605 = t583 * t245;
-    w->a[30] = t605;
-    const yao2020_real t607 = t588 - t605 * t110;
-    const yao2020_real t608 = t593 - t605 * t144;
-    const yao2020_real t609 = t597 - t605 * t194;
-    const yao2020_real t610 = t600 - t605 * t244;
-    const yao2020_real t611 = t607 * t298;
-    w->a[31] = t611;
-    const yao2020_real t613 = t608 - t611 * t295;
-    const yao2020_real t614 = t609 - t611 * t296;
-    const yao2020_real t615 = t610 - t611 * t297;
-    const yao2020_real t616 = t613 * t356;
-    w->a[32] = t616;
-    const yao2020_real t618 = t614 - t616 * t354;
-    const yao2020_real t619 = t615 - t616 * t355;
-    const yao2020_real t620 = t618 * t515;
-    w->a[33] = t620;
-    const yao2020_real t622 = t619 - t620 * t514;
-    const yao2020_real t623 = t604 - t620 * t499;
-    const yao2020_real t624 = t622 * t575;
-    w->a[34] = t624;
-    const yao2020_real t626 = t623 - t624 * t574;
-    const yao2020_real t627 = 1.0f / (t626 + 1.98e-11f);
-    w->a[35] = t627;
-    const yao2020_real t629 = t627 * 0.95004f;
-    /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t245 * t294 * t356 * t513 * t575 * t626;
-    w->spread = t247 * t247 + t300 * t300 + t358 * t358 + t517 * t517 + t577 * t577 + t629 * t629;
-    return (w->spread < 1e+06f) ? ((det < 0.0f) ? 1 : -1) : 0;
-}
-
-/* The step from w->f into w->f: forward and back substitution. */
-static void yao2020_inverse_solve(yao2020_inverse_work *w)
-{
-    if (w->pivoted) {
-        yao2020_inverse_pivoted_solve(w);
-        return;
-    }
-    /* forward substitution, the rows in the order of the pivots */
-    const yao2020_real y0 = w->f[4];
-    const yao2020_real y1 = w->f[3] - w->a[6] * y0;
-    const yao2020_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
-    const yao2020_real y3 = w->f[1] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const yao2020_real y4 = w->f[2] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const yao2020_real y5 = w->f[0] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2
-        - w->a[33] * y3 - w->a[34] * y4;
-    /* back substitution */
-    const yao2020_real s5 = (y5) * w->a[35];
-    const yao2020_real s4 = (y4 - w->a[29] * s5) * w->a[28];
-    const yao2020_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
-    const yao2020_real s2 = (y2 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const yao2020_real s1 = (y1 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
-    const yao2020_real s0 = (y0 - w->a[4] * s4 - w->a[3] * s3 - w->a[2] * s2
-        - w->a[1] * s1) * w->a[0];
-    /* the step in the order of the unknowns */
-    w->f[3] = s0;
-    w->f[2] = s1;
-    w->f[4] = s2;
-    w->f[0] = s3;
-    w->f[1] = s4;
-    w->f[5] = s5;
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the
- * part's begin with its factors, each judged by the next. Where known values turn, the rows' change
- * is bent: both ends of a part may have a configuration, and points between them none. */
-static YAO2020_COLD bool yao2020_inverse_reaches_middle(yao2020_inverse_work *w,
-    const yao2020_real to[7], yao2020_real middle, yao2020_real still2)
-{
-    yao2020_real end[6];
-    yao2020_real size[3];
-    for (int i = 0; i < 6; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    yao2020_inverse_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        yao2020_inverse_rows(w);
-        yao2020_inverse_solve(w);
-        size[i] = yao2020_inverse_apply_step(w);
-    }
-    for (int i = 0; i < 6; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0])
-        && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones
- * (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
- * values turn by at most 1 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
-static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2020_real to[7],
-    const yao2020_config *config, yao2020_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const yao2020_real tolerance2 = config->tolerance * config->tolerance;
-    const yao2020_real longest2 = config->max_step * config->max_step;
-    yao2020_status status = YAO2020_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    yao2020_real done = 0.0f;
-    yao2020_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    yao2020_real size = 0.0f;
-    yao2020_real kappa2 = 1.05625e-05f;
-    yao2020_real limit;
-    yao2020_real residual = HUGE_VALF;
-    yao2020_real still2 = 4.4827175e-06f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    /* whether the tolerance should be reached: the rows are evaluated once more */
-    bool verify = false;
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line
-     * is tried first */
-    yao2020_real turn2 = 0.0f;
-    /* of half the turn */
-    const yao2020_real cosine = w->at[3] * to[3] + w->at[4] * to[4] + w->at[5] * to[5]
-        + w->at[6] * to[6];
-    turn2 = 8.0f * (1.0f - fabsf(cosine));
-    if (turn2 > 1.0f) {
-        aim = 1.0f / sqrtf(turn2);
-    }
-    yao2020_inverse_set_target(w, to, aim);
-    w->x0[0] = w->x[0];
-    w->x0[1] = w->x[1];
-    w->x0[2] = w->x[2];
-    w->x0[3] = w->x[3];
-    w->x0[4] = w->x[4];
-    w->x0[5] = w->x[5];
-    for (;;) {
-        yao2020_inverse_rows(w);
-        if (verify) {
-            residual = yao2020_inverse_residual(w);
-            if (residual <= config->tolerance + 0.002117243f) {
-                status = YAO2020_OK;
-                break;
-            }
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                yao2020_inverse_set_target(w, to, done);
-            }
-            int turn = yao2020_inverse_factor(w);
-            if (turn == 0) {
-                turn = yao2020_inverse_pivoted(w);
-            }
-            if (taken == 0U) {
-                yao2020_inverse_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = YAO2020_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = YAO2020_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
-                ? (7.004246e-08f * w->spread) : 4.4827175e-06f;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
-        yao2020_inverse_solve(w);
-        const yao2020_real before = size;
-        size = yao2020_inverse_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-        } else if (taken == 1U) {
-            limit = 0.0625f * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim
-            - done) * turn2 * w->spread > 0.25f)) {
-            accepted = yao2020_inverse_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
-            yao2020_inverse_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                yao2020_real error2;
-                yao2020_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
+    const yao2020_real t14 = t13 + t13;
+    const yao2020_real t15 = 1.0f - t14;
+    const yao2020_real t16 = t15 * x[2];
+    const yao2020_real t17 = t10 + t16;
+    const yao2020_real t18 = 105.0f - t17;
+    const yao2020_real t19 = t18 * t18;
+    const yao2020_real t20 = 90000.0f - t19;
+    const yao2020_real t21 = t20 * 3.2462262e-06f;
+    if (t21 > 1.5258789e-05f) {
+        margin[0] = t21;
+        const yao2020_real t24 = 300.0f * near[0];
+        const yao2020_real t25 = -t24;
+        const unsigned int bits0 = (wanted >> 0U) & 3U;
+        const unsigned int side0 = (t25 < 0.0f) ? 2U : 1U;
+        for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
+            if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
+                const yao2020_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
+                const yao2020_real t31 = fabsf(t20);
+                const yao2020_real t32 = t20 + t31;
+                const yao2020_real t33 = 0.5f * t32;
+                const yao2020_real t34 = sqrtf(t33);
+                const yao2020_real t35 = sign0 * t34;
+                const yao2020_real t36 = 0.0033333334f * t35;
+                const yao2020_real t37 = 0.0033333334f * t18;
+                const yao2020_real t38 = -t36;
+                const yao2020_real t39 = yao2020_angle(t37, t38);
+                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6
+                 * tells theta5 */
+                const yao2020_real t40 = -300.0f - t35;
+                const yao2020_real t41 = t40 + 385.0f;
+                const yao2020_real t42 = t41 * t41;
+                const yao2020_real t43 = t42 * 3.2462262e-06f;
+                if (t43 > 1.5258789e-05f) {
+                    const yao2020_real t45 = x[4] * x[5];
+                    const yao2020_real t46 = x[3] * x[6];
+                    const yao2020_real t47 = t45 - t46;
+                    const yao2020_real t48 = t47 + t47;
+                    const yao2020_real t49 = t48 * x[0];
+                    const yao2020_real t50 = x[6] * x[6];
+                    const yao2020_real t51 = t11 + t50;
+                    const yao2020_real t52 = t51 + t51;
+                    const yao2020_real t53 = 1.0f - t52;
+                    const yao2020_real t54 = t53 * x[1];
+                    const yao2020_real t55 = t49 + t54;
+                    const yao2020_real t56 = t5 + t6;
+                    const yao2020_real t57 = t56 + t56;
+                    const yao2020_real t58 = t57 * x[2];
+                    const yao2020_real t59 = t55 + t58;
+                    const yao2020_real t60 = t59 * t59;
+                    const yao2020_real t61 = t42 - t60;
+                    const yao2020_real t62 = t61 * 3.2462262e-06f;
+                    if (t62 > 1.5258789e-05f) {
+                        margin[1] = t62;
+                        const yao2020_real t65 = t41 * near[2];
+                        const unsigned int bits1 = (wanted >> 2U) & 3U;
+                        const unsigned int side1 = (t65 < 0.0f) ? 2U : 1U;
+                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
+                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
+                                const yao2020_real sign1 = (k1 == 1U) ? 1.0f : -1.0f;
+                                const yao2020_real t71 = t41 * t59;
+                                const yao2020_real t72 = 1.0f / t42;
+                                const yao2020_real t73 = t71 * t72;
+                                const yao2020_real t74 = fabsf(t61);
+                                const yao2020_real t75 = t61 + t74;
+                                const yao2020_real t76 = 0.5f * t75;
+                                const yao2020_real t77 = sqrtf(t76);
+                                const yao2020_real t78 = sign1 * t77;
+                                const yao2020_real t79 = t41 * t78;
+                                const yao2020_real t80 = t79 * t72;
+                                const yao2020_real t81 = yao2020_angle(t73, t80);
+                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet
+                                 * to where it must be */
+                                const yao2020_real t82 = t0 - t1;
+                                const yao2020_real t83 = t82 + t82;
+                                const yao2020_real t84 = t12 + t50;
+                                const yao2020_real t85 = t84 + t84;
+                                const yao2020_real t86 = 1.0f - t85;
+                                const yao2020_real t87 = t45 + t46;
+                                const yao2020_real t88 = t87 + t87;
+                                const yao2020_real t89 = t86 * x[0];
+                                const yao2020_real t90 = t88 * x[1];
+                                const yao2020_real t91 = t89 + t90;
+                                const yao2020_real t92 = t83 * x[2];
+                                const yao2020_real t93 = t91 + t92;
+                                const yao2020_real t94 = -545.0f - t93;
+                                const yao2020_real t95 = t80 * t41;
+                                const yao2020_real t96 = t95 - 385.0f;
+                                const yao2020_real t97 = t94 - t96;
+                                const yao2020_real t98 = -t97;
+                                /* the axis of theta3: its level along the axis of theta1 tells
+                                 * theta2 */
+                                const yao2020_real t99 = t73 * t36;
+                                const yao2020_real t100 = t57 * t99;
+                                const yao2020_real t101 = t80 * t36;
+                                const yao2020_real t102 = t83 * t101;
+                                const yao2020_real t103 = t100 - t102;
+                                const yao2020_real t104 = t15 * t37;
+                                const yao2020_real t105 = t103 + t104;
+                                const yao2020_real t106 = t105 * t105;
+                                const yao2020_real t107 = 1.0f - t106;
+                                if (t107 > 1.5258789e-05f) {
+                                    margin[2] = t107;
+                                    const unsigned int bits2 = (wanted >> 4U) & 3U;
+                                    const unsigned int side2 = (near[4] < 0.0f) ? 2U : 1U;
+                                    for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
+                                        if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
+                                            const yao2020_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
+                                            const yao2020_real t115 = fabsf(t107);
+                                            const yao2020_real t116 = t107 + t115;
+                                            const yao2020_real t117 = 0.5f * t116;
+                                            const yao2020_real t118 = sqrtf(t117);
+                                            const yao2020_real t119 = sign2 * t118;
+                                            const yao2020_real t120 = -t105;
+                                            const yao2020_real t121 = yao2020_angle(t120, t119);
+                                            /* theta1 turns the axis of theta3 to where it must
+                                             * be */
+                                            const yao2020_real t122 = t48 * t99;
+                                            const yao2020_real t123 = t86 * t101;
+                                            const yao2020_real t124 = t122 - t123;
+                                            const yao2020_real t125 = t3 * t37;
+                                            const yao2020_real t126 = t124 + t125;
+                                            const yao2020_real t127 = t119 * t126;
+                                            const yao2020_real t128 = t127 * t127;
+                                            const yao2020_real t129 = t53 * t99;
+                                            const yao2020_real t130 = t88 * t101;
+                                            const yao2020_real t131 = t129 - t130;
+                                            const yao2020_real t132 = t8 * t37;
+                                            const yao2020_real t133 = t131 + t132;
+                                            const yao2020_real t134 = t119 * t133;
+                                            const yao2020_real t135 = t134 * t134;
+                                            const yao2020_real t136 = t128 + t135;
+                                            const yao2020_real t137 = sqrtf(t136);
+                                            if (t137 > 1.5258789e-05f) {
+                                                margin[3] = t137;
+                                                const yao2020_real t140 = yao2020_angle(t134, t127);
+                                                /* theta3 turns a direction of the tool to where it
+                                                 * must be */
+                                                const yao2020_real t141 = 1.0f / t137;
+                                                const yao2020_real t142 = t127 * t141;
+                                                const yao2020_real t143 = t88 * t73;
+                                                const yao2020_real t144 = t53 * t80;
+                                                const yao2020_real t145 = t143 + t144;
+                                                const yao2020_real t146 = t142 * t145;
+                                                const yao2020_real t147 = t134 * t141;
+                                                const yao2020_real t148 = t86 * t73;
+                                                const yao2020_real t149 = t48 * t80;
+                                                const yao2020_real t150 = t148 + t149;
+                                                const yao2020_real t151 = t147 * t150;
+                                                const yao2020_real t152 = t146 - t151;
+                                                const yao2020_real t153 = t152 * t152;
+                                                const yao2020_real t154 = t83 * t73;
+                                                const yao2020_real t155 = t57 * t80;
+                                                const yao2020_real t156 = t154 + t155;
+                                                const yao2020_real t157 = t119 * t156;
+                                                const yao2020_real t158 = t142 * t150;
+                                                const yao2020_real t159 = t147 * t145;
+                                                const yao2020_real t160 = t158 + t159;
+                                                const yao2020_real t161 = t105 * t160;
+                                                const yao2020_real t162 = t157 - t161;
+                                                const yao2020_real t163 = t162 * t162;
+                                                const yao2020_real t164 = t153 + t163;
+                                                const yao2020_real t165 = sqrtf(t164);
+                                                if (t165 > 1.5258789e-05f) {
+                                                    margin[4] = t165;
+                                                    const yao2020_real t168 = yao2020_angle(t162,
+                                                        t152);
+                                                    found[count][0] = t140;
+                                                    found[count][1] = t121;
+                                                    found[count][2] = t168;
+                                                    found[count][3] = t39;
+                                                    found[count][4] = t81;
+                                                    found[count][5] = t98;
+                                                    ++count;
+                                                } else {
+                                                    *undecided = true;
+                                                }
+                                            } else {
+                                                *undecided = true;
+                                            }
+                                        }
+                                    }
+                                } else if (t107 > -1.5258789e-05f) {
+                                    *undecided = true;
+                                } else {
+                                    /* out of reach */
+                                }
+                            }
+                        }
+                    } else if (t62 > -1.5258789e-05f) {
+                        *undecided = true;
+                    } else {
+                        /* out of reach */
                     }
+                } else {
+                    *undecided = true;
                 }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
-                    && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
-                ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
-                 * convergence was quick */
-                const yao2020_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 6; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                yao2020_inverse_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
             }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 6; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            yao2020_inverse_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = YAO2020_WRONG_BRANCH;
-            break;
         }
+    } else if (t21 > -1.5258789e-05f) {
+        *undecided = true;
+    } else {
+        /* out of reach */
     }
-    yao2020_write_info(info, count, residual, size, w->spread);
+    return count;
+}
+
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
+static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_real joints[6])
+{
+    static const bool angular[6] = { true, true, true, true, true, false };
+    static const yao2020_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    yao2020_status status = YAO2020_OUT_OF_RANGE;
+    for (int round = 0; (round < 2) && (status == YAO2020_OUT_OF_RANGE); ++round) {
+        const yao2020_real *const goal = (round == 0) ? about : middle;
+        for (int i = 0; i < 6; ++i) {
+            const yao2020_real number = (goal[i] - joints[i]) * 0.15915494f;
+            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
+                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+                joints[i] += 6.2831855f * (yao2020_real)whole;
+            }
+        }
+        status = yao2020_check_limits(joints);
+    }
     return status;
 }
+
+/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
+static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6],
+    unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
+{
+    yao2020_real x[7];
+    yao2020_real found[1][6];
+    yao2020_real margin[5];
+    bool undecided = false;
+    yao2020_status status = yao2020_normalise_pose(pose, x);
+    if (status == YAO2020_OK) {
+        if (yao2020_branches(x, near, wanted, found, &undecided, margin) == 1) {
+            status = yao2020_turn_near(about, found[0]);
+        } else {
+            status = undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
+        }
+    }
+    if (status == YAO2020_OK) {
+        for (int i = 0; i < 6; ++i) {
+            joints[i] = found[0][i];
+        }
+    }
+    return status;
+}
+
+/* All branches with the given tool pose. */
+int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
+{
+    static const yao2020_real near[6] = { 0.0f };
+    static const yao2020_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    yao2020_real x[7];
+    int count = 0;
+    yao2020_real margin[5];
+    bool undecided = false;
+    yao2020_status status = yao2020_normalise_pose(pose, x);
+    if (status == YAO2020_OK) {
+        const int all = yao2020_branches(x, near, 63U, joints, &undecided, margin);
+        for (int k = 0; k < all; ++k) {
+            if (yao2020_turn_near(middle, joints[k]) == YAO2020_OK) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[count][i] = joints[k][i];
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+/* The branch named by the choices' bits. */
+yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch,
+    yao2020_real joints[6])
+{
+    static const yao2020_real near[6] = { 0.0f };
+    static const yao2020_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
+    yao2020_status status = YAO2020_OUT_OF_RANGE;
+    if (branch < 8U) {
+        unsigned int wanted = 0U;
+        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
+        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
+        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
+        status = yao2020_one_branch(pose, near, wanted, middle, joints);
+    }
+    return status;
+}
+
+/* The branch nearest to the guess, choice by choice. */
+yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6],
+    yao2020_real joints[6])
+{
+    yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
+    if (status == YAO2020_OK) {
+        yao2020_real near[6] = { 0.0f };
+        near[0] = yao2020_sine(guess[3] + 1.5707964f);
+        near[2] = yao2020_sine(guess[4] + 1.5707964f);
+        near[4] = yao2020_sine(guess[1] + 1.5707964f);
+        status = yao2020_one_branch(pose, near, 0U, guess, joints);
+    }
+    return status;
+}
+
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
+static void yao2020_cosine_and_sine(yao2020_real angle, yao2020_real u[2])
+{
+    const yao2020_real number = angle * 0.63661975f;
+    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
+    const yao2020_real k = (yao2020_real)quarter;
+    const yao2020_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    const yao2020_real square = x * x;
+    const yao2020_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const yao2020_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
+    const yao2020_real cosine = odd ? s : c;
+    const yao2020_real sine = odd ? c : s;
+    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
+    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
+static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_real x[7],
+    yao2020_real margin[5])
+{
+    yao2020_real u[12];
+    unsigned int wanted = 0U;
+    yao2020_cosine_and_sine(0.5f * joints[0], &u[0]);
+    yao2020_cosine_and_sine(0.5f * joints[1], &u[2]);
+    yao2020_cosine_and_sine(0.5f * joints[2], &u[4]);
+    yao2020_cosine_and_sine(0.5f * joints[3], &u[6]);
+    yao2020_cosine_and_sine(0.5f * joints[4], &u[8]);
+    u[10] = joints[5];
+    u[11] = 0.0f;
+    /* the tool's pose */
+    const yao2020_real t0 = u[0] * u[0];
+    const yao2020_real t1 = u[1] * u[1];
+    const yao2020_real t2 = t0 - t1;
+    const yao2020_real t3 = u[2] * u[2];
+    const yao2020_real t4 = u[3] * u[3];
+    const yao2020_real t5 = t3 - t4;
+    const yao2020_real t6 = u[6] * u[6];
+    const yao2020_real t7 = u[7] * u[7];
+    const yao2020_real t8 = t6 - t7;
+    const yao2020_real t9 = u[8] * u[8];
+    const yao2020_real t10 = u[9] * u[9];
+    const yao2020_real t11 = t9 - t10;
+    const yao2020_real t12 = u[10] - 160.0f;
+    const yao2020_real t13 = t11 * t12;
+    const yao2020_real t14 = t13 - 85.0f;
+    const yao2020_real t15 = t8 * t14;
+    const yao2020_real t16 = t15 - 300.0f;
+    const yao2020_real t17 = u[6] + u[6];
+    const yao2020_real t18 = t17 * u[7];
+    const yao2020_real t19 = 105.0f * t18;
+    const yao2020_real t20 = t16 + t19;
+    const yao2020_real t21 = t5 * t20;
+    const yao2020_real t22 = u[2] + u[2];
+    const yao2020_real t23 = t22 * u[3];
+    const yao2020_real t24 = u[4] * u[4];
+    const yao2020_real t25 = u[5] * u[5];
+    const yao2020_real t26 = t24 - t25;
+    const yao2020_real t27 = 105.0f * t8;
+    const yao2020_real t28 = t18 * t14;
+    const yao2020_real t29 = t27 - t28;
+    const yao2020_real t30 = t26 * t29;
+    const yao2020_real t31 = u[4] + u[4];
+    const yao2020_real t32 = t31 * u[5];
+    const yao2020_real t33 = u[8] + u[8];
+    const yao2020_real t34 = t33 * u[9];
+    const yao2020_real t35 = t34 * t12;
+    const yao2020_real t36 = t32 * t35;
+    const yao2020_real t37 = t30 + t36;
+    const yao2020_real t38 = t23 * t37;
+    const yao2020_real t39 = t21 + t38;
+    const yao2020_real t40 = t2 * t39;
+    const yao2020_real t41 = u[0] + u[0];
+    const yao2020_real t42 = t41 * u[1];
+    const yao2020_real t43 = t26 * t35;
+    const yao2020_real t44 = t32 * t29;
+    const yao2020_real t45 = t43 - t44;
+    const yao2020_real t46 = t42 * t45;
+    const yao2020_real t47 = t40 - t46;
+    x[0] = t47;
+    const yao2020_real t49 = t2 * t45;
+    const yao2020_real t50 = t42 * t39;
+    const yao2020_real t51 = t49 + t50;
+    x[1] = t51;
+    const yao2020_real t53 = t5 * t37;
+    const yao2020_real t54 = t23 * t20;
+    const yao2020_real t55 = t53 - t54;
+    x[2] = t55;
+    const yao2020_real t57 = u[6] * u[8];
+    const yao2020_real t58 = u[4] * t57;
+    const yao2020_real t59 = u[7] * u[9];
+    const yao2020_real t60 = u[5] * t59;
+    const yao2020_real t61 = t58 - t60;
+    const yao2020_real t62 = u[2] * t61;
+    const yao2020_real t63 = u[7] * u[8];
+    const yao2020_real t64 = u[4] * t63;
+    const yao2020_real t65 = u[6] * u[9];
+    const yao2020_real t66 = u[5] * t65;
+    const yao2020_real t67 = t64 - t66;
+    const yao2020_real t68 = u[3] * t67;
+    const yao2020_real t69 = t62 - t68;
+    const yao2020_real t70 = u[0] * t69;
+    const yao2020_real t71 = u[4] * t65;
+    const yao2020_real t72 = u[5] * t63;
+    const yao2020_real t73 = t71 + t72;
+    const yao2020_real t74 = u[2] * t73;
+    const yao2020_real t75 = u[4] * t59;
+    const yao2020_real t76 = u[5] * t57;
+    const yao2020_real t77 = t75 + t76;
+    const yao2020_real t78 = u[3] * t77;
+    const yao2020_real t79 = t74 - t78;
+    const yao2020_real t80 = u[1] * t79;
+    const yao2020_real t81 = t70 - t80;
+    x[3] = t81;
+    const yao2020_real t83 = u[2] * t77;
+    const yao2020_real t84 = u[3] * t73;
+    const yao2020_real t85 = t83 + t84;
+    const yao2020_real t86 = u[0] * t85;
+    const yao2020_real t87 = u[2] * t67;
+    const yao2020_real t88 = u[3] * t61;
+    const yao2020_real t89 = t87 + t88;
+    const yao2020_real t90 = u[1] * t89;
+    const yao2020_real t91 = t86 - t90;
+    x[4] = t91;
+    const yao2020_real t93 = u[0] * t89;
+    const yao2020_real t94 = u[1] * t85;
+    const yao2020_real t95 = t93 + t94;
+    x[5] = t95;
+    const yao2020_real t97 = u[0] * t79;
+    const yao2020_real t98 = u[1] * t69;
+    const yao2020_real t99 = t97 + t98;
+    x[6] = t99;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
+    const yao2020_real t101 = 300.0f * t8;
+    const yao2020_real t102 = t101 * 0.0018017287f;
+    const yao2020_real t103 = -t102;
+    margin[0] = t103 * t103;
+    wanted |= (t103 < 0.0f) ? 2U : 1U;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+    const yao2020_real t106 = t101 + 85.0f;
+    const yao2020_real t107 = t106 * t11;
+    const yao2020_real t108 = t107 * 0.0018017287f;
+    margin[1] = t108 * t108;
+    wanted |= (t108 < 0.0f) ? 8U : 4U;
+    /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+    margin[2] = t5 * t5;
+    wanted |= (t5 < 0.0f) ? 32U : 16U;
+    /* theta1 turns the axis of theta3 to where it must be */
+    const yao2020_real t113 = t95 * t95;
+    const yao2020_real t114 = t99 * t99;
+    const yao2020_real t115 = t113 + t114;
+    const yao2020_real t116 = t115 + t115;
+    const yao2020_real t117 = 1.0f - t116;
+    const yao2020_real t118 = t11 * t8;
+    const yao2020_real t119 = t117 * t118;
+    const yao2020_real t120 = t91 * t95;
+    const yao2020_real t121 = t81 * t99;
+    const yao2020_real t122 = t120 - t121;
+    const yao2020_real t123 = t122 + t122;
+    const yao2020_real t124 = t34 * t8;
+    const yao2020_real t125 = t123 * t124;
+    const yao2020_real t126 = t119 - t125;
+    const yao2020_real t127 = t91 * t99;
+    const yao2020_real t128 = t81 * t95;
+    const yao2020_real t129 = t127 + t128;
+    const yao2020_real t130 = t129 + t129;
+    const yao2020_real t131 = t130 * t18;
+    const yao2020_real t132 = t126 + t131;
+    const yao2020_real t133 = t5 * t132;
+    const yao2020_real t134 = t133 * t133;
+    const yao2020_real t135 = t120 + t121;
+    const yao2020_real t136 = t135 + t135;
+    const yao2020_real t137 = t136 * t118;
+    const yao2020_real t138 = t91 * t91;
+    const yao2020_real t139 = t138 + t114;
+    const yao2020_real t140 = t139 + t139;
+    const yao2020_real t141 = 1.0f - t140;
+    const yao2020_real t142 = t141 * t124;
+    const yao2020_real t143 = t137 - t142;
+    const yao2020_real t144 = t95 * t99;
+    const yao2020_real t145 = t81 * t91;
+    const yao2020_real t146 = t144 - t145;
+    const yao2020_real t147 = t146 + t146;
+    const yao2020_real t148 = t147 * t18;
+    const yao2020_real t149 = t143 + t148;
+    const yao2020_real t150 = t5 * t149;
+    const yao2020_real t151 = t150 * t150;
+    const yao2020_real t152 = t134 + t151;
+    const yao2020_real t153 = sqrtf(t152);
+    margin[3] = t153;
+    /* theta3 turns a direction of the tool to where it must be */
+    const yao2020_real t155 = t136 * t34;
+    const yao2020_real t156 = t141 * t11;
+    const yao2020_real t157 = t155 + t156;
+    const yao2020_real t158 = t2 * t157;
+    const yao2020_real t159 = t117 * t34;
+    const yao2020_real t160 = t123 * t11;
+    const yao2020_real t161 = t159 + t160;
+    const yao2020_real t162 = t42 * t161;
+    const yao2020_real t163 = t158 - t162;
+    const yao2020_real t164 = t163 * t163;
+    const yao2020_real t165 = t127 - t128;
+    const yao2020_real t166 = t165 + t165;
+    const yao2020_real t167 = t166 * t34;
+    const yao2020_real t168 = t144 + t145;
+    const yao2020_real t169 = t168 + t168;
+    const yao2020_real t170 = t169 * t11;
+    const yao2020_real t171 = t167 + t170;
+    const yao2020_real t172 = t5 * t171;
+    const yao2020_real t173 = t2 * t161;
+    const yao2020_real t174 = t42 * t157;
+    const yao2020_real t175 = t173 + t174;
+    const yao2020_real t176 = t23 * t175;
+    const yao2020_real t177 = t172 + t176;
+    const yao2020_real t178 = t177 * t177;
+    const yao2020_real t179 = t164 + t178;
+    const yao2020_real t180 = sqrtf(t179);
+    margin[4] = t180;
+    return wanted;
+}
+
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_real b[5],
+    yao2020_real place, yao2020_real turn, const yao2020_real moved[6])
+{
+    yao2020_real largest = 0.0f;
+    (void)a;
+    (void)b;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
+    const yao2020_real bend0 = 9.74f * place + 11.6f * turn;
+    const yao2020_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
+    const yao2020_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
+    largest = (share0 > largest) ? share0 : largest;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+    const yao2020_real bend1 = 9.76f * place + 10.9f * turn + 1.48f * moved[3];
+    const yao2020_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
+    const yao2020_real share1 = bend1 / (2.0f * (a[1] + b[1]) + 4.0f * lesser1);
+    largest = (share1 > largest) ? share1 : largest;
+    /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+    const yao2020_real bend2 = 14.9f * turn + 10.7f * moved[3] + 9.94f * moved[4];
+    const yao2020_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
+    const yao2020_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
+    largest = (share2 > largest) ? share2 : largest;
+    /* theta1 turns the axis of theta3 to where it must be */
+    const yao2020_real bend3 = 14.9f * turn + 10.7f * moved[3] + 9.94f * moved[4];
+    const yao2020_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
+    const yao2020_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
+    largest = (share3 > largest) ? share3 : largest;
+    /* theta3 turns a direction of the tool to where it must be */
+    const yao2020_real bend4 = 11.9f * turn + 10.8f * moved[0] + 11.0f * moved[1]
+        + 11.8f * moved[4];
+    const yao2020_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
+    const yao2020_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
+    largest = (share4 > largest) ? share4 : largest;
+    return largest;
+}
+
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2020_config *config,
+    yao2020_real joints[6], yao2020_info *info)
+{
+    static const yao2020_real per_length[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0018017287f };
+    static const bool angular[6] = { true, true, true, true, true, false };
+    static const yao2020_real near[6] = { 0.0f };
+    const yao2020_real most2 = config->max_step * config->max_step * 3.2462262e-06f;
+    yao2020_real at[7];
+    yao2020_real x[7];
+    yao2020_real left[5] = { 1.0f };
+    yao2020_real margin[5] = { 1.0f };
+    yao2020_real found[1][6];
+    yao2020_real done = 0.0f;
+    yao2020_real part = 1.0f;
+    yao2020_real moved[6];
+    yao2020_real way2 = 0.0f;
+    yao2020_real least = 1.0f;
+    unsigned int count = 0U;
+    const unsigned int wanted = yao2020_read_joints(joints, at, left);
+    /* of q and -q, one rotation, the one on the guess's side */
+    const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
+    const yao2020_real turn2 = 8.0f * ((1.0f - side * cosine) + 2.3841858e-07f);
+    yao2020_real place2 = 0.0f;
+    yao2020_status status = YAO2020_MAX_ITERATIONS;
+    for (int i = 0; i < 3; ++i) {
+        place2 += (to[i] - at[i]) * (to[i] - at[i]) * 3.2462262e-06f;
+    }
+    for (int k = 0; k < 5; ++k) {
+        if (!(left[k] > 1.5258789e-05f)) {
+            status = YAO2020_SINGULAR;
+        }
+    }
+    while ((status == YAO2020_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
+        const yao2020_real end = (done + part < 0.999f) ? (done + part) : 1.0f;
+        bool undecided = false;
+        ++count;
+        for (int i = 0; i < 7; ++i) {
+            const yao2020_real goal = (i < 3) ? to[i] : (side * to[i]);
+            x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
+        }
+        if (end < 1.0f) {
+            const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
+            for (int i = 3; i < 7; ++i) {
+                x[i] *= inverse;
+            }
+        }
+        if (yao2020_branches(x, near, wanted, found, &undecided, margin) != 1) {
+            /* the guess's branch does not reach this point of the line */
+            status = undecided ? YAO2020_SINGULAR : ((end < 1.0f)
+                ? YAO2020_WRONG_BRANCH : YAO2020_OUT_OF_RANGE);
+        } else {
+            way2 = 0.0f;
+            for (int i = 0; i < 6; ++i) {
+                yao2020_real way = found[0][i] - joints[i];
+                const yao2020_real number = way * 0.15915494f;
+                if (angular[i] && (fabsf(number) > 0.5f)) {
+                    way -= 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f)
+                        ? -0.5f : 0.5f));
+                }
+                found[0][i] = joints[i] + way;
+                moved[i] = (way * per_length[i]) * (way * per_length[i]);
+                way2 += moved[i];
+            }
+            const yao2020_real share = yao2020_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
+            if ((way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f)) {
+                for (int i = 0; i < 6; ++i) {
+                    joints[i] = found[0][i];
+                }
+                for (int k = 0; k < 5; ++k) {
+                    left[k] = margin[k];
+                }
+                done = end;
+                part *= (share < 0.2f) ? 2.0f : ((share < 0.6f) ? 1.0f : 0.75f);
+                if (done >= 1.0f) {
+                    status = YAO2020_OK;
+                }
+            } else {
+                part *= (share < 4.0f) ? 0.5f : 0.25f;
+                if (part < 0.00024414062f) {
+                    status = YAO2020_WRONG_BRANCH;
+                }
+            }
+        }
+    }
+    for (int k = 0; k < 5; ++k) {
+        least = (left[k] < least) ? left[k] : least;
+    }
+    yao2020_write_info(info, count, (status == YAO2020_OK) ? 0.0022495706f : HUGE_VALF,
+        way2 * 308050.0f, (least > 0.0f) ? (1.0f / least) : 0.0f);
+    return status;
+}
+
 /* The tool's pose, its quaternion of unit length and with w >= 0. */
 yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
 {
@@ -2038,12 +1012,12 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* The joints by the closed form along the line of tool poses from the guess's to the given one. */
 yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose,
     const yao2020_real guess[6], yao2020_real joints[6], yao2020_info *info)
 {
     static const yao2020_config usual = { YAO2020_TOLERANCE, YAO2020_MAX_STEPS, YAO2020_MAX_STEP };
-    yao2020_inverse_work w;
+    yao2020_real at[6];
     yao2020_real to[7];
     yao2020_status status = yao2020_check_finite(guess, 6, yao2020_normalise_pose(pose, to));
     yao2020_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -2059,27 +1033,26 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
         status = yao2020_check_config(config, status);
     }
     if (status == YAO2020_OK) {
-        w.x[0] = guess[0];
-        w.x[1] = guess[1];
-        w.x[2] = guess[2];
-        w.x[3] = guess[3];
-        w.x[4] = guess[4];
-        w.x[5] = guess[5];
-        yao2020_forward(w.x, w.at);
-        status = yao2020_inverse_newton(&w, to, (config != NULL) ? config : &usual, info);
+        at[0] = guess[0];
+        at[1] = guess[1];
+        at[2] = guess[2];
+        at[3] = guess[3];
+        at[4] = guess[4];
+        at[5] = guess[5];
+        status = yao2020_inverse_along(to, (config != NULL) ? config : &usual, at, info);
         if (status == YAO2020_OK) {
-            status = yao2020_check_limits(w.x);
+            status = yao2020_check_limits(at);
             if (info != NULL) {
-                info->joint = yao2020_first_beyond(w.x);
+                info->joint = yao2020_first_beyond(at);
             }
         }
         if (status == YAO2020_OK) {
-            joints[0] = w.x[0];
-            joints[1] = w.x[1];
-            joints[2] = w.x[2];
-            joints[3] = w.x[3];
-            joints[4] = w.x[4];
-            joints[5] = w.x[5];
+            joints[0] = at[0];
+            joints[1] = at[1];
+            joints[2] = at[2];
+            joints[3] = at[3];
+            joints[4] = at[4];
+            joints[5] = at[5];
         }
     }
     return status;
@@ -2920,376 +1893,6 @@ yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], y
         } else {
             /* nobody asks which joint */
         }
-    }
-    return status;
-}
-
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
- * least error for atan up to 1. */
-static yao2020_real yao2020_angle(yao2020_real s, yao2020_real c)
-{
-    const yao2020_real x = fabsf(c);
-    const yao2020_real y = fabsf(s);
-    const bool steep = y > x;
-    const yao2020_real ratio = steep ? (x / y) : (y / x);
-    const yao2020_real square = ratio * ratio;
-    yao2020_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
-        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
-        + square * (0.02186267f + square * -0.004054485f)))))));
-    if (steep) {
-        angle = 1.5707964f - angle;
-    }
-    if (c < 0.0f) {
-        angle = 3.1415927f - angle;
-    }
-    return (s < 0.0f) ? -angle : angle;
-}
-
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
- * turns. */
-static yao2020_real yao2020_sine(yao2020_real angle)
-{
-    const yao2020_real number = angle * 0.15915494f;
-    yao2020_real sine = 0.0f;
-    if (fabsf(number) < 10000.0f) {
-        yao2020_real x = angle - 6.2831855f * (yao2020_real)(int)(number + ((number < 0.0f)
-            ? -0.5f : 0.5f));
-        if (x > 1.5707964f) {
-            x = 3.1415927f - x;
-        } else if (x < -1.5707964f) {
-            x = -3.1415927f - x;
-        } else {
-            /* within a quarter turn */
-        }
-        const yao2020_real square = x * x;
-        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
-            + square * -0.00018363616f)));
-    }
-    return sine;
-}
-
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
- * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
- * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
- * where nothing decides a joint. */
-static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
-    unsigned int wanted, yao2020_real found[][6], bool *undecided)
-{
-    int count = 0;
-    (void)near;
-    (void)wanted;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
-     * and theta5 tells theta4 */
-    const yao2020_real t0 = x[4] * x[6];
-    const yao2020_real t1 = x[3] * x[5];
-    const yao2020_real t2 = t0 + t1;
-    const yao2020_real t3 = t2 + t2;
-    const yao2020_real t4 = t3 * x[0];
-    const yao2020_real t5 = x[5] * x[6];
-    const yao2020_real t6 = x[3] * x[4];
-    const yao2020_real t7 = t5 - t6;
-    const yao2020_real t8 = t7 + t7;
-    const yao2020_real t9 = t8 * x[1];
-    const yao2020_real t10 = t4 + t9;
-    const yao2020_real t11 = x[4] * x[4];
-    const yao2020_real t12 = x[5] * x[5];
-    const yao2020_real t13 = t11 + t12;
-    const yao2020_real t14 = t13 + t13;
-    const yao2020_real t15 = 1.0f - t14;
-    const yao2020_real t16 = t15 * x[2];
-    const yao2020_real t17 = t10 + t16;
-    const yao2020_real t18 = 105.0f - t17;
-    const yao2020_real t19 = t18 * t18;
-    const yao2020_real t20 = 90000.0f - t19;
-    const yao2020_real t21 = t20 * 3.2462262e-06f;
-    if (t21 > 1.5258789e-05f) {
-        const yao2020_real t23 = 300.0f * near[0];
-        const yao2020_real t24 = -t23;
-        const unsigned int bits0 = (wanted >> 0U) & 3U;
-        const unsigned int side0 = (t24 < 0.0f) ? 2U : 1U;
-        for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
-            if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
-                const yao2020_real sign0 = (k0 == 1U) ? 1.0f : -1.0f;
-                const yao2020_real t30 = fabsf(t20);
-                const yao2020_real t31 = t20 + t30;
-                const yao2020_real t32 = 0.5f * t31;
-                const yao2020_real t33 = sqrtf(t32);
-                const yao2020_real t34 = sign0 * t33;
-                const yao2020_real t35 = 0.0033333334f * t34;
-                const yao2020_real t36 = 0.0033333334f * t18;
-                const yao2020_real t37 = -t35;
-                const yao2020_real t38 = yao2020_angle(t36, t37);
-                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6
-                 * tells theta5 */
-                const yao2020_real t39 = -300.0f - t34;
-                const yao2020_real t40 = t39 + 385.0f;
-                const yao2020_real t41 = t40 * t40;
-                const yao2020_real t42 = t41 * 3.2462262e-06f;
-                if (t42 > 1.5258789e-05f) {
-                    const yao2020_real t44 = x[4] * x[5];
-                    const yao2020_real t45 = x[3] * x[6];
-                    const yao2020_real t46 = t44 - t45;
-                    const yao2020_real t47 = t46 + t46;
-                    const yao2020_real t48 = t47 * x[0];
-                    const yao2020_real t49 = x[6] * x[6];
-                    const yao2020_real t50 = t11 + t49;
-                    const yao2020_real t51 = t50 + t50;
-                    const yao2020_real t52 = 1.0f - t51;
-                    const yao2020_real t53 = t52 * x[1];
-                    const yao2020_real t54 = t48 + t53;
-                    const yao2020_real t55 = t5 + t6;
-                    const yao2020_real t56 = t55 + t55;
-                    const yao2020_real t57 = t56 * x[2];
-                    const yao2020_real t58 = t54 + t57;
-                    const yao2020_real t59 = t58 * t58;
-                    const yao2020_real t60 = t41 - t59;
-                    const yao2020_real t61 = t60 * 3.2462262e-06f;
-                    if (t61 > 1.5258789e-05f) {
-                        const yao2020_real t63 = t40 * near[2];
-                        const unsigned int bits1 = (wanted >> 2U) & 3U;
-                        const unsigned int side1 = (t63 < 0.0f) ? 2U : 1U;
-                        for (unsigned int k1 = 1U; k1 <= 2U; ++k1) {
-                            if ((((bits1 != 0U) ? bits1 : side1) & k1) != 0U) {
-                                const yao2020_real sign1 = (k1 == 1U) ? 1.0f : -1.0f;
-                                const yao2020_real t69 = t40 * t58;
-                                const yao2020_real t70 = 1.0f / t41;
-                                const yao2020_real t71 = t69 * t70;
-                                const yao2020_real t72 = fabsf(t60);
-                                const yao2020_real t73 = t60 + t72;
-                                const yao2020_real t74 = 0.5f * t73;
-                                const yao2020_real t75 = sqrtf(t74);
-                                const yao2020_real t76 = sign1 * t75;
-                                const yao2020_real t77 = t40 * t76;
-                                const yao2020_real t78 = t77 * t70;
-                                const yao2020_real t79 = yao2020_angle(t71, t78);
-                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet
-                                 * to where it must be */
-                                const yao2020_real t80 = t0 - t1;
-                                const yao2020_real t81 = t80 + t80;
-                                const yao2020_real t82 = t12 + t49;
-                                const yao2020_real t83 = t82 + t82;
-                                const yao2020_real t84 = 1.0f - t83;
-                                const yao2020_real t85 = t44 + t45;
-                                const yao2020_real t86 = t85 + t85;
-                                const yao2020_real t87 = t84 * x[0];
-                                const yao2020_real t88 = t86 * x[1];
-                                const yao2020_real t89 = t87 + t88;
-                                const yao2020_real t90 = t81 * x[2];
-                                const yao2020_real t91 = t89 + t90;
-                                const yao2020_real t92 = -545.0f - t91;
-                                const yao2020_real t93 = t78 * t40;
-                                const yao2020_real t94 = t93 - 385.0f;
-                                const yao2020_real t95 = t92 - t94;
-                                const yao2020_real t96 = -t95;
-                                /* the axis of theta3: its level along the axis of theta1 tells
-                                 * theta2 */
-                                const yao2020_real t97 = t71 * t35;
-                                const yao2020_real t98 = t56 * t97;
-                                const yao2020_real t99 = t78 * t35;
-                                const yao2020_real t100 = t81 * t99;
-                                const yao2020_real t101 = t98 - t100;
-                                const yao2020_real t102 = t15 * t36;
-                                const yao2020_real t103 = t101 + t102;
-                                const yao2020_real t104 = t103 * t103;
-                                const yao2020_real t105 = 1.0f - t104;
-                                if (t105 > 1.5258789e-05f) {
-                                    const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                    const unsigned int side2 = (near[4] < 0.0f) ? 2U : 1U;
-                                    for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
-                                        if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
-                                            const yao2020_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
-                                            const yao2020_real t112 = fabsf(t105);
-                                            const yao2020_real t113 = t105 + t112;
-                                            const yao2020_real t114 = 0.5f * t113;
-                                            const yao2020_real t115 = sqrtf(t114);
-                                            const yao2020_real t116 = sign2 * t115;
-                                            const yao2020_real t117 = -t103;
-                                            const yao2020_real t118 = yao2020_angle(t117, t116);
-                                            /* theta1 turns the axis of theta3 to where it must
-                                             * be */
-                                            const yao2020_real t119 = t47 * t97;
-                                            const yao2020_real t120 = t84 * t99;
-                                            const yao2020_real t121 = t119 - t120;
-                                            const yao2020_real t122 = t3 * t36;
-                                            const yao2020_real t123 = t121 + t122;
-                                            const yao2020_real t124 = t116 * t123;
-                                            const yao2020_real t125 = t124 * t124;
-                                            const yao2020_real t126 = t52 * t97;
-                                            const yao2020_real t127 = t86 * t99;
-                                            const yao2020_real t128 = t126 - t127;
-                                            const yao2020_real t129 = t8 * t36;
-                                            const yao2020_real t130 = t128 + t129;
-                                            const yao2020_real t131 = t116 * t130;
-                                            const yao2020_real t132 = t131 * t131;
-                                            const yao2020_real t133 = t125 + t132;
-                                            const yao2020_real t134 = sqrtf(t133);
-                                            if (t134 > 1.5258789e-05f) {
-                                                const yao2020_real t136 = yao2020_angle(t131, t124);
-                                                /* theta3 turns a direction of the tool to where it
-                                                 * must be */
-                                                const yao2020_real t137 = 1.0f / t134;
-                                                const yao2020_real t138 = t124 * t137;
-                                                const yao2020_real t139 = t86 * t71;
-                                                const yao2020_real t140 = t52 * t78;
-                                                const yao2020_real t141 = t139 + t140;
-                                                const yao2020_real t142 = t138 * t141;
-                                                const yao2020_real t143 = t131 * t137;
-                                                const yao2020_real t144 = t84 * t71;
-                                                const yao2020_real t145 = t47 * t78;
-                                                const yao2020_real t146 = t144 + t145;
-                                                const yao2020_real t147 = t143 * t146;
-                                                const yao2020_real t148 = t142 - t147;
-                                                const yao2020_real t149 = t148 * t148;
-                                                const yao2020_real t150 = t81 * t71;
-                                                const yao2020_real t151 = t56 * t78;
-                                                const yao2020_real t152 = t150 + t151;
-                                                const yao2020_real t153 = t116 * t152;
-                                                const yao2020_real t154 = t138 * t146;
-                                                const yao2020_real t155 = t143 * t141;
-                                                const yao2020_real t156 = t154 + t155;
-                                                const yao2020_real t157 = t103 * t156;
-                                                const yao2020_real t158 = t153 - t157;
-                                                const yao2020_real t159 = t158 * t158;
-                                                const yao2020_real t160 = t149 + t159;
-                                                const yao2020_real t161 = sqrtf(t160);
-                                                if (t161 > 1.5258789e-05f) {
-                                                    const yao2020_real t163 = yao2020_angle(t158,
-                                                        t148);
-                                                    found[count][0] = t136;
-                                                    found[count][1] = t118;
-                                                    found[count][2] = t163;
-                                                    found[count][3] = t38;
-                                                    found[count][4] = t79;
-                                                    found[count][5] = t96;
-                                                    ++count;
-                                                } else {
-                                                    *undecided = true;
-                                                }
-                                            } else {
-                                                *undecided = true;
-                                            }
-                                        }
-                                    }
-                                } else if (t105 > -1.5258789e-05f) {
-                                    *undecided = true;
-                                } else {
-                                    /* out of reach */
-                                }
-                            }
-                        }
-                    } else if (t61 > -1.5258789e-05f) {
-                        *undecided = true;
-                    } else {
-                        /* out of reach */
-                    }
-                } else {
-                    *undecided = true;
-                }
-            }
-        }
-    } else if (t21 > -1.5258789e-05f) {
-        *undecided = true;
-    } else {
-        /* out of reach */
-    }
-    return count;
-}
-
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
- * the range. */
-static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_real joints[6])
-{
-    static const bool angular[6] = { true, true, true, true, true, false };
-    static const yao2020_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    yao2020_status status = YAO2020_OUT_OF_RANGE;
-    for (int round = 0; (round < 2) && (status == YAO2020_OUT_OF_RANGE); ++round) {
-        const yao2020_real *const goal = (round == 0) ? about : middle;
-        for (int i = 0; i < 6; ++i) {
-            const yao2020_real number = (goal[i] - joints[i]) * 0.15915494f;
-            if (angular[i] && (fabsf(number) > 0.5f) && (fabsf(number) < 10000.0f)) {
-                const int whole = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-                joints[i] += 6.2831855f * (yao2020_real)whole;
-            }
-        }
-        status = yao2020_check_limits(joints);
-    }
-    return status;
-}
-
-/* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6],
-    unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
-{
-    yao2020_real x[7];
-    yao2020_real found[1][6];
-    bool undecided = false;
-    yao2020_status status = yao2020_normalise_pose(pose, x);
-    if (status == YAO2020_OK) {
-        if (yao2020_branches(x, near, wanted, found, &undecided) == 1) {
-            status = yao2020_turn_near(about, found[0]);
-        } else {
-            status = undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
-        }
-    }
-    if (status == YAO2020_OK) {
-        for (int i = 0; i < 6; ++i) {
-            joints[i] = found[0][i];
-        }
-    }
-    return status;
-}
-
-/* All branches with the given tool pose. */
-int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
-{
-    static const yao2020_real near[6] = { 0.0f };
-    static const yao2020_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    yao2020_real x[7];
-    int count = 0;
-    bool undecided = false;
-    yao2020_status status = yao2020_normalise_pose(pose, x);
-    if (status == YAO2020_OK) {
-        const int all = yao2020_branches(x, near, 63U, joints, &undecided);
-        for (int k = 0; k < all; ++k) {
-            if (yao2020_turn_near(middle, joints[k]) == YAO2020_OK) {
-                for (int i = 0; i < 6; ++i) {
-                    joints[count][i] = joints[k][i];
-                }
-                ++count;
-            }
-        }
-    }
-    return count;
-}
-
-/* The branch named by the choices' bits. */
-yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch,
-    yao2020_real joints[6])
-{
-    static const yao2020_real near[6] = { 0.0f };
-    static const yao2020_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    yao2020_status status = YAO2020_OUT_OF_RANGE;
-    if (branch < 8U) {
-        unsigned int wanted = 0U;
-        wanted |= ((branch & 4U) != 0U) ? 2U : 1U;
-        wanted |= ((branch & 2U) != 0U) ? 8U : 4U;
-        wanted |= ((branch & 1U) != 0U) ? 32U : 16U;
-        status = yao2020_one_branch(pose, near, wanted, middle, joints);
-    }
-    return status;
-}
-
-/* The branch nearest to the guess, choice by choice. */
-yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6],
-    yao2020_real joints[6])
-{
-    yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
-    if (status == YAO2020_OK) {
-        yao2020_real near[6] = { 0.0f };
-        near[0] = yao2020_sine(guess[3] + 1.5707964f);
-        near[2] = yao2020_sine(guess[4] + 1.5707964f);
-        near[4] = yao2020_sine(guess[1] + 1.5707964f);
-        status = yao2020_one_branch(pose, near, 0U, guess, joints);
     }
     return status;
 }

@@ -810,7 +810,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;

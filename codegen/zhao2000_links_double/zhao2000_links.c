@@ -5111,7 +5111,7 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
+                /* accepted at a point of the line: go on from here, by twice the part where
                  * convergence was quick */
                 const zhao2000_links_real part = aim - done;
                 done = aim;

@@ -115,6 +115,13 @@ class Evaluation:
         a, b, _ = self._equation(step)
         return cosine + a if self.arm.screws[joint].slides else a * sine - b * cosine
 
+    def discriminant_scale(self, step: Step) -> float:
+        """What the square of `slope` is divided by in the step's discriminant."""
+        assert isinstance(step, Level | Distance)  # noqa: S101 - no other step has branches
+        if self.arm.screws[step.joints[0]].slides:
+            return self.arm.size**2
+        return (self._scale(step.x) if isinstance(step, Level) else self.arm.size**2) ** 2
+
     def _scale(self, *operands: Operand) -> float:
         return self.arm.size if all(operand.is_point for operand in operands) else 1.0
 
@@ -131,6 +138,14 @@ class Evaluation:
         strength = ca.sqrt(cosine * cosine + sine * sine) / self._scale(step.x) ** 2
         return Decision((Motion.towards(cosine, sine),), ca.SX(1), strength)
 
+    def across_squares(self, step: Carry) -> tuple[ca.SX, ca.SX]:
+        """Squares of the parts of x and y across the axis (over the size's)."""
+        screw = self.arm.screws[step.joints[0]]
+        point = _column(screw.point) if step.x.is_point else ca.SX.zeros(3)
+        parts = [ca.cross(_column(screw.axis), self.value(operand) - point) for operand in (step.x, step.y)]
+        scale = self._scale(step.x) ** 2
+        return ca.dot(parts[0], parts[0]) / scale, ca.dot(parts[1], parts[1]) / scale
+
     def _balanced(self, step: Level | Distance, sign: ca.SX | float) -> Decision:
         """A cos q + B sin q = C; of a slide d: A d = C, or d^2 + 2 A d = C."""
         (joint,) = step.joints
@@ -139,12 +154,13 @@ class Evaluation:
             if isinstance(step, Level):
                 return Decision((Motion(c / a),), ca.SX(1), a * a)
             discriminant = a * a + c
-            return Decision((Motion(sign * _root(discriminant) - a),), discriminant / self.arm.size**2, ca.SX(1))
+            motion = Motion(sign * _root(discriminant) - a)
+            return Decision((motion,), discriminant / self.discriminant_scale(step), ca.SX(1))
         squares = a * a + b * b
         discriminant, inverse = squares - c * c, 1 / squares
         across = sign * _root(discriminant)
         motion = Motion.turn(inverse * (a * c - b * across), inverse * (b * c + a * across))
-        scale = (self._scale(step.x) if isinstance(step, Level) else self.arm.size**2) ** 2
+        scale = self.discriminant_scale(step)
         return Decision((motion,), discriminant / scale, squares / scale)
 
     def _equation(self, step: Level | Distance) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -15,7 +15,7 @@ import numpy as np
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_limb import RESOLVED, LimbFormulas
-from symkin.codegen.closed_source import arctangent, horner
+from symkin.codegen.closed_source import arctangent
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.gathered import gathered
 from symkin.codegen.lifted import Generators, lifted
@@ -23,6 +23,7 @@ from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.newton_source import tuning_of
 from symkin.codegen.pose_coordinates import off_motion, restricted
+from symkin.codegen.turns import cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
@@ -39,10 +40,6 @@ _ARC = 0.117
 """An angle up to a right one squared is its chord squared, c, and less than this times c^2: (pi^2 / 8 - 1) / 2."""
 _ALIKE = 0.01
 """Relative difference of weights that are taken as equal: as the largest of them."""
-_SINE = (-0.16666650571233543, 0.008331973139100734, -0.00019494934002867504)
-"""(sin(x) / x - 1) / x^2 in x^2 up to an eighth of a turn, error of the sine 2e-9: least squares reweighted to the least largest error."""
-_COSINE = (0.041666646745247254, -0.0013887361320206655, 2.4437714559667177e-05)
-"""(cos(x) - 1 + x^2 / 2) / x^4 in the same way, error of the cosine 1e-10."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -454,7 +451,7 @@ class ClosedDirectSource:
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
         angle = fill("closed_angle.c", dict(self.common) | arctangent(real)) if polynomial else ""
-        turn = self._turn if polynomial else ""
+        turn = cosine_and_sine(self.real, self.common) if polynomial else ""
         wide = [c.limits is not None and c.is_angular and c.limits[1] - c.limits[0] > _WIDE for c in made.actuated]
         values = dict(self.common) | {
             "nu": self._count, "nk": max(1, len(self.found.formulas.names)), "ng": len(self.found.guards), "ny": int(self._y.shape[0]),
@@ -522,17 +519,6 @@ class ClosedDirectSource:
             lines.append(f"static const {real.type} {table_name}[{len(column)}] = {{ {texts} }};")
             parts.append(f"{table_name}[w->reach] * {added}")
         return " + ".join(parts) or real.literal(0.0)
-
-    @property
-    def _turn(self) -> str:
-        literal = self.real.literal
-        quarter = 0.5 * np.pi
-        first = float(np.float32(round(quarter * 2**8) / 2**8))
-        second = float(np.float32(round((quarter - first) * 2**18) / 2**18))
-        return fill("closed_turn.c", dict(self.common) | {
-            "per_quarter": literal(2.0 / np.pi), "quarter1": literal(first), "quarter2": literal(second),
-            "quarter3": literal(quarter - first - second), "sine": horner(_SINE, self.real), "cosine": horner(_COSINE, self.real),
-        })  # fmt: skip
 
 
 def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:

@@ -104,14 +104,24 @@ class ClosedCode:
         return len(self.plan.arm) < 6 and self.newton is None
 
     @cached_property
-    def _emitter(self) -> Emitter:
+    def _outputs(self) -> ca.SX:
         written, at = self._steps
         outputs = [e for w in written for e in (w.decision.strength, w.decision.discriminant, w.lean)]
         values = [at.motions[i].value + screw.zero for i, screw in enumerate(self.plan.arm.screws)]
         symbols = [self._pose, self._signs, self._near]
         gap = self._gap(at) if self.is_checked else ca.SX(0)
-        expression = snapped_expression(ca.vertcat(*outputs, *values, gap), symbols, 1.0)
-        function = ca.Function("f", symbols, [ca.densify(expression)], {"cse": True})
+        return snapped_expression(ca.vertcat(*outputs, *values, gap), symbols, 1.0)
+
+    @cached_property
+    def guarded(self) -> list[int]:
+        """Numbers of the steps that could decide nothing, or of which two solutions could meet."""
+        entries = [self._outputs[3 * i + (step.branch is not None)] for i, step in enumerate(self.plan.steps)]
+        return [i for i, entry in enumerate(entries) if not entry.is_constant()]
+
+    @cached_property
+    def _emitter(self) -> Emitter:
+        symbols = [self._pose, self._signs, self._near]
+        function = ca.Function("f", symbols, [ca.densify(self._outputs)], {"cse": True})
         signs = [f"sign{i}" for i in range(len(self.plan.branches))]
         return Emitter(function, [indexed("x", 7), signs, indexed("near", 2 * len(signs))], self.real)
 
@@ -126,6 +136,8 @@ class ClosedCode:
         for i, step in enumerate(steps):
             emitter.comment(step.reason)
             self._open_conditions(emitter.value(0, 3 * i), 3 * i + 1, opened)
+            if i in self.guarded:
+                self._raw(f"margin[{self.guarded.index(i)}] = {self._margin(i)};")
             if step.branch is not None:
                 self._open_choice(number, emitter.value(0, 3 * i + 2))
                 opened += ["}", "}"]
@@ -156,6 +168,10 @@ class ClosedCode:
         if not _is_number(text):
             self._raw(f"if ({text} > {least}) {{")
             opened.append(f"}} else if ({text} > -{least}) {{\n{undecided}\n}} else {{\n/* out of reach */\n}}")
+
+    def _margin(self, i: int) -> str:
+        """C text of a square that is zero where a step is not decided: what `ClosedLine` follows."""
+        return self._emitter.value(0, 3 * i + (self.plan.steps[i].branch is not None))
 
     def _raw(self, text: str) -> None:
         self._emitter.lines.append(text)
@@ -189,7 +205,7 @@ class ClosedCode:
         return [line for line in lines if line.split(" = ")[0] in text]
 
     @property
-    def _names(self) -> dict[str, object]:
+    def names(self) -> dict[str, object]:
         literal, names = self.real.literal, self.plan.branches
         spans = [c.limits for c in self.coordinates]
         middles = [0.5 * (s[0] + s[1]) if s else 0.0 for s in spans]
@@ -199,7 +215,7 @@ class ClosedCode:
         ]
         both = sum(3 << (2 * i) for i in range(len(names)))
         return self.values | {
-            "branches": self.plan.count, "choices": max(len(names), 1), "nears": max(2 * len(names), 1), "both": f"{both}U",
+            "branches": self.plan.count, "choices": max(len(names), 1), "nears": max(2 * len(names), 1), "both": f"{both}U", "margins": max(len(self.guarded), 1),
             "body": indent(self.body), "near": indent(self._near_lines, 2), "nn": len(self.plan.arm),
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
             "middles": ", ".join(literal(m) for m in middles), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
@@ -212,9 +228,9 @@ class ClosedCode:
     def text(self) -> str:
         """All functions of the closed form."""
         first = f"{self.values['p']}_turn_near(" if self.newton is None else f"{self.values['p']}_settle(x, "
-        sine = fill("closed_trigonometry.c", self._names) if any("_sine(" in line for line in self._near_lines) else ""
-        angle = fill("closed_angle.c", self._names) if any("_angle(" in line for line in self.body) else ""
-        return angle + sine + fill("closed.c", self._names | {"finish": self._finish, "settle": first})
+        sine = fill("closed_trigonometry.c", self.names) if any("_sine(" in line for line in self._near_lines) else ""
+        angle = fill("closed_angle.c", self.names) if any("_angle(" in line for line in self.body) else ""
+        return angle + sine + fill("closed.c", self.names | {"finish": self._finish, "settle": first})
 
     @property
     def _finish(self) -> str:
@@ -222,7 +238,7 @@ class ClosedCode:
             return ""
         literal, size = self.real.literal, self.plan.arm.size
         own = {"most_steps": _FINISH_STEPS, "longest2": literal((_FINISH_REACH * size) ** 2)}
-        return fill("closed_finish.c", self.newton.factoring | self._names | own)
+        return fill("closed_finish.c", self.newton.factoring | self.names | own)
 
     @property
     def header(self) -> str:
@@ -232,7 +248,7 @@ class ClosedCode:
             f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {self._joint_of(i)} */"
             for i, name in enumerate(names)
         ]
-        return fill("closed.h", self._names | {"flags": "\n".join(flags)})
+        return fill("closed.h", self.names | {"flags": "\n".join(flags)})
 
     def _joint_of(self, number: int) -> str:
         (joint,) = [step for step in self.plan.steps if step.branch is not None][number].joints

@@ -24,7 +24,10 @@ halved; where parts are shorter than 1/1024, the status is `WRONG_BRANCH`. $M$ i
 1.5: sampled, not proved."""
 
 _GUESS = r"""**The guess** holds only one side's values. The other side's, and passive ones, are those of the reference configuration's branch of
-the formulas, or, where a direction has none, those that the machine reaches from the reference configuration in a straight line."""
+the formulas, or, where a direction has none, those that the machine reaches from the reference configuration in a straight line. Near the
+reference, where that is printed in the code, one step of Newton's method from polynomials gives these: rays through the reference were
+followed when the code was written, no determinant on them was below a tenth of the reference's, and the step ends within $10^{-4}$
+(rad, sizes) of where they lead. Sampled, not proved."""
 
 
 def map_chapter(made: JointMap) -> str:

@@ -13,6 +13,7 @@ from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
 from symkin.codegen.circles import number_counts, numbers_at
 from symkin.codegen.closed_direction import ClosedDirection
+from symkin.codegen.home_sheet import HomeSheet, home_sheet
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature
@@ -38,6 +39,10 @@ _TRACKED = 24.0
 """A step of one call is at most the size over this."""
 _BELONG = 1e-2
 """Residual, in sizes, up to which joints and found values belong together."""
+_NOISE = 4.0
+"""Roundings of the size that rows of formulas may leave: a step of Newton's method would not mend them."""
+_ROUGH = 4.0
+"""How many times the polynomials' largest error a step from them may be long."""
 _GUESSED = 1e-5
 """Error of a guess's own configuration, in sizes: the line begins there."""
 _NOT_DECIDED = 1e-4
@@ -160,7 +165,7 @@ class JointMapSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         made = self.made
-        parts = [self._solver_text(d) + self._place_text(d) for d in (made.direct, made.inverse)]
+        parts = [self._solver_text(d) + self._place_text(d) + self._sheet_text(d) for d in (made.direct, made.inverse)]
         parts += [self._state_text(made.inverse), self._state_text(made.direct)]
         parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
         parts += [fill("map_give.c", self._common), self._rates_text]
@@ -227,6 +232,7 @@ class JointMapSource:
         closed = self._closed[direction.name]
         finish = fill("map_finish.c", code.factoring | closed.values | {
             "singular": singular_condition(code.kernel, code.k, "w"), "rounding": self.real.literal(code.tuning.rounding),
+            "noise": self.real.literal(_NOISE * self.real.epsilon * self.made.size),
         })  # fmt: skip
         text = closed.text
         if self.real.name == "float":
@@ -274,17 +280,20 @@ class JointMapSource:
         ((low, high),) = self._limits([c])
         return f"{self.name}_turned({angle}, {near}, {self.real.literal(low)}, {self.real.literal(high)})"
 
-    def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str) -> list[str]:
-        """C text of the values of coordinates by their numbers, angles next to `near`."""
+    def _plain_values(self, coordinates: Sequence[Coordinate], numbers: Sequence[str]) -> list[str]:
+        """C text of the values of coordinates by their numbers, angles within half a turn of 0."""
         found, k = [], 0
         angle = f"{self.name}_angle" if self.real.name == "float" else self.real.call("atan2")
-        for i, c in enumerate(coordinates):
-            if c.kind == "angle":
-                found.append(self._turned(c, f"{angle}({numbers[k + 1]}, {numbers[k]})", f"{near}[{i}]"))
-                k += 2
-            else:
-                found.append(numbers[k])
-                k += 1
+        for c in coordinates:
+            found.append(f"{angle}({numbers[k + 1]}, {numbers[k]})" if c.kind == "angle" else numbers[k])
+            k += 2 if c.kind == "angle" else 1
+        return found
+
+    def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str) -> list[str]:
+        """C text of the values of coordinates by their numbers, angles next to `near`."""
+        found = []
+        for i, (c, value) in enumerate(zip(coordinates, self._plain_values(coordinates, numbers), strict=True)):
+            found.append(self._turned(c, value, f"{near}[{i}]") if c.kind == "angle" else value)
         return found
 
     # --- configurations ----------------------------------------------------------------------------------------------
@@ -296,7 +305,7 @@ class JointMapSource:
     def _state_text(self, direction: Direction) -> str:
         """The configuration of known values, with the reference's choices."""
         values, _ = self._words(direction)
-        k, kind, made = f"{self.name}_{direction.name}", self.real.type, self.made
+        k, kind = f"{self.name}_{direction.name}", self.real.type
         if direction.name in self._closed:
             closed = self._closed[direction.name]
             names = closed.values
@@ -307,27 +316,82 @@ class JointMapSource:
                 f"{k}_formulas(k, sign, x, d);",
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", f"    if (!(d[i] > {names['resolved']})) {{",
                 f"        status = {self.name.upper()}_OUT_OF_RANGE;", "    }", "}",
-                *self._into_y("k", direction.known), *self._into_y("x", direction.unknown),
+                *self._into_y("k", direction.known), *self._into_y("x", direction.unknown), *self._other_lines(direction, "x"),
             ]  # fmt: skip
         else:
-            literal, n = self.real.literal, len(direction.known)
-            at, begin = made.reference_of(direction.known), numbers_at(direction.unknown, made.reference_of(direction.unknown))
-            aims = [
-                f"to[{i}] = {self._turned(c, f'values[{i}]', f'w.at[{i}]')};"
-                if c.kind == "angle" and c.limits is None else f"to[{i}] = values[{i}];" for i, c in enumerate(direction.known)
-            ]  # fmt: skip
-            prefix = self.name.upper()
             lines = [
-                f"static const {self.name}_config near = {{ {self._near_enough}, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
-                f"{k}_work w;", f"{kind} to[{n}];",
-                "/* along the line from the reference configuration; an error of a guess moves the beginning of the line by as much */",
-                *(f"w.at[{i}] = {literal(float(v))};" for i, v in enumerate(at)),
-                *(f"w.x[{i}] = {literal(float(v))};" for i, v in enumerate(begin)),
-                *(f"w.k0[{i}] = {literal(float(v))};" for i, v in enumerate(direction.circles.known_at(numbers_at(direction.known, at)))),
-                *aims, f"status = {k}_newton(&w, to, &near, NULL);",
+                f"{k}_work w;", *self._followed_lines(direction),
                 *self._into_y("w.k" if direction.circles.is_plain else "w.numbers", direction.known), *self._into_y("w.x", direction.unknown),
             ]  # fmt: skip
         return fill("map_state.c", self._common | {"values": values, "nto": len(direction.known), "lines": indent(lines)})
+
+    def _followed_lines(self, direction: Direction) -> list[str]:
+        """Statements that bring the work space from the reference configuration to known values: near it by one step from
+        polynomials, else along the line."""
+        _, out = self._words(direction)
+        k, kind, made, prefix = f"{self.name}_{direction.name}", self.real.type, self.made, self.name.upper()
+        literal, n = self.real.literal, len(direction.known)
+        at, begin = made.reference_of(direction.known), numbers_at(direction.unknown, made.reference_of(direction.unknown))
+        aims = [
+            f"to[{i}] = {self._turned(c, f'values[{i}]', f'w.at[{i}]')};"
+            if c.kind == "angle" and c.limits is None else f"to[{i}] = values[{i}];" for i, c in enumerate(direction.known)
+        ]  # fmt: skip
+        line = [
+            f"static const {self.name}_config near = {{ {self._near_enough}, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};", f"{kind} to[{n}];",
+            "/* along the line from the reference configuration; an error of a guess moves the beginning of the line by as much */",
+            *(f"w.at[{i}] = {literal(float(v))};" for i, v in enumerate(at)),
+            *(f"w.x[{i}] = {literal(float(v))};" for i, v in enumerate(begin)),
+            *(f"w.k0[{i}] = {literal(float(v))};" for i, v in enumerate(direction.circles.known_at(numbers_at(direction.known, at)))),
+            *aims, f"status = {k}_newton(&w, to, &near, NULL);",
+        ]  # fmt: skip
+        sheet = self.home_sheets.get(direction.name)
+        if sheet is None:
+            return [*line, *self._other_lines(direction, "w.x")]
+        columns = self._step_columns(direction)
+        return [
+            "/* near the reference configuration by one step of Newton's method from polynomials */",
+            f"{kind} {out}[{len(columns)}];", f"bool near_home = {k}_near_home(values, {out});",
+            "if (near_home) {", f"    {k}_place(&w, values, {out});", f"    {k}_rows(&w);",
+            f"    near_home = !({singular_condition(direction.kernel, k, '&w')});",
+            "    if (near_home) {", f"        {k}_solve(&w);",
+            *(f"        other[{i}] = {out}[{i}] + w.f[{column}]{scale};" for i, (column, scale) in enumerate(columns)),
+            f"        near_home = ({k}_apply_step(&w) <= {literal((_ROUGH * sheet.error * made.size) ** 2)});", "    }", "}",
+            "if (!near_home) {", *("    " + text for text in [*line, *self._other_lines(direction, "w.x")]), "}",
+        ]  # fmt: skip
+
+    def _sheet_text(self, direction: Direction) -> str:
+        """The function of the polynomials, where there are some."""
+        sheet = self.home_sheets.get(direction.name)
+        if sheet is None:
+            return ""
+        n, literal = len(direction.known), self.real.literal
+        function = ca.Function("f", [sheet.known], [ca.densify(sheet.values)], {"cse": True})
+        emitter = Emitter(function, [[f"u{i}" for i in range(n)]], self.real)
+        texts = [emitter.value(0, i) for i in range(int(sheet.values.shape[0]))]
+        at = self.made.reference_of(direction.known)
+        lines = [f"const {self.real.type} u{i} = values[{i}] - {literal(float(v))};" for i, v in enumerate(at)]
+        lines += [*emitter.lines, *(f"wanted[{i}] = {text};" for i, text in enumerate(texts))]
+        within = [f"({self.real.call('fabs')}(u{i}) <= {literal(float(v))})" for i, v in enumerate(sheet.reach)]
+        return fill("map_sheet.c", self._common | {
+            "k": f"{self.name}_{direction.name}", "nto": n, "count": len(texts), "lines": indent(lines), "within": " && ".join(within),
+        })  # fmt: skip
+
+    def _other_lines(self, direction: Direction, state: str) -> list[str]:
+        """Statements that set `other` by the numbers of a state."""
+        wanted = self._wanted(direction)
+        numbers = [f"{state}[{i}]" for i in self._unknown_places(direction, wanted)]
+        return [f"other[{i}] = {text};" for i, text in enumerate(self._plain_values(wanted, numbers))]
+
+    def _wanted(self, direction: Direction) -> tuple[Coordinate, ...]:
+        """What a direction is for."""
+        return self.made.found if direction.name == "direct" else self.made.given
+
+    @cached_property
+    def home_sheets(self) -> dict[str, HomeSheet]:
+        """What polynomials come near about the reference, of directions that Newton's method solves."""
+        made = self.made
+        sheets = {d.name: home_sheet(made, d, self._wanted(d)) for d in (made.direct, made.inverse) if not d.is_closed}
+        return {name: sheet for name, sheet in sheets.items() if sheet is not None}
 
     @property
     def _near_enough(self) -> str:
@@ -338,18 +402,16 @@ class JointMapSource:
         """The function of a direction, and its one step."""
         values, out = self._words(direction)
         k, kind, name = f"{self.name}_{direction.name}", self.real.type, self.name
-        wanted = self.made.found if direction.name == "direct" else self.made.given
+        wanted = self._wanted(direction)
         known, n, literal = direction.known, len(direction.known), self.real.literal
-        y = [f"y[{i}]" for i in self._places(known)]
-        begin = [f"w.at[{i}] = {text};" for i, text in enumerate(self._values_of(known, y, values))]
+        begin = [
+            f"w.at[{i}] = {self._turned(c, f'at[{i}]', f'{values}[{i}]') if c.kind == 'angle' else f'at[{i}]'};"
+            for i, c in enumerate(known)
+        ]
         copies = self._copies("w.x", direction.unknown)
         closed = self._closed.get(direction.name)
         if closed is None:
-            follow = [
-                *copies,
-                *self._known_of_y(direction, "w.k0"),
-                f"status = {k}_newton(&w, {values}, used, info);",
-            ]
+            follow = [*copies, *self._known_of_y(direction, "w.k0"), f"status = {k}_newton(&w, {values}, used, info);"]
         else:
             follow = [*copies, *self._copies("w.k", known), f"status = {k}_follow(&w, {values}, used, info);"]
         places = self._unknown_places(direction, wanted)
@@ -391,8 +453,8 @@ class JointMapSource:
         code, closed = self._code_of(direction), self._closed.get(direction.name)
         y, last = [], []
         if self.made.passive:
-            y = [f"{kind} y[{self._common['ny']}];"]
-            last = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_{out}({out}, y);", "}"]
+            y = [f"{kind} y[{self._common['ny']}];", f"{kind} at[{len(self.made.given)}];"]
+            last = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_{out}({out}, y, at);", "}"]
         place = f"{k}_place(&w, {values}, {'y' if self.made.passive else out});"
         if closed is None:
             step = [
@@ -414,7 +476,7 @@ class JointMapSource:
     def _place_text(self, direction: Direction) -> str:
         """The function that sets known values, the matrix's too, and the state: by the wanted values where these are all of it."""
         values, out = self._words(direction)
-        wanted = self.made.found if direction.name == "direct" else self.made.given
+        wanted = self._wanted(direction)
         count, k = sum(number_counts(direction.known)), f"{self.name}_{direction.name}"
         target = "w->k" if direction.circles.is_plain else "w->numbers"
         lines = self._circles(values, direction.known, target, range(count))
@@ -440,23 +502,22 @@ class JointMapSource:
         kernel, n, prefix = direct.kernel, len(made.given), self.name.upper()
         y, state = [], []
         if made.passive:
-            y = [f"{self.real.type} y[{self._common['ny']}];"]
-            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y);", "}"]
+            y = [f"{self.real.type} y[{self._common['ny']}];", f"{self.real.type} at[{n}];"]
+            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y, at);", "}"]
         set_ = [f"{self.name}_direct_place(&w, joints, {'y' if made.passive else 'found'});"]
-        rows = [f"rates[{n * i} + j] = w.f[{column}]{scale};" for i, (column, scale) in enumerate(self._found_columns)]
+        rows = [f"rates[{n * i} + j] = w.f[{column}]{scale};" for i, (column, scale) in enumerate(self._step_columns(direct))]
         return fill("map_rates.c", self._common | {
             "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state), "set": indent(set_, 2),
             "near": literal(_BELONG * made.size), "singular": singular_condition(kernel, f"{self.name}_direct", "&w"), "rates": indent(rows, 4),
         })  # fmt: skip
 
-    @property
-    def _found_columns(self) -> list[tuple[int, str]]:
-        """Place of each found coordinate in a step, and what turns the step's length into its unit."""
+    def _step_columns(self, direction: Direction) -> list[tuple[int, str]]:
+        """Place of each wanted coordinate in a step, and what turns the step's length into its unit."""
         places, column = {}, 0
-        for c in self.made.direct.unknown:
+        for c in direction.unknown:
             places[c.name] = (column, f" * {self.real.literal(1.0 / self.made.size)}" if c.is_angular else "")
             column += c.freedom
-        return [places[c.name] for c in self.made.found]
+        return [places[c.name] for c in self._wanted(direction)]
 
     @property
     def _sides(self) -> list[str]:

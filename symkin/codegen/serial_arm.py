@@ -17,6 +17,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.arm_speeds import arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
+from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_functions, ranges_of
@@ -210,19 +211,44 @@ class ArmSource:
         common = common_values(arm.name, arm.real, struct=False)
         return ClosedCode(plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None)
 
+    @cached_property
+    def line(self) -> ClosedLine | None:
+        """The closed form's check of lines, where it is the arm's own."""
+        if self.closed is None or self.closed.newton is not None:
+            return None
+        return ClosedLine(self.closed, self.closed.misfit)
+
+    @property
+    def _solving(self) -> dict[str, object]:
+        """How NAME_inverse solves: by the closed form along the line, else by Newton's method."""
+        nq, name, config = len(self.arm.actuated), self.arm.name, "(config != NULL) ? config : &usual"
+        if self.line is not None:
+            return {
+                "how": "The joints by the closed form", "work": f"{self.arm.real.type} at[{nq}];", "at": "at",
+                "to_x": indent(copy("at", "guess", nq), 2), "out": indent(copy("joints", "at", nq), 3),
+                "solve": indent([f"status = {name}_inverse_along(to, {config}, at, info);"], 2),
+            }  # fmt: skip
+        first = self.values["ga"]
+        return {
+            "how": "The joints by Newton's method", "work": f"{name}_inverse_work w;", "at": "w.x",
+            "to_x": indent(copy("w.x", "guess", nq), 2), "out": indent(copy("joints", "w.x", nq), 3),
+            "solve": indent([f"{name}_forward({first}w.x, w.at);", f"status = {name}_inverse_newton({first}&w, to, {config}, info);"], 2),
+        }  # fmt: skip
+
     @property
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
-        arm, values, nq = self.arm, self.values, len(self.arm.actuated)
+        arm, values = self.arm, self.values
         ranges = ranges_of(arm.actuated, arm.real, arm.mechanism.characteristic_length)
         functions = fill("serial_functions.c", values | {
-            "jacobian": indent(self._jacobian_lines, 2), "to_x": indent(copy("w.x", "guess", nq), 2),
-            "out": indent(copy("joints", "w.x", nq), 3),
+            "jacobian": indent(self._jacobian_lines, 2), **self._solving,
         })  # fmt: skip
+        newton = "" if self.line is not None else self.code.text
+        closed = "" if self.closed is None else self.closed.text
+        line = "" if self.line is None else self.line.text
         return "".join([
             normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
-            fill("forward.c", values | {"forward": indent(self._forward_lines)}), self.code.text, functions,
-            self._speeds, "" if self.closed is None else self.closed.text,
+            fill("forward.c", values | {"forward": indent(self._forward_lines)}), newton, closed, line, functions, self._speeds,
         ])  # fmt: skip
 
     @property

@@ -1,9 +1,12 @@
 /* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
  * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint. */
-static int @{p}_branches(const @{real} x[7], const @{real} near[@{nears}], unsigned int wanted, @{real} found[][@{nn}], bool *undecided)
+ * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
+ * meet. */
+static int @{p}_branches(const @{real} x[7], const @{real} near[@{nears}], unsigned int wanted, @{real} found[][@{nn}], bool *undecided,
+    @{real} margin[@{margins}])
 {
     int count = 0;
+    (void)margin;
     (void)near;
     (void)wanted;
 @{body}
@@ -36,10 +39,11 @@ static @{p}_status @{p}_one_branch(const @{p}_pose *pose, const @{real} near[@{n
 {
     @{real} x[7];
     @{real} found[1][@{nn}];
+    @{real} margin[@{margins}];
     bool undecided = false;
     @{p}_status status = @{p}_normalise_pose(pose, x);
     if (status == @{P}_OK) {
-        if (@{p}_branches(x, near, wanted, found, &undecided) == 1) {
+        if (@{p}_branches(x, near, wanted, found, &undecided, margin) == 1) {
             status = @{settle}about, found[0]);
         } else {
             status = undecided ? @{P}_SINGULAR : @{P}_OUT_OF_RANGE;
@@ -60,10 +64,11 @@ int @{p}_inverse_all(const @{p}_pose *pose, @{real} joints[@{branches}][@{nn}])
     static const @{real} middle[@{nn}] = { @{middles} };
     @{real} x[7];
     int count = 0;
+    @{real} margin[@{margins}];
     bool undecided = false;
     @{p}_status status = @{p}_normalise_pose(pose, x);
     if (status == @{P}_OK) {
-        const int all = @{p}_branches(x, near, @{both}, joints, &undecided);
+        const int all = @{p}_branches(x, near, @{both}, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
             if (@{settle}middle, joints[k]) == @{P}_OK) {
                 for (int i = 0; i < @{nn}; ++i) {

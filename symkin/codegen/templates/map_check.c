@@ -1,5 +1,5 @@
 /* Whether @{what} are finite and within their @{ranges_word}: NONFINITE comes before what was found so far, OUT_OF_RANGE after. */
-static @{SHARED} @{p}_status @{p}_@{function}(@{p}_status before, const @{real} values[@{nq}])
+static @{p}_status @{p}_@{function}(@{p}_status before, const @{real} values[@{nq}])
 {
     @{p}_status status = before;
     if (!(@{within})) {

@@ -6,13 +6,14 @@
     const @{p}_config *const used = (config != NULL) ? config : &usual;
     @{k}_work w;
     @{real} y[@{ny}];
+    @{real} at[@{nto}];
     @{p}_status status = @{p}_limit_@{values}(@{P}_OK, @{values});
     status = @{p}_bound_@{out}(status, guess);
     if (config != NULL) {
         status = @{p}_check_config(config, status);
     }
     if (status == @{P}_OK) {
-        status = @{p}_state_of_@{out}(guess, y);
+        status = @{p}_state_of_@{out}(guess, y, at);
     }
     if (status != @{P}_OK) {
         @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});

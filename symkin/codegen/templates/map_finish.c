@@ -4,7 +4,7 @@ static @{SHARED} @{p}_status @{k}_finish(@{k}_work *w, unsigned int count, @{rea
     @{real} size = @{zero};
     @{k}_rows(w);
     @{real} residual = @{k}_residual(w);
-    if (!(residual <= config->tolerance)) {
+    if (!(residual <= config->tolerance + @{noise})) {
         if (@{singular}) {
             @{p}_write_info(info, count, residual, @{zero}, @{zero});
             return @{P}_SINGULAR;

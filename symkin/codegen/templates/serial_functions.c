@@ -18,11 +18,11 @@
     return status;
 }
 
-/* The joints by Newton's method along the line of tool poses from the guess's to the given one. */
+/* @{how} along the line of tool poses from the guess's to the given one. */
 @{p}_status @{p}_inverse(@{gp}const @{p}_config *config, const @{p}_pose *pose, const @{real} guess[@{nq}], @{real} joints[@{nq}], @{p}_info *info)
 {
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
-    @{p}_inverse_work w;
+    @{work}
     @{real} to[7];
     @{p}_status status = @{p}_check_finite(guess, @{nq}, @{p}_normalise_pose(pose, to));
     @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
@@ -39,12 +39,11 @@
     }
     if (status == @{P}_OK) {
 @{to_x}
-        @{p}_forward(@{ga}w.x, w.at);
-        status = @{p}_inverse_newton(@{ga}&w, to, (config != NULL) ? config : &usual, info);
+@{solve}
         if (status == @{P}_OK) {
-            status = @{p}_check_limits(@{ga}w.x);
+            status = @{p}_check_limits(@{ga}@{at});
             if (info != NULL) {
-                info->joint = @{p}_first_beyond(@{ga}w.x);
+                info->joint = @{p}_first_beyond(@{ga}@{at});
             }
         }
         if (status == @{P}_OK) {
