@@ -717,6 +717,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
+    /* whether the first step is long beside the way to a singularity, as the least pivot tells
+     * it */
+    bool far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -761,6 +764,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         size = ren2008_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > 2.85666225);
         } else if (taken == 1U) {
             limit = 0.0625 * before;
         } else {
@@ -785,9 +789,13 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 1.442245867805243e-28))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0 <= before);
+            } else if ((taken == 0U) || ((size > 1.442245867805243e-28)
+                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose
+                 * third step is not far shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    quick = (size * 100.0 <= before);
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

@@ -809,6 +809,9 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
+    /* whether the first step is long beside the way to a singularity, as the least pivot tells
+     * it */
+    bool far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -853,6 +856,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         size = ren2008_true_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > 2.876552f);
         } else if (taken == 1U) {
             limit = 0.0625f * before;
         } else {
@@ -876,9 +880,13 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 4.1859342e-11f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
+            } else if ((taken == 0U) || ((size > 4.1859342e-11f)
+                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose
+                 * third step is not far shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    quick = (size * 100.0f <= before);
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

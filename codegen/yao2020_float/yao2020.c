@@ -1879,6 +1879,9 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
+    /* whether the first step is long beside the way to a singularity, as the least pivot tells
+     * it */
+    bool far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -1947,6 +1950,7 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
         size = yao2020_inverse_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > 308050.0f);
         } else if (taken == 1U) {
             limit = 0.0625f * before;
         } else {
@@ -1976,9 +1980,13 @@ static yao2020_status yao2020_inverse_newton(yao2020_inverse_work *w, const yao2
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
+            } else if ((taken == 0U) || ((size > still2)
+                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose
+                 * third step is not far shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    quick = (size * 100.0f <= before);
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;
