@@ -1890,6 +1890,10 @@ ankle_status ankle_rates(const ankle_real joints[2], const ankle_real found[2],
 {
     ankle_real jacobian[4];
     ankle_status status = ankle_check_finite(joint_rates, 2, ANKLE_OK);
+    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
+        /* what could overflow in the sums */
+        status = (fabsf(joint_rates[i]) > 1e+20f) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
+    }
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
@@ -1912,6 +1916,10 @@ ankle_status ankle_torques(const ankle_real joints[2], const ankle_real found[2]
 {
     ankle_real jacobian[4];
     ankle_status status = ankle_check_finite(found_torques, 2, ANKLE_OK);
+    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
+        /* what could overflow in the sums */
+        status = (fabsf(found_torques[i]) > 1e+20f) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
+    }
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }

@@ -35,14 +35,22 @@ static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real value
 static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_real x[7])
 {
     const ren2008_real *const q = pose->quaternion;
-    const ren2008_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     ren2008_status status = REN2008_OK;
+    ren2008_real squared = 0.0;
+    ren2008_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    ren2008_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 1690.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 1690.0)
+        && (fabs(pose->position[1]) <= 1690.0)
+        && (fabs(pose->position[2]) <= 1690.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = ren2008_check_finite(q, 4, ren2008_check_finite(x, 3, REN2008_OUT_OF_RANGE));

@@ -37,14 +37,22 @@ static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *
     ren2008_true_real x[7])
 {
     const ren2008_true_real *const q = pose->quaternion;
-    const ren2008_true_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     ren2008_true_status status = REN2008_TRUE_OK;
+    ren2008_true_real squared = 0.0;
+    ren2008_true_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    ren2008_true_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 1700.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 1700.0)
+        && (fabs(pose->position[1]) <= 1700.0)
+        && (fabs(pose->position[2]) <= 1700.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = ren2008_true_check_finite(q, 4, ren2008_true_check_finite(x, 3,

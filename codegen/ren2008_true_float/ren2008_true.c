@@ -37,14 +37,22 @@ static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *
     ren2008_true_real x[7])
 {
     const ren2008_true_real *const q = pose->quaternion;
-    const ren2008_true_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     ren2008_true_status status = REN2008_TRUE_OK;
+    ren2008_true_real squared = 0.0f;
+    ren2008_true_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    ren2008_true_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 1700.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 1700.0f)
+        && (fabsf(pose->position[1]) <= 1700.0f)
+        && (fabsf(pose->position[2]) <= 1700.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = ren2008_true_check_finite(q, 4, ren2008_true_check_finite(x, 3,
