@@ -72,9 +72,11 @@ static ANKLE_SHARED void ankle_circle(ankle_real angle, ankle_real circle[2])
 static ANKLE_SHARED ankle_real ankle_turned(ankle_real angle, ankle_real near, ankle_real low,
     ankle_real high)
 {
-    const ankle_real number = (near - angle) * 0.15915494309189535;
-    ankle_real moved = angle + 6.283185307179586 * (ankle_real)(int)(number + ((number < 0.0)
-        ? -0.5 : 0.5));
+    ankle_real moved = angle;
+    if (fabs(near - angle) > 3.141592653589793) {
+        const ankle_real number = (near - angle) * 0.15915494309189535;
+        moved += 6.283185307179586 * (ankle_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+    }
     if (moved > high) {
         moved -= 6.283185307179586;
     } else if (moved < low) {
@@ -85,47 +87,93 @@ static ANKLE_SHARED ankle_real ankle_turned(ankle_real angle, ankle_real near, a
     return moved;
 }
 
-/* Whether values are finite and within their ranges: NONFINITE comes before what was found so far,
+/* Whether joints are finite and within their limits: NONFINITE comes before what was found so far,
  * OUT_OF_RANGE after. */
-static ANKLE_SHARED ankle_status ankle_check_range(ankle_status before, const ankle_real values[],
-    const ankle_real low[], const ankle_real high[], int count)
+static ANKLE_SHARED ankle_status ankle_limit_joints(ankle_status before, const ankle_real values[2])
 {
-    bool within = true;
-    for (int i = 0; i < count; ++i) {
-        within = within && (values[i] >= low[i]) && (values[i] <= high[i]);
+    ankle_status status = before;
+    if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
+        && (values[1] >= -1000.0) && (values[1] <= 1000.0))) {
+        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
     }
-    return within ? before : ankle_check_finite(values, count,
-        (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    return status;
 }
 
-/* Ranges of the joints and of the found coordinates, and of guesses, which need not keep to the
- * limits. */
-static const ankle_real ankle_low_joints[2] = { -1000.0, -1000.0 };
-static const ankle_real ankle_high_joints[2] = { 1000.0, 1000.0 };
-static const ankle_real ankle_least_joints[2] = { -1000.0, -1000.0 };
-static const ankle_real ankle_most_joints[2] = { 1000.0, 1000.0 };
-static const ankle_real ankle_low_found[2] = { -1000.0, -1000.0 };
-static const ankle_real ankle_high_found[2] = { 1000.0, 1000.0 };
-static const ankle_real ankle_least_found[2] = { -1000.0, -1000.0 };
-static const ankle_real ankle_most_found[2] = { 1000.0, 1000.0 };
+/* Whether joints of a guess are finite and within their bounds: NONFINITE comes before what was
+ * found so far, OUT_OF_RANGE after. */
+static ANKLE_SHARED ankle_status ankle_bound_joints(ankle_status before, const ankle_real values[2])
+{
+    ankle_status status = before;
+    if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
+        && (values[1] >= -1000.0) && (values[1] <= 1000.0))) {
+        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether found are finite and within their limits: NONFINITE comes before what was found so far,
+ * OUT_OF_RANGE after. */
+static ANKLE_SHARED ankle_status ankle_limit_found(ankle_status before, const ankle_real values[2])
+{
+    ankle_status status = before;
+    if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
+        && (values[1] >= -1000.0) && (values[1] <= 1000.0))) {
+        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
+
+/* Whether found of a guess are finite and within their bounds: NONFINITE comes before what was
+ * found so far, OUT_OF_RANGE after. */
+static ANKLE_SHARED ankle_status ankle_bound_found(ankle_status before, const ankle_real values[2])
+{
+    ankle_status status = before;
+    if (!((values[0] >= -1000.0) && (values[0] <= 1000.0)
+        && (values[1] >= -1000.0) && (values[1] <= 1000.0))) {
+        status = ankle_check_finite(values, 2, (before == ANKLE_OK) ? ANKLE_OUT_OF_RANGE : before);
+    }
+    return status;
+}
 
 /* Writes the first joint, from 0, that is outside its range or not finite; the number of joints
  * where none is. */
-static ANKLE_SHARED void ankle_blame(ankle_info *info, const ankle_real joints[2])
+static ANKLE_COLD void ankle_blame(ankle_info *info, const ankle_real joints[2])
 {
+    static const ankle_real low[2] = { -1000.0, -1000.0 };
+    static const ankle_real high[2] = { 1000.0, 1000.0 };
     if (info != NULL) {
         uint8_t joint = 0U;
-        while ((joint < 2U) && (joints[joint] >= ankle_low_joints[joint])
-            && (joints[joint] <= ankle_high_joints[joint])) {
+        while ((joint < 2U) && (joints[joint] >= low[joint]) && (joints[joint] <= high[joint])) {
             ++joint;
         }
         info->joint = joint;
     }
 }
 
+/* What the rows read of the known values: coefficients, by the numbers of these. */
+static ANKLE_SHARED void ankle_direct_coefficients(const ankle_real numbers[4], ankle_real k[4])
+{
+    const ankle_real t0 = -0.11111111111111112 * numbers[1];
+    const ankle_real t1 = t0 + numbers[0];
+    const ankle_real t2 = 0.18 * numbers[1];
+    const ankle_real t3 = t2 + 1.0;
+    const ankle_real t4 = 0.02 * numbers[0];
+    const ankle_real t5 = t3 + t4;
+    const ankle_real t6 = -0.11111111111111112 * numbers[3];
+    const ankle_real t7 = t6 + numbers[2];
+    const ankle_real t8 = 0.25 * numbers[3];
+    const ankle_real t9 = t8 + 1.0;
+    const ankle_real t10 = 0.02777777777777778 * numbers[2];
+    const ankle_real t11 = t9 + t10;
+    k[0] = t1;
+    k[1] = t5;
+    k[2] = t7;
+    k[3] = t11;
+}
+
 /* Work space of ankle_direct_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: ankle.1, ankle.2: of angles cosine and sine
- * k: upper_motor, lower_motor: of angles cosine and sine
+ * k: what the rows read of upper_motor, lower_motor
  * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
  * state: lengths,
  *    angles and turns times the size
@@ -137,9 +185,11 @@ typedef struct {
     ankle_real at[2]; /* known values at the guess, where the line begins */
     ankle_real k[4]; /* known values aimed at */
     ankle_real f[2]; /* rows; the linear solver leaves the step in their place */
+    ankle_real k0[4]; /* known values at the part that is done: the matrix's */
     ankle_real a[4]; /* matrix -df/dstep, row by row; then its LU factors in its place */
     /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
     ankle_real spread;
+    ankle_real numbers[4]; /* numbers of what is aimed at: of angles cosine and sine */
     uint8_t order[2]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
 } ankle_direct_work;
@@ -148,72 +198,51 @@ typedef struct {
 static void ankle_direct_rows(ankle_direct_work *w)
 {
     /* row 1 */
-    const ankle_real t0 = -50.0 * w->x[0];
-    const ankle_real t1 = 20.0 * w->x[2];
-    const ankle_real t2 = 35.0 * w->x[3];
+    const ankle_real t0 = -3.053301676696029 * w->x[3];
+    const ankle_real t1 = t0 + 209.91449027285202;
+    const ankle_real t2 = 5.34327793421805 * w->x[2];
     const ankle_real t3 = t1 + t2;
-    const ankle_real t4 = w->x[1] * t3;
-    const ankle_real t5 = t0 + t4;
-    const ankle_real t6 = -45.0 * w->k[0];
-    const ankle_real t7 = 5.0 * w->k[1];
-    const ankle_real t8 = t6 + t7;
-    const ankle_real t9 = t5 - t8;
-    const ankle_real t10 = t9 * t9;
-    const ankle_real t11 = 35.0 * w->x[2];
-    const ankle_real t12 = -20.0 * w->x[3];
-    const ankle_real t13 = t11 + t12;
-    const ankle_real t14 = w->x[0] * t13;
-    const ankle_real t15 = 1.0 - w->x[0];
-    const ankle_real t16 = t15 * t13;
+    const ankle_real t4 = w->x[1] * w->x[3];
+    const ankle_real t5 = -6.011187675995307 * t4;
+    const ankle_real t6 = w->x[1] * w->x[2];
+    const ankle_real t7 = -3.434964386283033 * t6;
+    const ankle_real t8 = t5 + t7;
+    const ankle_real t9 = 8.587410965707582 * w->x[0];
+    const ankle_real t10 = t8 + t9;
+    const ankle_real t11 = w->k[0] * t10;
+    const ankle_real t12 = t3 + t11;
+    const ankle_real t13 = 47.707838698375475 * w->x[1];
+    const ankle_real t14 = t13 - 238.53919349187728;
+    const ankle_real t15 = w->x[0] * w->x[3];
+    const ankle_real t16 = 33.39548708886282 * t15;
     const ankle_real t17 = t14 + t16;
-    const ankle_real t18 = t17 - 40.0;
-    const ankle_real t19 = t18 * t18;
-    const ankle_real t20 = t10 + t19;
-    const ankle_real t21 = w->x[0] * t3;
-    const ankle_real t22 = 50.0 * w->x[1];
-    const ankle_real t23 = t21 + t22;
-    const ankle_real t24 = 5.0 * w->k[0];
-    const ankle_real t25 = 45.0 * w->k[1];
-    const ankle_real t26 = t24 + t25;
-    const ankle_real t27 = t26 + 250.0;
-    const ankle_real t28 = t23 - t27;
-    const ankle_real t29 = t28 * t28;
-    const ankle_real t30 = t20 + t29;
-    const ankle_real t31 = t30 - 55275.0;
-    const ankle_real t32 = t31 * 0.0019083135479350183;
-    const ankle_real t33 = -t32;
-    w->f[0] = t33;
+    const ankle_real t18 = w->x[0] * w->x[2];
+    const ankle_real t19 = 19.083135479350183 * t18;
+    const ankle_real t20 = t17 + t19;
+    const ankle_real t21 = w->k[1] * t20;
+    const ankle_real t22 = t12 + t21;
+    w->f[0] = t22;
     /* row 2 */
-    const ankle_real t35 = -35.0 * w->x[3];
-    const ankle_real t36 = t1 + t35;
-    const ankle_real t37 = w->x[1] * t36;
-    const ankle_real t38 = t0 + t37;
-    const ankle_real t39 = -45.0 * w->k[2];
-    const ankle_real t40 = 5.0 * w->k[3];
-    const ankle_real t41 = t39 + t40;
-    const ankle_real t42 = t38 - t41;
-    const ankle_real t43 = t42 * t42;
-    const ankle_real t44 = -35.0 * w->x[2];
-    const ankle_real t45 = t44 + t12;
-    const ankle_real t46 = w->x[0] * t45;
-    const ankle_real t47 = t15 * t45;
-    const ankle_real t48 = t46 + t47;
-    const ankle_real t49 = t48 + 40.0;
-    const ankle_real t50 = t49 * t49;
-    const ankle_real t51 = t43 + t50;
-    const ankle_real t52 = w->x[0] * t36;
-    const ankle_real t53 = t52 + t22;
-    const ankle_real t54 = 5.0 * w->k[2];
-    const ankle_real t55 = 45.0 * w->k[3];
-    const ankle_real t56 = t54 + t55;
-    const ankle_real t57 = t56 + 180.0;
-    const ankle_real t58 = t53 - t57;
-    const ankle_real t59 = t58 * t58;
-    const ankle_real t60 = t51 + t59;
-    const ankle_real t61 = t60 - 27275.0;
-    const ankle_real t62 = t61 * 0.0019083135479350183;
-    const ankle_real t63 = -t62;
-    w->f[1] = t63;
+    const ankle_real t24 = 3.0533016766960293 * w->x[3];
+    const ankle_real t25 = t24 + 99.04147313782741;
+    const ankle_real t26 = 5.343277934218051 * w->x[2];
+    const ankle_real t27 = t25 + t26;
+    const ankle_real t28 = 6.011187675995308 * t4;
+    const ankle_real t29 = -3.434964386283034 * t6;
+    const ankle_real t30 = t28 + t29;
+    const ankle_real t31 = 8.587410965707583 * w->x[0];
+    const ankle_real t32 = t30 + t31;
+    const ankle_real t33 = w->k[2] * t32;
+    const ankle_real t34 = t27 + t33;
+    const ankle_real t35 = 34.34964386283033 * w->x[1];
+    const ankle_real t36 = t35 - 123.65871790618915;
+    const ankle_real t37 = -24.044750703981222 * t15;
+    const ankle_real t38 = t36 + t37;
+    const ankle_real t39 = 13.73985754513213 * t18;
+    const ankle_real t40 = t38 + t39;
+    const ankle_real t41 = w->k[3] * t40;
+    const ankle_real t42 = t34 + t41;
+    w->f[1] = t42;
 }
 
 /* Norm of the rows in w->f as a length: no row is further from zero. */
@@ -266,134 +295,74 @@ static ankle_real ankle_direct_apply_step(ankle_direct_work *w)
 static ANKLE_SHARED void ankle_direct_set_target(ankle_direct_work *w, const ankle_real to[2],
     ankle_real part)
 {
-    ankle_circle((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->k[0]);
-    ankle_circle((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
+    ankle_circle((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->numbers[0]);
+    ankle_circle((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->numbers[2]);
+    ankle_direct_coefficients(w->numbers, w->k);
 }
 
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ankle_direct_matrix(ankle_direct_work *w)
 {
-    const ankle_real t0 = -50.0 * w->x[0];
-    const ankle_real t1 = 20.0 * w->x[2];
-    const ankle_real t2 = 35.0 * w->x[3];
-    const ankle_real t3 = t1 + t2;
-    const ankle_real t4 = w->x[1] * t3;
-    const ankle_real t5 = t0 + t4;
-    const ankle_real t6 = -45.0 * w->k[0];
-    const ankle_real t7 = 5.0 * w->k[1];
-    const ankle_real t8 = t6 + t7;
-    const ankle_real t9 = t5 - t8;
-    const ankle_real t10 = -100.0 * t9;
-    const ankle_real t11 = w->x[0] * t3;
-    const ankle_real t12 = 50.0 * w->x[1];
-    const ankle_real t13 = t11 + t12;
-    const ankle_real t14 = 5.0 * w->k[0];
-    const ankle_real t15 = 45.0 * w->k[1];
-    const ankle_real t16 = t14 + t15;
-    const ankle_real t17 = t16 + 250.0;
-    const ankle_real t18 = t13 - t17;
-    const ankle_real t19 = t18 + t18;
-    const ankle_real t20 = t19 * t3;
-    const ankle_real t21 = t10 + t20;
-    const ankle_real t22 = 0.0019083135479350183 * t21;
-    const ankle_real t23 = w->x[1] * 0.0038166270958700367;
-    const ankle_real t24 = t22 * t23;
-    const ankle_real t25 = t9 + t9;
-    const ankle_real t26 = t25 * t3;
-    const ankle_real t27 = 100.0 * t18;
+    const ankle_real t0 = 0.032774945375091034 * w->x[1];
+    const ankle_real t1 = w->x[0] * w->x[3];
+    const ankle_real t2 = 0.022942461762563725 * t1;
+    const ankle_real t3 = t0 + t2;
+    const ankle_real t4 = w->x[0] * w->x[2];
+    const ankle_real t5 = 0.013109978150036415 * t4;
+    const ankle_real t6 = t3 + t5;
+    const ankle_real t7 = w->k0[0] * t6;
+    const ankle_real t8 = w->x[1] * w->x[3];
+    const ankle_real t9 = 0.12745812090313183 * t8;
+    const ankle_real t10 = w->x[1] * w->x[2];
+    const ankle_real t11 = 0.07283321194464674 * t10;
+    const ankle_real t12 = t9 + t11;
+    const ankle_real t13 = -0.18208302986161695 * w->x[0];
+    const ankle_real t14 = t12 + t13;
+    const ankle_real t15 = w->k0[1] * t14;
+    const ankle_real t16 = t7 + t15;
+    w->a[0] = t16;
+    const ankle_real t18 = 0.020393299344501084 * w->x[3];
+    const ankle_real t19 = 0.011653313911143479 * w->x[2];
+    const ankle_real t20 = t18 + t19;
+    const ankle_real t21 = -0.013109978150036415 * t8;
+    const ankle_real t22 = 0.022942461762563725 * t10;
+    const ankle_real t23 = t21 + t22;
+    const ankle_real t24 = w->k0[0] * t23;
+    const ankle_real t25 = t20 + t24;
+    const ankle_real t26 = 0.07283321194464674 * t1;
+    const ankle_real t27 = -0.12745812090313183 * t4;
     const ankle_real t28 = t26 + t27;
-    const ankle_real t29 = 0.0019083135479350183 * t28;
-    const ankle_real t30 = w->x[0] * 0.0038166270958700367;
-    const ankle_real t31 = t29 * t30;
-    const ankle_real t32 = t24 - t31;
-    const ankle_real t33 = -t32;
-    w->a[0] = t33;
-    const ankle_real t35 = 20.0 * w->x[1];
-    const ankle_real t36 = t25 * t35;
-    const ankle_real t37 = 35.0 * w->x[2];
-    const ankle_real t38 = -20.0 * w->x[3];
-    const ankle_real t39 = t37 + t38;
-    const ankle_real t40 = w->x[0] * t39;
-    const ankle_real t41 = 1.0 - w->x[0];
-    const ankle_real t42 = t41 * t39;
-    const ankle_real t43 = t40 + t42;
-    const ankle_real t44 = t43 - 40.0;
-    const ankle_real t45 = 70.0 * t44;
-    const ankle_real t46 = t36 + t45;
-    const ankle_real t47 = 20.0 * w->x[0];
-    const ankle_real t48 = t19 * t47;
-    const ankle_real t49 = t46 + t48;
-    const ankle_real t50 = 0.0019083135479350183 * t49;
-    const ankle_real t51 = w->x[3] * 0.0038166270958700367;
-    const ankle_real t52 = t50 * t51;
-    const ankle_real t53 = 35.0 * w->x[1];
-    const ankle_real t54 = t25 * t53;
-    const ankle_real t55 = -40.0 * t44;
+    const ankle_real t29 = w->k0[1] * t28;
+    const ankle_real t30 = t25 + t29;
+    w->a[1] = t30;
+    const ankle_real t32 = 0.03277494537509104 * w->x[1];
+    const ankle_real t33 = -0.022942461762563728 * t1;
+    const ankle_real t34 = t32 + t33;
+    const ankle_real t35 = 0.013109978150036419 * t4;
+    const ankle_real t36 = t34 + t35;
+    const ankle_real t37 = w->k0[2] * t36;
+    const ankle_real t38 = -0.09176984705025487 * t8;
+    const ankle_real t39 = 0.052439912600145654 * t10;
+    const ankle_real t40 = t38 + t39;
+    const ankle_real t41 = -0.13109978150036414 * w->x[0];
+    const ankle_real t42 = t40 + t41;
+    const ankle_real t43 = w->k0[3] * t42;
+    const ankle_real t44 = t37 + t43;
+    w->a[2] = t44;
+    const ankle_real t46 = 0.020393299344501088 * w->x[3];
+    const ankle_real t47 = -0.01165331391114348 * w->x[2];
+    const ankle_real t48 = t46 + t47;
+    const ankle_real t49 = -0.013109978150036419 * t8;
+    const ankle_real t50 = -0.022942461762563728 * t10;
+    const ankle_real t51 = t49 + t50;
+    const ankle_real t52 = w->k0[2] * t51;
+    const ankle_real t53 = t48 + t52;
+    const ankle_real t54 = 0.052439912600145654 * t1;
+    const ankle_real t55 = 0.09176984705025487 * t4;
     const ankle_real t56 = t54 + t55;
-    const ankle_real t57 = 35.0 * w->x[0];
-    const ankle_real t58 = t19 * t57;
-    const ankle_real t59 = t56 + t58;
-    const ankle_real t60 = 0.0019083135479350183 * t59;
-    const ankle_real t61 = w->x[2] * 0.0038166270958700367;
-    const ankle_real t62 = t60 * t61;
-    const ankle_real t63 = t52 - t62;
-    const ankle_real t64 = -t63;
-    w->a[1] = t64;
-    const ankle_real t66 = -35.0 * w->x[3];
-    const ankle_real t67 = t1 + t66;
-    const ankle_real t68 = w->x[1] * t67;
-    const ankle_real t69 = t0 + t68;
-    const ankle_real t70 = -45.0 * w->k[2];
-    const ankle_real t71 = 5.0 * w->k[3];
-    const ankle_real t72 = t70 + t71;
-    const ankle_real t73 = t69 - t72;
-    const ankle_real t74 = -100.0 * t73;
-    const ankle_real t75 = w->x[0] * t67;
-    const ankle_real t76 = t75 + t12;
-    const ankle_real t77 = 5.0 * w->k[2];
-    const ankle_real t78 = 45.0 * w->k[3];
-    const ankle_real t79 = t77 + t78;
-    const ankle_real t80 = t79 + 180.0;
-    const ankle_real t81 = t76 - t80;
-    const ankle_real t82 = t81 + t81;
-    const ankle_real t83 = t82 * t67;
-    const ankle_real t84 = t74 + t83;
-    const ankle_real t85 = 0.0019083135479350183 * t84;
-    const ankle_real t86 = t85 * t23;
-    const ankle_real t87 = t73 + t73;
-    const ankle_real t88 = t87 * t67;
-    const ankle_real t89 = 100.0 * t81;
-    const ankle_real t90 = t88 + t89;
-    const ankle_real t91 = 0.0019083135479350183 * t90;
-    const ankle_real t92 = t91 * t30;
-    const ankle_real t93 = t86 - t92;
-    const ankle_real t94 = -t93;
-    w->a[2] = t94;
-    const ankle_real t96 = t87 * t35;
-    const ankle_real t97 = -35.0 * w->x[2];
-    const ankle_real t98 = t97 + t38;
-    const ankle_real t99 = w->x[0] * t98;
-    const ankle_real t100 = t41 * t98;
-    const ankle_real t101 = t99 + t100;
-    const ankle_real t102 = t101 + 40.0;
-    const ankle_real t103 = -70.0 * t102;
-    const ankle_real t104 = t96 + t103;
-    const ankle_real t105 = t82 * t47;
-    const ankle_real t106 = t104 + t105;
-    const ankle_real t107 = 0.0019083135479350183 * t106;
-    const ankle_real t108 = t107 * t51;
-    const ankle_real t109 = -35.0 * w->x[1];
-    const ankle_real t110 = t87 * t109;
-    const ankle_real t111 = -40.0 * t102;
-    const ankle_real t112 = t110 + t111;
-    const ankle_real t113 = -35.0 * w->x[0];
-    const ankle_real t114 = t82 * t113;
-    const ankle_real t115 = t112 + t114;
-    const ankle_real t116 = 0.0019083135479350183 * t115;
-    const ankle_real t117 = t116 * t61;
-    const ankle_real t118 = t108 - t117;
-    const ankle_real t119 = -t118;
-    w->a[3] = t119;
+    const ankle_real t57 = w->k0[3] * t56;
+    const ankle_real t58 = t53 + t57;
+    w->a[3] = t58;
 }
 
 /* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
@@ -478,137 +447,76 @@ static int ankle_direct_factor(ankle_direct_work *w)
     ankle_real det;
     w->pivoted = false;
     /* pivot 1: row 1, unknown 1 */
-    const ankle_real t0 = -50.0 * w->x[0];
-    const ankle_real t1 = 20.0 * w->x[2];
-    const ankle_real t2 = 35.0 * w->x[3];
-    const ankle_real t3 = t1 + t2;
-    const ankle_real t4 = w->x[1] * t3;
-    const ankle_real t5 = t0 + t4;
-    const ankle_real t6 = -45.0 * w->k[0];
-    const ankle_real t7 = 5.0 * w->k[1];
-    const ankle_real t8 = t6 + t7;
-    const ankle_real t9 = t5 - t8;
-    const ankle_real t10 = -100.0 * t9;
-    const ankle_real t11 = w->x[0] * t3;
-    const ankle_real t12 = 50.0 * w->x[1];
-    const ankle_real t13 = t11 + t12;
-    const ankle_real t14 = 5.0 * w->k[0];
-    const ankle_real t15 = 45.0 * w->k[1];
-    const ankle_real t16 = t14 + t15;
-    const ankle_real t17 = t16 + 250.0;
-    const ankle_real t18 = t13 - t17;
-    const ankle_real t19 = t18 + t18;
-    const ankle_real t20 = t19 * t3;
-    const ankle_real t21 = t10 + t20;
-    const ankle_real t22 = 0.0019083135479350183 * t21;
-    const ankle_real t23 = w->x[1] * 0.0038166270958700367;
-    const ankle_real t24 = t22 * t23;
-    const ankle_real t25 = t9 + t9;
-    const ankle_real t26 = t25 * t3;
-    const ankle_real t27 = 100.0 * t18;
-    const ankle_real t28 = t26 + t27;
-    const ankle_real t29 = 0.0019083135479350183 * t28;
-    const ankle_real t30 = w->x[0] * 0.0038166270958700367;
-    const ankle_real t31 = t29 * t30;
-    const ankle_real t32 = t24 - t31;
-    const ankle_real t33 = -t32;
-    const ankle_real t34 = 20.0 * w->x[1];
-    const ankle_real t35 = t25 * t34;
-    const ankle_real t36 = 35.0 * w->x[2];
-    const ankle_real t37 = -20.0 * w->x[3];
-    const ankle_real t38 = t36 + t37;
-    const ankle_real t39 = w->x[0] * t38;
-    const ankle_real t40 = 1.0 - w->x[0];
-    const ankle_real t41 = t40 * t38;
-    const ankle_real t42 = t39 + t41;
-    const ankle_real t43 = t42 - 40.0;
-    const ankle_real t44 = 70.0 * t43;
-    const ankle_real t45 = t35 + t44;
-    const ankle_real t46 = 20.0 * w->x[0];
-    const ankle_real t47 = t19 * t46;
-    const ankle_real t48 = t45 + t47;
-    const ankle_real t49 = 0.0019083135479350183 * t48;
-    const ankle_real t50 = w->x[3] * 0.0038166270958700367;
-    const ankle_real t51 = t49 * t50;
-    const ankle_real t52 = 35.0 * w->x[1];
-    const ankle_real t53 = t25 * t52;
-    const ankle_real t54 = -40.0 * t43;
-    const ankle_real t55 = t53 + t54;
-    const ankle_real t56 = 35.0 * w->x[0];
-    const ankle_real t57 = t19 * t56;
-    const ankle_real t58 = t55 + t57;
-    const ankle_real t59 = 0.0019083135479350183 * t58;
-    const ankle_real t60 = w->x[2] * 0.0038166270958700367;
-    const ankle_real t61 = t59 * t60;
-    const ankle_real t62 = t51 - t61;
-    const ankle_real t63 = -t62;
-    const ankle_real t64 = 1.0 / (t33 + 6.46e-21);
-    w->a[0] = t64;
-    const ankle_real t66 = t64 * 0.23907999999999996;
-    w->a[1] = t63;
+    const ankle_real t0 = 0.032774945375091034 * w->x[1];
+    const ankle_real t1 = w->x[0] * w->x[3];
+    const ankle_real t2 = 0.022942461762563725 * t1;
+    const ankle_real t3 = t0 + t2;
+    const ankle_real t4 = w->x[0] * w->x[2];
+    const ankle_real t5 = 0.013109978150036415 * t4;
+    const ankle_real t6 = t3 + t5;
+    const ankle_real t7 = w->k0[0] * t6;
+    const ankle_real t8 = w->x[1] * w->x[3];
+    const ankle_real t9 = 0.12745812090313183 * t8;
+    const ankle_real t10 = w->x[1] * w->x[2];
+    const ankle_real t11 = 0.07283321194464674 * t10;
+    const ankle_real t12 = t9 + t11;
+    const ankle_real t13 = -0.18208302986161695 * w->x[0];
+    const ankle_real t14 = t12 + t13;
+    const ankle_real t15 = w->k0[1] * t14;
+    const ankle_real t16 = t7 + t15;
+    const ankle_real t17 = 0.020393299344501084 * w->x[3];
+    const ankle_real t18 = 0.011653313911143479 * w->x[2];
+    const ankle_real t19 = t17 + t18;
+    const ankle_real t20 = -0.013109978150036415 * t8;
+    const ankle_real t21 = 0.022942461762563725 * t10;
+    const ankle_real t22 = t20 + t21;
+    const ankle_real t23 = w->k0[0] * t22;
+    const ankle_real t24 = t19 + t23;
+    const ankle_real t25 = 0.07283321194464674 * t1;
+    const ankle_real t26 = -0.12745812090313183 * t4;
+    const ankle_real t27 = t25 + t26;
+    const ankle_real t28 = w->k0[1] * t27;
+    const ankle_real t29 = t24 + t28;
+    const ankle_real t30 = 1.0 / (t16 + 6.46e-21);
+    w->a[0] = t30;
+    const ankle_real t32 = t30 * 0.23907999999999996;
+    w->a[1] = t29;
     /* pivot 2: row 2, unknown 2 */
-    const ankle_real t68 = -35.0 * w->x[3];
-    const ankle_real t69 = t1 + t68;
-    const ankle_real t70 = w->x[1] * t69;
-    const ankle_real t71 = t0 + t70;
-    const ankle_real t72 = -45.0 * w->k[2];
-    const ankle_real t73 = 5.0 * w->k[3];
-    const ankle_real t74 = t72 + t73;
-    const ankle_real t75 = t71 - t74;
-    const ankle_real t76 = -100.0 * t75;
-    const ankle_real t77 = w->x[0] * t69;
-    const ankle_real t78 = t77 + t12;
-    const ankle_real t79 = 5.0 * w->k[2];
-    const ankle_real t80 = 45.0 * w->k[3];
-    const ankle_real t81 = t79 + t80;
-    const ankle_real t82 = t81 + 180.0;
-    const ankle_real t83 = t78 - t82;
-    const ankle_real t84 = t83 + t83;
-    const ankle_real t85 = t84 * t69;
-    const ankle_real t86 = t76 + t85;
-    const ankle_real t87 = 0.0019083135479350183 * t86;
-    const ankle_real t88 = t87 * t23;
-    const ankle_real t89 = t75 + t75;
-    const ankle_real t90 = t89 * t69;
-    const ankle_real t91 = 100.0 * t83;
-    const ankle_real t92 = t90 + t91;
-    const ankle_real t93 = 0.0019083135479350183 * t92;
-    const ankle_real t94 = t93 * t30;
-    const ankle_real t95 = t88 - t94;
-    const ankle_real t96 = -t95;
-    const ankle_real t97 = t89 * t34;
-    const ankle_real t98 = -35.0 * w->x[2];
-    const ankle_real t99 = t98 + t37;
-    const ankle_real t100 = w->x[0] * t99;
-    const ankle_real t101 = t40 * t99;
-    const ankle_real t102 = t100 + t101;
-    const ankle_real t103 = t102 + 40.0;
-    const ankle_real t104 = -70.0 * t103;
-    const ankle_real t105 = t97 + t104;
-    const ankle_real t106 = t84 * t46;
-    const ankle_real t107 = t105 + t106;
-    const ankle_real t108 = 0.0019083135479350183 * t107;
-    const ankle_real t109 = t108 * t50;
-    const ankle_real t110 = -35.0 * w->x[1];
-    const ankle_real t111 = t89 * t110;
-    const ankle_real t112 = -40.0 * t103;
-    const ankle_real t113 = t111 + t112;
-    const ankle_real t114 = -35.0 * w->x[0];
-    const ankle_real t115 = t84 * t114;
-    const ankle_real t116 = t113 + t115;
-    const ankle_real t117 = 0.0019083135479350183 * t116;
-    const ankle_real t118 = t117 * t60;
-    const ankle_real t119 = t109 - t118;
-    const ankle_real t120 = -t119;
-    const ankle_real t121 = t96 * t64;
-    w->a[2] = t121;
-    const ankle_real t123 = t120 - t121 * t63;
-    const ankle_real t124 = 1.0 / (t123 + 4.52e-21);
-    w->a[3] = t124;
-    const ankle_real t126 = t124 * 0.116415;
+    const ankle_real t34 = 0.03277494537509104 * w->x[1];
+    const ankle_real t35 = -0.022942461762563728 * t1;
+    const ankle_real t36 = t34 + t35;
+    const ankle_real t37 = 0.013109978150036419 * t4;
+    const ankle_real t38 = t36 + t37;
+    const ankle_real t39 = w->k0[2] * t38;
+    const ankle_real t40 = -0.09176984705025487 * t8;
+    const ankle_real t41 = 0.052439912600145654 * t10;
+    const ankle_real t42 = t40 + t41;
+    const ankle_real t43 = -0.13109978150036414 * w->x[0];
+    const ankle_real t44 = t42 + t43;
+    const ankle_real t45 = w->k0[3] * t44;
+    const ankle_real t46 = t39 + t45;
+    const ankle_real t47 = 0.020393299344501088 * w->x[3];
+    const ankle_real t48 = -0.01165331391114348 * w->x[2];
+    const ankle_real t49 = t47 + t48;
+    const ankle_real t50 = -0.013109978150036419 * t8;
+    const ankle_real t51 = -0.022942461762563728 * t10;
+    const ankle_real t52 = t50 + t51;
+    const ankle_real t53 = w->k0[2] * t52;
+    const ankle_real t54 = t49 + t53;
+    const ankle_real t55 = 0.052439912600145654 * t1;
+    const ankle_real t56 = 0.09176984705025487 * t4;
+    const ankle_real t57 = t55 + t56;
+    const ankle_real t58 = w->k0[3] * t57;
+    const ankle_real t59 = t54 + t58;
+    const ankle_real t60 = t46 * t30;
+    w->a[2] = t60;
+    const ankle_real t62 = t59 - t60 * t29;
+    const ankle_real t63 = 1.0 / (t62 + 4.52e-21);
+    w->a[3] = t63;
+    const ankle_real t65 = t63 * 0.116415;
     /* the determinant's sign: pivots and reciprocals by turns, so that the product stays near 1 */
-    det = t33 * t124;
-    w->spread = t66 * t66 + t126 * t126;
+    det = t16 * t63;
+    w->spread = t32 * t32 + t65 * t65;
     return (w->spread < 1000000.0) ? ((det > 0.0) ? 1 : -1) : 0;
 }
 
@@ -638,11 +546,15 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
 {
     ankle_real end[4];
     ankle_real size[3];
+    ankle_real aimed[4];
     for (int i = 0; i < 4; ++i) {
         end[i] = w->x[i];
     }
     for (int i = 0; i < 4; ++i) {
         w->x[i] = w->x0[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        aimed[i] = w->k[i];
     }
     ankle_direct_set_target(w, to, middle);
     for (int i = 0; i < 3; ++i) {
@@ -652,6 +564,9 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
     }
     for (int i = 0; i < 4; ++i) {
         w->x[i] = end[i];
+    }
+    for (int i = 0; i < 4; ++i) {
+        w->k[i] = aimed[i];
     }
     return (size[2] <= still2) || ((size[1] <= 0.0625 * size[0])
         && (size[2] <= 0.140625 * size[1]));
@@ -730,15 +645,15 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         ++count;
         if (fresh) {
             /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                ankle_direct_set_target(w, to, done);
+            if (taken > 0U) {
+                w->k0[0] = w->k[0];
+                w->k0[1] = w->k[1];
+                w->k0[2] = w->k[2];
+                w->k0[3] = w->k[3];
             }
             int turn = ankle_direct_factor(w);
             if (turn == 0) {
                 turn = ankle_direct_pivoted(w);
-            }
-            if (taken == 0U) {
-                ankle_direct_set_target(w, to, aim);
             }
             kept = (taken == 0U);
             if (turn == 0) {
@@ -768,7 +683,6 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
             accepted = ankle_direct_reaches_middle(w, to, done + 0.5 * (aim - done), still2);
-            ankle_direct_set_target(w, to, aim);
         }
         if (accepted) {
             if (aim >= 1.0) {
@@ -806,6 +720,10 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 for (int i = 0; i < 4; ++i) {
                     w->x0[i] = w->x[i];
                 }
+                w->k0[0] = w->k[0];
+                w->k0[1] = w->k[1];
+                w->k0[2] = w->k[2];
+                w->k0[3] = w->k[3];
                 ankle_direct_set_target(w, to, aim);
                 taken = 0U;
                 fresh = true;
@@ -816,6 +734,11 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
+            ankle_direct_set_target(w, to, done);
+            w->k0[0] = w->k[0];
+            w->k0[1] = w->k[1];
+            w->k0[2] = w->k[2];
+            w->k0[3] = w->k[3];
             ankle_direct_set_target(w, to, aim);
             fresh = settling || !kept;
             taken = 0U;
@@ -829,6 +752,21 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     ankle_write_info(info, count, residual, size, w->spread);
     return status;
 }
+/* Sets known values and state: joints as they are given, and the found as they were last. */
+static ANKLE_SHARED void ankle_direct_place(ankle_direct_work *w, const ankle_real joints[2],
+    const ankle_real found[2])
+{
+    ankle_circle(joints[0], &w->numbers[0]);
+    ankle_circle(joints[1], &w->numbers[2]);
+    ankle_direct_coefficients(w->numbers, w->k);
+    w->k0[0] = w->k[0];
+    w->k0[1] = w->k[1];
+    w->k0[2] = w->k[2];
+    w->k0[3] = w->k[3];
+    ankle_circle(found[0], &w->x[0]);
+    ankle_circle(found[1], &w->x[2]);
+}
+
 /* Work space of ankle_inverse_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: upper_motor, lower_motor: of angles cosine and sine
  * k: ankle.1, ankle.2: of angles cosine and sine
@@ -838,8 +776,6 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
  */
 typedef struct {
     ankle_real x[4]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    ankle_real x0[4];
     ankle_real at[2]; /* known values at the guess, where the line begins */
     ankle_real k[4]; /* known values aimed at */
     ankle_real f[2]; /* rows; the linear solver leaves the step in their place */
@@ -1230,6 +1166,7 @@ static ANKLE_SHARED ankle_status ankle_inverse_finish(ankle_inverse_work *w, uns
     ankle_real residual = ankle_inverse_residual(w);
     if (!(residual <= config->tolerance)) {
         if ((ankle_inverse_factor(w) == 0) && (ankle_inverse_pivoted(w) == 0)) {
+            ankle_write_info(info, count, residual, 0.0, 0.0);
             return ANKLE_SINGULAR;
         }
         ankle_inverse_solve(w);
@@ -1251,185 +1188,199 @@ static ANKLE_SHARED void ankle_inverse_formulas(const ankle_real k[4], const ank
     (void)k;
     (void)sign;
     (void)d;
-    const ankle_real t0 = -50.0 * k[0];
-    const ankle_real t1 = 20.0 * k[2];
-    const ankle_real t2 = 35.0 * k[3];
-    const ankle_real t3 = t1 + t2;
-    const ankle_real t4 = k[1] * t3;
-    const ankle_real t5 = t0 + t4;
-    const ankle_real t6 = 90.0 * t5;
-    const ankle_real t7 = k[0] * t3;
-    const ankle_real t8 = 50.0 * k[1];
+    const ankle_real t0 = -0.9541567739675092 * k[1];
+    const ankle_real t1 = t0 + 4.770783869837546;
+    const ankle_real t2 = k[1] * k[3];
+    const ankle_real t3 = 6.011187675995307 * t2;
+    const ankle_real t4 = t1 + t3;
+    const ankle_real t5 = k[1] * k[2];
+    const ankle_real t6 = 3.434964386283033 * t5;
+    const ankle_real t7 = t4 + t6;
+    const ankle_real t8 = -8.587410965707582 * k[0];
     const ankle_real t9 = t7 + t8;
-    const ankle_real t10 = t9 - 250.0;
-    const ankle_real t11 = -10.0 * t10;
-    const ankle_real t12 = t6 + t11;
-    const ankle_real t13 = 0.0019083135479350183 * t12;
-    const ankle_real t14 = t13 * t13;
-    const ankle_real t15 = -10.0 * t5;
-    const ankle_real t16 = -90.0 * t10;
-    const ankle_real t17 = t15 + t16;
-    const ankle_real t18 = 0.0019083135479350183 * t17;
-    const ankle_real t19 = t18 * t18;
-    const ankle_real t20 = t14 + t19;
-    const ankle_real t21 = t5 * t5;
-    const ankle_real t22 = t21 + 25.0;
-    const ankle_real t23 = 35.0 * k[2];
-    const ankle_real t24 = -20.0 * k[3];
-    const ankle_real t25 = t23 + t24;
-    const ankle_real t26 = k[0] * t25;
-    const ankle_real t27 = 1.0 - k[0];
-    const ankle_real t28 = t27 * t25;
-    const ankle_real t29 = t26 + t28;
-    const ankle_real t30 = t29 - 40.0;
-    const ankle_real t31 = t30 * t30;
-    const ankle_real t32 = t22 + t31;
-    const ankle_real t33 = t10 * t10;
-    const ankle_real t34 = t33 + 2025.0;
-    const ankle_real t35 = t32 + t34;
-    const ankle_real t36 = t35 - 55275.0;
-    const ankle_real t37 = 0.0019083135479350183 * t36;
-    const ankle_real t38 = t37 * t37;
-    const ankle_real t39 = t20 - t38;
-    const ankle_real d1 = t39; /* above 0 where upper_motor has two values */
+    const ankle_real t10 = k[0] * k[3];
+    const ankle_real t11 = -0.6679097417772564 * t10;
+    const ankle_real t12 = t9 + t11;
+    const ankle_real t13 = k[0] * k[2];
+    const ankle_real t14 = -0.38166270958700366 * t13;
+    const ankle_real t15 = t12 + t14;
+    const ankle_real t16 = t15 * t15;
+    const ankle_real t17 = -8.587410965707582 * k[1];
+    const ankle_real t18 = t17 + 42.93705482853791;
+    const ankle_real t19 = -0.6679097417772564 * t2;
+    const ankle_real t20 = t18 + t19;
+    const ankle_real t21 = -0.38166270958700366 * t5;
+    const ankle_real t22 = t20 + t21;
+    const ankle_real t23 = 0.9541567739675092 * k[0];
+    const ankle_real t24 = t22 + t23;
+    const ankle_real t25 = -6.011187675995307 * t10;
+    const ankle_real t26 = t24 + t25;
+    const ankle_real t27 = -3.434964386283033 * t13;
+    const ankle_real t28 = t26 + t27;
+    const ankle_real t29 = t28 * t28;
+    const ankle_real t30 = t16 + t29;
+    const ankle_real t31 = 3.0533016766960293 * k[3];
+    const ankle_real t32 = t31 + 28.624703219025275;
+    const ankle_real t33 = -5.343277934218051 * k[2];
+    const ankle_real t34 = t32 + t33;
+    const ankle_real t35 = -47.70783869837546 * k[1];
+    const ankle_real t36 = t34 + t35;
+    const ankle_real t37 = -33.39548708886282 * t10;
+    const ankle_real t38 = t36 + t37;
+    const ankle_real t39 = -19.083135479350183 * t13;
+    const ankle_real t40 = t38 + t39;
+    const ankle_real t41 = t40 * t40;
+    const ankle_real t42 = t30 - t41;
+    const ankle_real d1 = t42; /* above 0 where upper_motor has two values */
     d[0] = d1 * 0.000645;
     const ankle_real r1 = (d1 > 1.55e-09) ? sqrt(d1) : 0.0;
-    const ankle_real t43 = -35.0 * k[3];
-    const ankle_real t44 = t1 + t43;
-    const ankle_real t45 = k[1] * t44;
-    const ankle_real t46 = t0 + t45;
-    const ankle_real t47 = 90.0 * t46;
-    const ankle_real t48 = k[0] * t44;
-    const ankle_real t49 = t48 + t8;
-    const ankle_real t50 = t49 - 180.0;
-    const ankle_real t51 = -10.0 * t50;
-    const ankle_real t52 = t47 + t51;
-    const ankle_real t53 = 0.0019083135479350183 * t52;
+    const ankle_real t46 = t0 + 3.434964386283033;
+    const ankle_real t47 = -6.011187675995307 * t2;
+    const ankle_real t48 = t46 + t47;
+    const ankle_real t49 = t48 + t6;
+    const ankle_real t50 = t49 + t8;
+    const ankle_real t51 = 0.6679097417772564 * t10;
+    const ankle_real t52 = t50 + t51;
+    const ankle_real t53 = t52 + t14;
     const ankle_real t54 = t53 * t53;
-    const ankle_real t55 = -10.0 * t46;
-    const ankle_real t56 = -90.0 * t50;
+    const ankle_real t55 = t17 + 30.914679476547295;
+    const ankle_real t56 = 0.6679097417772564 * t2;
     const ankle_real t57 = t55 + t56;
-    const ankle_real t58 = 0.0019083135479350183 * t57;
-    const ankle_real t59 = t58 * t58;
-    const ankle_real t60 = t54 + t59;
-    const ankle_real t61 = t46 * t46;
-    const ankle_real t62 = t61 + 25.0;
-    const ankle_real t63 = -35.0 * k[2];
-    const ankle_real t64 = t63 + t24;
-    const ankle_real t65 = k[0] * t64;
-    const ankle_real t66 = t27 * t64;
-    const ankle_real t67 = t65 + t66;
-    const ankle_real t68 = t67 + 40.0;
-    const ankle_real t69 = t68 * t68;
-    const ankle_real t70 = t62 + t69;
-    const ankle_real t71 = t50 * t50;
-    const ankle_real t72 = t71 + 2025.0;
-    const ankle_real t73 = t70 + t72;
-    const ankle_real t74 = t73 - 27275.0;
-    const ankle_real t75 = 0.0019083135479350183 * t74;
-    const ankle_real t76 = t75 * t75;
-    const ankle_real t77 = t60 - t76;
-    const ankle_real d2 = t77; /* above 0 where lower_motor has two values */
+    const ankle_real t58 = t57 + t21;
+    const ankle_real t59 = t58 + t23;
+    const ankle_real t60 = 6.011187675995307 * t10;
+    const ankle_real t61 = t59 + t60;
+    const ankle_real t62 = t61 + t27;
+    const ankle_real t63 = t62 * t62;
+    const ankle_real t64 = t54 + t63;
+    const ankle_real t65 = -3.0533016766960293 * k[3];
+    const ankle_real t66 = t65 + 24.61724476836173;
+    const ankle_real t67 = t66 + t33;
+    const ankle_real t68 = -34.34964386283033 * k[1];
+    const ankle_real t69 = t67 + t68;
+    const ankle_real t70 = 24.04475070398123 * t10;
+    const ankle_real t71 = t69 + t70;
+    const ankle_real t72 = -13.739857545132132 * t13;
+    const ankle_real t73 = t71 + t72;
+    const ankle_real t74 = t73 * t73;
+    const ankle_real t75 = t64 - t74;
+    const ankle_real d2 = t75; /* above 0 where lower_motor has two values */
     d[1] = d2 * 0.00128;
     const ankle_real r2 = (d2 > 7.84e-10) ? sqrt(d2) : 0.0;
-    const ankle_real t81 = t13 * t37;
-    const ankle_real t82 = sign[0] * r1;
-    const ankle_real t83 = t18 * t82;
-    const ankle_real t84 = t81 + t83;
-    const ankle_real t85 = 1.0 / t20;
-    const ankle_real t86 = t84 * t85;
-    const ankle_real t87 = t86 * t86;
-    const ankle_real t88 = t13 * t82;
-    const ankle_real t89 = t18 * t37;
-    const ankle_real t90 = t88 - t89;
-    const ankle_real t91 = t90 * t85;
-    const ankle_real t92 = t91 * t91;
-    const ankle_real t93 = t87 + t92;
-    const ankle_real t94 = sqrt(t93);
-    const ankle_real t95 = 1.0 / t94;
-    const ankle_real t96 = t86 * t95;
-    const ankle_real t97 = -t96;
-    const ankle_real t98 = t91 * t95;
-    const ankle_real t99 = t53 * t75;
-    const ankle_real t100 = sign[1] * r2;
-    const ankle_real t101 = t58 * t100;
-    const ankle_real t102 = t99 + t101;
-    const ankle_real t103 = 1.0 / t60;
-    const ankle_real t104 = t102 * t103;
-    const ankle_real t105 = t104 * t104;
-    const ankle_real t106 = t53 * t100;
-    const ankle_real t107 = t58 * t75;
-    const ankle_real t108 = t106 - t107;
-    const ankle_real t109 = t108 * t103;
-    const ankle_real t110 = t109 * t109;
-    const ankle_real t111 = t105 + t110;
-    const ankle_real t112 = sqrt(t111);
-    const ankle_real t113 = 1.0 / t112;
-    const ankle_real t114 = t104 * t113;
-    const ankle_real t115 = -t114;
-    const ankle_real t116 = t109 * t113;
-    x[0] = t97;
-    x[1] = t98;
-    x[2] = t115;
-    x[3] = t116;
+    const ankle_real t79 = t15 * t40;
+    const ankle_real t80 = sign[0] * r1;
+    const ankle_real t81 = t28 * t80;
+    const ankle_real t82 = t79 + t81;
+    const ankle_real t83 = 1.0 / t30;
+    const ankle_real t84 = t82 * t83;
+    const ankle_real t85 = t84 * t84;
+    const ankle_real t86 = t15 * t80;
+    const ankle_real t87 = t28 * t40;
+    const ankle_real t88 = t86 - t87;
+    const ankle_real t89 = t88 * t83;
+    const ankle_real t90 = t89 * t89;
+    const ankle_real t91 = t85 + t90;
+    const ankle_real t92 = sqrt(t91);
+    const ankle_real t93 = 1.0 / t92;
+    const ankle_real t94 = t84 * t93;
+    const ankle_real t95 = -t94;
+    const ankle_real t96 = t89 * t93;
+    const ankle_real t97 = t53 * t73;
+    const ankle_real t98 = sign[1] * r2;
+    const ankle_real t99 = t62 * t98;
+    const ankle_real t100 = t97 + t99;
+    const ankle_real t101 = 1.0 / t64;
+    const ankle_real t102 = t100 * t101;
+    const ankle_real t103 = t102 * t102;
+    const ankle_real t104 = t53 * t98;
+    const ankle_real t105 = t62 * t73;
+    const ankle_real t106 = t104 - t105;
+    const ankle_real t107 = t106 * t101;
+    const ankle_real t108 = t107 * t107;
+    const ankle_real t109 = t103 + t108;
+    const ankle_real t110 = sqrt(t109);
+    const ankle_real t111 = 1.0 / t110;
+    const ankle_real t112 = t102 * t111;
+    const ankle_real t113 = -t112;
+    const ankle_real t114 = t107 * t111;
+    x[0] = t95;
+    x[1] = t96;
+    x[2] = t113;
+    x[3] = t114;
 }
 
-/* The signs of a configuration in the formulas. */
+/* The signs of a configuration in the formulas, and their conditions there: what tells a sign is
+ * its root. */
 static ANKLE_SHARED void ankle_inverse_signs(const ankle_real k[4], const ankle_real x[4],
-    ankle_real sign[2])
+    ankle_real sign[2], ankle_real d[2])
 {
     (void)k;
     (void)x;
-    const ankle_real t0 = -50.0 * k[0];
-    const ankle_real t1 = 20.0 * k[2];
-    const ankle_real t2 = 35.0 * k[3];
-    const ankle_real t3 = t1 + t2;
-    const ankle_real t4 = k[1] * t3;
-    const ankle_real t5 = t0 + t4;
-    const ankle_real t6 = 90.0 * t5;
-    const ankle_real t7 = k[0] * t3;
-    const ankle_real t8 = 50.0 * k[1];
+    (void)d;
+    const ankle_real t0 = -0.9541567739675092 * k[1];
+    const ankle_real t1 = t0 + 4.770783869837546;
+    const ankle_real t2 = k[1] * k[3];
+    const ankle_real t3 = 6.011187675995307 * t2;
+    const ankle_real t4 = t1 + t3;
+    const ankle_real t5 = k[1] * k[2];
+    const ankle_real t6 = 3.434964386283033 * t5;
+    const ankle_real t7 = t4 + t6;
+    const ankle_real t8 = -8.587410965707582 * k[0];
     const ankle_real t9 = t7 + t8;
-    const ankle_real t10 = t9 - 250.0;
-    const ankle_real t11 = -10.0 * t10;
-    const ankle_real t12 = t6 + t11;
-    const ankle_real t13 = 0.0019083135479350183 * t12;
-    const ankle_real t14 = t13 * x[1];
-    const ankle_real t15 = -10.0 * t5;
-    const ankle_real t16 = -90.0 * t10;
-    const ankle_real t17 = t15 + t16;
-    const ankle_real t18 = 0.0019083135479350183 * t17;
-    const ankle_real t19 = t18 * x[0];
-    const ankle_real t20 = t14 - t19;
-    sign[0] = (t20 < 0.0) ? -1.0 : 1.0;
-    const ankle_real t22 = -35.0 * k[3];
-    const ankle_real t23 = t1 + t22;
-    const ankle_real t24 = k[1] * t23;
-    const ankle_real t25 = t0 + t24;
-    const ankle_real t26 = 90.0 * t25;
-    const ankle_real t27 = k[0] * t23;
-    const ankle_real t28 = t27 + t8;
-    const ankle_real t29 = t28 - 180.0;
-    const ankle_real t30 = -10.0 * t29;
-    const ankle_real t31 = t26 + t30;
-    const ankle_real t32 = 0.0019083135479350183 * t31;
-    const ankle_real t33 = t32 * x[3];
-    const ankle_real t34 = -10.0 * t25;
-    const ankle_real t35 = -90.0 * t29;
-    const ankle_real t36 = t34 + t35;
-    const ankle_real t37 = 0.0019083135479350183 * t36;
-    const ankle_real t38 = t37 * x[2];
-    const ankle_real t39 = t33 - t38;
-    sign[1] = (t39 < 0.0) ? -1.0 : 1.0;
+    const ankle_real t10 = k[0] * k[3];
+    const ankle_real t11 = -0.6679097417772564 * t10;
+    const ankle_real t12 = t9 + t11;
+    const ankle_real t13 = k[0] * k[2];
+    const ankle_real t14 = -0.38166270958700366 * t13;
+    const ankle_real t15 = t12 + t14;
+    const ankle_real t16 = t15 * x[1];
+    const ankle_real t17 = -8.587410965707582 * k[1];
+    const ankle_real t18 = t17 + 42.93705482853791;
+    const ankle_real t19 = -0.6679097417772564 * t2;
+    const ankle_real t20 = t18 + t19;
+    const ankle_real t21 = -0.38166270958700366 * t5;
+    const ankle_real t22 = t20 + t21;
+    const ankle_real t23 = 0.9541567739675092 * k[0];
+    const ankle_real t24 = t22 + t23;
+    const ankle_real t25 = -6.011187675995307 * t10;
+    const ankle_real t26 = t24 + t25;
+    const ankle_real t27 = -3.434964386283033 * t13;
+    const ankle_real t28 = t26 + t27;
+    const ankle_real t29 = t28 * x[0];
+    const ankle_real t30 = t16 - t29;
+    sign[0] = (t30 < 0.0) ? -1.0 : 1.0;
+    d[0] = t30 * t30 * 0.000645;
+    const ankle_real t33 = t0 + 3.434964386283033;
+    const ankle_real t34 = -6.011187675995307 * t2;
+    const ankle_real t35 = t33 + t34;
+    const ankle_real t36 = t35 + t6;
+    const ankle_real t37 = t36 + t8;
+    const ankle_real t38 = 0.6679097417772564 * t10;
+    const ankle_real t39 = t37 + t38;
+    const ankle_real t40 = t39 + t14;
+    const ankle_real t41 = t40 * x[3];
+    const ankle_real t42 = t17 + 30.914679476547295;
+    const ankle_real t43 = 0.6679097417772564 * t2;
+    const ankle_real t44 = t42 + t43;
+    const ankle_real t45 = t44 + t21;
+    const ankle_real t46 = t45 + t23;
+    const ankle_real t47 = 6.011187675995307 * t10;
+    const ankle_real t48 = t46 + t47;
+    const ankle_real t49 = t48 + t27;
+    const ankle_real t50 = t49 * x[2];
+    const ankle_real t51 = t41 - t50;
+    sign[1] = (t51 < 0.0) ? -1.0 : 1.0;
+    d[1] = t51 * t51 * 0.00128;
 }
-/* The end of the straight line of known values from w->at to `to`, if no condition vanishes on the
- * way: between two points whose least value of a condition is g it stays above 0 where g > M s^2 /
- * 8, s the way between them and M the condition's largest bend, which was sampled when this code
- * was written. Then the rows are held against the answer. */
+/* The end of the straight line of known values from w->at, where the state is w->x at w->k, to
+ * `to`, if no condition vanishes on the way: between two points whose least value of a condition is
+ * g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest
+ * bend, which was sampled when this code was written. Then the rows are held against the answer. */
 static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real to[2],
-    const ankle_real sign[2], const ankle_config *config, ankle_info *info)
+    const ankle_config *config, ankle_info *info)
 {
     static const ankle_real bend[2] = { 1.29, 1.33 };
+    ankle_real sign[2];
     ankle_real begin[2];
     ankle_real end[2];
     ankle_real done = 0.0;
@@ -1443,8 +1394,7 @@ static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real
         const ankle_real way = weight[i] * (to[i] - w->at[i]);
         way2 += way * way;
     }
-    ankle_inverse_set_target(w, to, 0.0);
-    ankle_inverse_formulas(w->k, sign, w->x, begin);
+    ankle_inverse_signs(w->k, w->x, sign, begin);
     while ((count < (unsigned int)config->max_iterations) && (status == ANKLE_MAX_ITERATIONS)) {
         const ankle_real aim = (done + part < 0.999) ? (done + part) : 1.0;
         bool held = true;
@@ -1473,7 +1423,22 @@ static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real
             status = ANKLE_WRONG_BRANCH;
         }
     }
-    return (status == ANKLE_OK) ? ankle_inverse_finish(w, count, least, config, info) : status;
+    if (status == ANKLE_OK) {
+        status = ankle_inverse_finish(w, count, least, config, info);
+    } else {
+        ankle_write_info(info, count, HUGE_VAL, 0.0, 0.0);
+    }
+    return status;
+}
+
+/* Sets known values and state: found as they are given, and the joints as they were last. */
+static ANKLE_SHARED void ankle_inverse_place(ankle_inverse_work *w, const ankle_real found[2],
+    const ankle_real joints[2])
+{
+    ankle_circle(found[0], &w->k[0]);
+    ankle_circle(found[1], &w->k[2]);
+    ankle_circle(joints[0], &w->x[0]);
+    ankle_circle(joints[1], &w->x[2]);
 }
 
 /* All numbers y of the configuration that has the values: of angles cosine and sine, in the order
@@ -1511,23 +1476,28 @@ static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2]
 static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2], ankle_real y[8])
 {
     ankle_status status = ANKLE_OK;
-    static const ankle_config usual = { ANKLE_TOLERANCE, ANKLE_MAX_STEPS, ANKLE_MAX_STEP };
+    static const ankle_config near = { 0.0026201145013147807, ANKLE_MAX_STEPS, ANKLE_MAX_STEP };
     ankle_direct_work w;
     ankle_real to[2];
-    /* along the line from the reference configuration */
+    /* along the line from the reference configuration; an error of a guess moves the beginning of
+     * the line by as much */
     w.at[0] = 0.0;
     w.at[1] = 0.0;
     w.x[0] = 1.0;
     w.x[1] = 0.0;
     w.x[2] = 1.0;
     w.x[3] = 0.0;
-    to[0] = ankle_turned(values[0], w.at[0], ankle_low_joints[0], ankle_high_joints[0]);
-    to[1] = ankle_turned(values[1], w.at[1], ankle_low_joints[1], ankle_high_joints[1]);
-    status = ankle_direct_newton(&w, to, &usual, NULL);
-    y[0] = w.k[0];
-    y[1] = w.k[1];
-    y[2] = w.k[2];
-    y[3] = w.k[3];
+    w.k0[0] = 1.0;
+    w.k0[1] = 1.02;
+    w.k0[2] = 1.0;
+    w.k0[3] = 1.0277777777777777;
+    to[0] = ankle_turned(values[0], w.at[0], -1000.0, 1000.0);
+    to[1] = ankle_turned(values[1], w.at[1], -1000.0, 1000.0);
+    status = ankle_direct_newton(&w, to, &near, NULL);
+    y[0] = w.numbers[0];
+    y[1] = w.numbers[1];
+    y[2] = w.numbers[2];
+    y[3] = w.numbers[3];
     y[4] = w.x[0];
     y[5] = w.x[1];
     y[6] = w.x[2];
@@ -1544,36 +1514,33 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
     const ankle_config *const used = (config != NULL) ? config : &usual;
     ankle_direct_work w;
     ankle_real y[8];
-    ankle_status status = ankle_check_range(ANKLE_OK, joints, ankle_low_joints, ankle_high_joints,
-        2);
-    status = ankle_check_range(status, guess, ankle_least_found, ankle_most_found, 2);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_bound_found(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
-    ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    ankle_blame(info, joints);
     if (status == ANKLE_OK) {
         status = ankle_state_of_found(guess, y);
     }
-    if (status == ANKLE_OK) {
+    if (status != ANKLE_OK) {
+        ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+        ankle_blame(info, joints);
+    } else {
         /* the line begins where the known values are at the guess */
-        w.at[0] = ankle_turned(atan2(y[1], y[0]), joints[0], ankle_low_joints[0],
-            ankle_high_joints[0]);
-        w.at[1] = ankle_turned(atan2(y[3], y[2]), joints[1], ankle_low_joints[1],
-            ankle_high_joints[1]);
+        w.at[0] = ankle_turned(atan2(y[1], y[0]), joints[0], -1000.0, 1000.0);
+        w.at[1] = ankle_turned(atan2(y[3], y[2]), joints[1], -1000.0, 1000.0);
         w.x[0] = y[4];
         w.x[1] = y[5];
         w.x[2] = y[6];
         w.x[3] = y[7];
+        ankle_direct_coefficients(&y[0], w.k0);
         status = ankle_direct_newton(&w, joints, used, info);
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
-        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), guess[0], ankle_low_found[0],
-            ankle_high_found[0]);
-        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), guess[1], ankle_low_found[1],
-            ankle_high_found[1]);
-        status = ankle_check_range(status, result, ankle_low_found, ankle_high_found, 2);
+        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), guess[0], -1000.0, 1000.0);
+        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), guess[1], -1000.0, 1000.0);
+        status = ankle_limit_found(status, result);
         if (status == ANKLE_OK) {
             found[0] = result[0];
             found[1] = result[1];
@@ -1586,16 +1553,10 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
 ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_info *info)
 {
     ankle_direct_work w;
-    ankle_status status = ankle_check_range(ANKLE_OK, joints, ankle_low_joints, ankle_high_joints,
-        2);
-    status = ankle_check_range(status, found, ankle_least_found, ankle_most_found, 2);
-    ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    ankle_blame(info, joints);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_bound_found(status, found);
     if (status == ANKLE_OK) {
-        ankle_circle(found[0], &w.x[0]);
-        ankle_circle(found[1], &w.x[2]);
-        ankle_circle(joints[0], &w.k[0]);
-        ankle_circle(joints[1], &w.k[2]);
+        ankle_direct_place(&w, joints, found);
         ankle_direct_rows(&w);
         if ((ankle_direct_factor(&w) == 0) && (ankle_direct_pivoted(&w) == 0)) {
             status = ANKLE_SINGULAR;
@@ -1604,19 +1565,20 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
             const ankle_real size = ankle_direct_apply_step(&w);
             ankle_write_info(info, 1U, 0.00181 * size, size, w.spread);
         }
+    } else {
+        ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+        ankle_blame(info, joints);
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
-        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), found[0], ankle_low_found[0],
-            ankle_high_found[0]);
-        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), found[1], ankle_low_found[1],
-            ankle_high_found[1]);
+        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), found[0], -1000.0, 1000.0);
+        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), found[1], -1000.0, 1000.0);
         ankle_real change2 = 0.0;
         change2 += 68650.00000000001 * (result[0] - found[0]) * (result[0] - found[0]);
         change2 += 68650.00000000001 * (result[1] - found[1]) * (result[1] - found[1]);
         /* beyond a small step the branch is not assured */
         status = (change2 <= 119.18402777777779) ? ANKLE_OK : ANKLE_WRONG_BRANCH;
-        status = ankle_check_range(status, result, ankle_low_found, ankle_high_found, 2);
+        status = ankle_limit_found(status, result);
         if (status == ANKLE_OK) {
             found[0] = result[0];
             found[1] = result[1];
@@ -1634,22 +1596,20 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
     const ankle_config *const used = (config != NULL) ? config : &usual;
     ankle_inverse_work w;
     ankle_real y[8];
-    ankle_status status = ankle_check_range(ANKLE_OK, found, ankle_low_found, ankle_high_found, 2);
-    status = ankle_check_range(status, guess, ankle_least_joints, ankle_most_joints, 2);
+    ankle_status status = ankle_limit_found(ANKLE_OK, found);
+    status = ankle_bound_joints(status, guess);
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
-    ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == ANKLE_OK) {
         status = ankle_state_of_joints(guess, y);
     }
-    if (status == ANKLE_OK) {
+    if (status != ANKLE_OK) {
+        ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    } else {
         /* the line begins where the known values are at the guess */
-        w.at[0] = ankle_turned(atan2(y[5], y[4]), found[0], ankle_low_found[0],
-            ankle_high_found[0]);
-        w.at[1] = ankle_turned(atan2(y[7], y[6]), found[1], ankle_low_found[1],
-            ankle_high_found[1]);
-        ankle_real sign[2];
+        w.at[0] = ankle_turned(atan2(y[5], y[4]), found[0], -1000.0, 1000.0);
+        w.at[1] = ankle_turned(atan2(y[7], y[6]), found[1], -1000.0, 1000.0);
         w.x[0] = y[0];
         w.x[1] = y[1];
         w.x[2] = y[2];
@@ -1658,20 +1618,19 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
         w.k[1] = y[5];
         w.k[2] = y[6];
         w.k[3] = y[7];
-        ankle_inverse_signs(w.k, w.x, sign);
-        status = ankle_inverse_follow(&w, found, sign, used, info);
+        status = ankle_inverse_follow(&w, found, used, info);
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
-        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), guess[0], ankle_low_joints[0],
-            ankle_high_joints[0]);
-        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), guess[1], ankle_low_joints[1],
-            ankle_high_joints[1]);
-        status = ankle_check_range(status, result, ankle_low_joints, ankle_high_joints, 2);
-        ankle_blame(info, result);
+        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), guess[0], -1000.0, 1000.0);
+        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), guess[1], -1000.0, 1000.0);
+        status = ankle_limit_joints(status, result);
         if (status == ANKLE_OK) {
             joints[0] = result[0];
             joints[1] = result[1];
+        }
+        if (status == ANKLE_OUT_OF_RANGE) {
+            ankle_blame(info, result);
         }
     }
     return status;
@@ -1681,42 +1640,40 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
 ankle_status ankle_track_inverse(const ankle_real found[2], ankle_real joints[2], ankle_info *info)
 {
     ankle_inverse_work w;
-    ankle_status status = ankle_check_range(ANKLE_OK, found, ankle_low_found, ankle_high_found, 2);
-    status = ankle_check_range(status, joints, ankle_least_joints, ankle_most_joints, 2);
-    ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
+    ankle_status status = ankle_limit_found(ANKLE_OK, found);
+    status = ankle_bound_joints(status, joints);
     if (status == ANKLE_OK) {
         static const ankle_config usual = { ANKLE_TOLERANCE, ANKLE_MAX_STEPS, ANKLE_MAX_STEP };
         ankle_real sign[2];
         ankle_real d[2];
         ankle_real least = 1.0;
-        ankle_circle(joints[0], &w.x[0]);
-        ankle_circle(joints[1], &w.x[2]);
-        ankle_circle(found[0], &w.k[0]);
-        ankle_circle(found[1], &w.k[2]);
-        ankle_inverse_signs(w.k, w.x, sign);
+        ankle_inverse_place(&w, found, joints);
+        ankle_inverse_signs(w.k, w.x, sign, d);
         ankle_inverse_formulas(w.k, sign, w.x, d);
         for (int i = 0; i < 2; ++i) {
             least = (d[i] < least) ? d[i] : least;
         }
         status = (least > 0.0001) ? ankle_inverse_finish(&w, 1U, least, &usual,
             info) : ANKLE_SINGULAR;
+    } else {
+        ankle_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
-        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), joints[0], ankle_low_joints[0],
-            ankle_high_joints[0]);
-        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), joints[1], ankle_low_joints[1],
-            ankle_high_joints[1]);
+        result[0] = ankle_turned(atan2(w.x[1], w.x[0]), joints[0], -1000.0, 1000.0);
+        result[1] = ankle_turned(atan2(w.x[3], w.x[2]), joints[1], -1000.0, 1000.0);
         ankle_real change2 = 0.0;
         change2 += 68650.00000000001 * (result[0] - joints[0]) * (result[0] - joints[0]);
         change2 += 68650.00000000001 * (result[1] - joints[1]) * (result[1] - joints[1]);
         /* beyond a small step the branch is not assured */
         status = (change2 <= 119.18402777777779) ? ANKLE_OK : ANKLE_WRONG_BRANCH;
-        status = ankle_check_range(status, result, ankle_low_joints, ankle_high_joints, 2);
-        ankle_blame(info, result);
+        status = ankle_limit_joints(status, result);
         if (status == ANKLE_OK) {
             joints[0] = result[0];
             joints[1] = result[1];
+        }
+        if (status == ANKLE_OUT_OF_RANGE) {
+            ankle_blame(info, result);
         }
     }
     return status;
@@ -1739,65 +1696,52 @@ static ANKLE_SHARED ankle_status ankle_give(const ankle_real result[2], ankle_re
 static void ankle_joint_columns(const ankle_direct_work *w, ankle_real sides[4])
 {
     (void)w;
-    const ankle_real t0 = -50.0 * w->x[0];
-    const ankle_real t1 = 20.0 * w->x[2];
-    const ankle_real t2 = 35.0 * w->x[3];
-    const ankle_real t3 = t1 + t2;
-    const ankle_real t4 = w->x[1] * t3;
-    const ankle_real t5 = t0 + t4;
-    const ankle_real t6 = -45.0 * w->k[0];
-    const ankle_real t7 = 5.0 * w->k[1];
-    const ankle_real t8 = t6 + t7;
-    const ankle_real t9 = t5 - t8;
-    const ankle_real t10 = 90.0 * t9;
-    const ankle_real t11 = w->x[0] * t3;
-    const ankle_real t12 = 50.0 * w->x[1];
-    const ankle_real t13 = t11 + t12;
-    const ankle_real t14 = 5.0 * w->k[0];
-    const ankle_real t15 = 45.0 * w->k[1];
-    const ankle_real t16 = t14 + t15;
-    const ankle_real t17 = t16 + 250.0;
-    const ankle_real t18 = t13 - t17;
-    const ankle_real t19 = -10.0 * t18;
-    const ankle_real t20 = t10 + t19;
-    const ankle_real t21 = 0.0019083135479350183 * t20;
-    const ankle_real t22 = t21 * w->k[1];
-    const ankle_real t23 = -10.0 * t9;
-    const ankle_real t24 = -90.0 * t18;
+    const ankle_real t0 = w->x[1] * w->x[3];
+    const ankle_real t1 = -6.011187675995307 * t0;
+    const ankle_real t2 = w->x[1] * w->x[2];
+    const ankle_real t3 = -3.434964386283033 * t2;
+    const ankle_real t4 = t1 + t3;
+    const ankle_real t5 = 8.587410965707582 * w->x[0];
+    const ankle_real t6 = t4 + t5;
+    const ankle_real t7 = -0.11111111111111112 * t6;
+    const ankle_real t8 = 47.707838698375475 * w->x[1];
+    const ankle_real t9 = t8 - 238.53919349187728;
+    const ankle_real t10 = w->x[0] * w->x[3];
+    const ankle_real t11 = 33.39548708886282 * t10;
+    const ankle_real t12 = t9 + t11;
+    const ankle_real t13 = w->x[0] * w->x[2];
+    const ankle_real t14 = 19.083135479350183 * t13;
+    const ankle_real t15 = t12 + t14;
+    const ankle_real t16 = 0.18 * t15;
+    const ankle_real t17 = t7 + t16;
+    const ankle_real t18 = t17 * w->numbers[0];
+    const ankle_real t19 = 0.02 * t15;
+    const ankle_real t20 = t6 + t19;
+    const ankle_real t21 = t20 * w->numbers[1];
+    const ankle_real t22 = t18 - t21;
+    const ankle_real t23 = 6.011187675995308 * t0;
+    const ankle_real t24 = -3.434964386283034 * t2;
     const ankle_real t25 = t23 + t24;
-    const ankle_real t26 = 0.0019083135479350183 * t25;
-    const ankle_real t27 = t26 * w->k[0];
-    const ankle_real t28 = t22 - t27;
-    const ankle_real t29 = -35.0 * w->x[3];
-    const ankle_real t30 = t1 + t29;
-    const ankle_real t31 = w->x[1] * t30;
-    const ankle_real t32 = t0 + t31;
-    const ankle_real t33 = -45.0 * w->k[2];
-    const ankle_real t34 = 5.0 * w->k[3];
-    const ankle_real t35 = t33 + t34;
-    const ankle_real t36 = t32 - t35;
-    const ankle_real t37 = 90.0 * t36;
-    const ankle_real t38 = w->x[0] * t30;
-    const ankle_real t39 = t38 + t12;
-    const ankle_real t40 = 5.0 * w->k[2];
-    const ankle_real t41 = 45.0 * w->k[3];
-    const ankle_real t42 = t40 + t41;
-    const ankle_real t43 = t42 + 180.0;
-    const ankle_real t44 = t39 - t43;
-    const ankle_real t45 = -10.0 * t44;
-    const ankle_real t46 = t37 + t45;
-    const ankle_real t47 = 0.0019083135479350183 * t46;
-    const ankle_real t48 = t47 * w->k[3];
-    const ankle_real t49 = -10.0 * t36;
-    const ankle_real t50 = -90.0 * t44;
-    const ankle_real t51 = t49 + t50;
-    const ankle_real t52 = 0.0019083135479350183 * t51;
-    const ankle_real t53 = t52 * w->k[2];
-    const ankle_real t54 = t48 - t53;
-    sides[0] = t28;
+    const ankle_real t26 = 8.587410965707583 * w->x[0];
+    const ankle_real t27 = t25 + t26;
+    const ankle_real t28 = -0.11111111111111112 * t27;
+    const ankle_real t29 = 34.34964386283033 * w->x[1];
+    const ankle_real t30 = t29 - 123.65871790618915;
+    const ankle_real t31 = -24.044750703981222 * t10;
+    const ankle_real t32 = t30 + t31;
+    const ankle_real t33 = 13.73985754513213 * t13;
+    const ankle_real t34 = t32 + t33;
+    const ankle_real t35 = 0.25 * t34;
+    const ankle_real t36 = t28 + t35;
+    const ankle_real t37 = t36 * w->numbers[2];
+    const ankle_real t38 = 0.02777777777777778 * t34;
+    const ankle_real t39 = t27 + t38;
+    const ankle_real t40 = t39 * w->numbers[3];
+    const ankle_real t41 = t37 - t40;
+    sides[0] = t22;
     sides[1] = 0.0;
     sides[2] = 0.0;
-    sides[3] = t54;
+    sides[3] = t41;
 }
 
 /* Rates of the found coordinates by those of the joints: the matrix solved for each joint's
@@ -1808,16 +1752,10 @@ ankle_status ankle_jacobian(const ankle_real joints[2], const ankle_real found[2
     ankle_direct_work w;
     ankle_real sides[4];
     ankle_real rates[4];
-    ankle_status status = ankle_check_range(ANKLE_OK, joints, ankle_low_joints, ankle_high_joints,
-        2);
-    status = ankle_check_range(status, found, ankle_low_found, ankle_high_found, 2);
+    ankle_status status = ankle_limit_joints(ANKLE_OK, joints);
+    status = ankle_limit_found(status, found);
     if (status == ANKLE_OK) {
-        ankle_circle(found[0], &w.x[0]);
-        ankle_circle(found[1], &w.x[2]);
-        ankle_circle(joints[0], &w.k[0]);
-        ankle_circle(joints[1], &w.k[2]);
-    }
-    if (status == ANKLE_OK) {
+        ankle_direct_place(&w, joints, found);
         ankle_direct_rows(&w);
         if (!(ankle_direct_residual(&w) <= 2.6201145013147804)) {
             status = ANKLE_OUT_OF_RANGE; /* no configuration has both */

@@ -13,9 +13,9 @@
  * written with ANKLE_OK only; `info` always. config and info may be NULL, guess and result the same
  * object.
  *
- * One step of Newton's method: 82 additions, 4 divisions, 120 multiplications, 2 sqrt (rows,
- * matrix, factors, step). Predicted error of an answer: ANKLE_TOLERANCE and the rounding of the
- * type, about 0.000124937 mm (angles times the size) where the matrix is well conditioned.
+ * One step of Newton's method: 48 additions, 4 divisions, 78 multiplications, 2 sqrt (rows, matrix,
+ * factors, step). Predicted error of an answer: ANKLE_TOLERANCE and the rounding of the type, about
+ * 0.000124937 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */
 #ifndef ANKLE_H

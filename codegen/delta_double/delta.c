@@ -670,7 +670,7 @@ static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real jo
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
  * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
  * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
- * share: largest square of a usual root over a root's. */
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     delta_real at[6];
     delta_real u[6];
@@ -679,6 +679,7 @@ typedef struct {
     delta_real guard[2];
     delta_real y[3];
     delta_real share;
+    delta_real over;
 } delta_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -705,235 +706,147 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
         const delta_real t15 = t5 - t14;
         const delta_real d1 = t15;
         const delta_real r1 = (d1 > 7.82e-27) ? sqrt(d1) : 1.0;
-        const delta_real t18 = x[0] + 49.406749285902194;
-        const delta_real t19 = 112.0 * t18;
-        const delta_real t20 = x[1] - 85.575;
-        const delta_real t21 = -193.98969044771425 * t20;
-        const delta_real t22 = t19 + t21;
-        const delta_real t23 = 0.001129586909601956 * t22;
-        const delta_real t24 = t23 * t23;
-        const delta_real t25 = t24 + t4;
-        const delta_real t26 = t18 * t18;
-        const delta_real t27 = t20 * t20;
-        const delta_real t28 = t26 + t27;
+        const delta_real t18 = 0.2191282149274736 * x[1];
+        const delta_real t19 = 25.002529323224735 - t18;
+        const delta_real t20 = 0.12651373387541906 * x[0];
+        const delta_real t21 = t19 + t20;
+        const delta_real t22 = t21 * t21;
+        const delta_real t23 = t22 + t4;
+        const delta_real t24 = x[0] + 49.406749285902194;
+        const delta_real t25 = t24 * t24;
+        const delta_real t26 = x[1] - 85.575;
+        const delta_real t27 = t26 * t26;
+        const delta_real t28 = t25 + t27;
         const delta_real t29 = t28 + t10;
         const delta_real t30 = t29 - 53824.0;
         const delta_real t31 = 0.001129586909601956 * t30;
         const delta_real t32 = t31 * t31;
-        const delta_real t33 = t25 - t32;
+        const delta_real t33 = t23 - t32;
         const delta_real d2 = t33;
         const delta_real r2 = (d2 > 7.27e-27) ? sqrt(d2) : 1.0;
-        const delta_real t36 = x[0] + 49.406749285902265;
-        const delta_real t37 = 112.0 * t36;
-        const delta_real t38 = x[1] + 85.575;
-        const delta_real t39 = 193.98969044771422 * t38;
-        const delta_real t40 = t37 + t39;
-        const delta_real t41 = 0.001129586909601956 * t40;
-        const delta_real t42 = t41 * t41;
-        const delta_real t43 = 0.2530274677508382 * x[2];
+        const delta_real t36 = 0.21912821492747359 * x[1];
+        const delta_real t37 = t36 + 25.002529323224746;
+        const delta_real t38 = t37 + t20;
+        const delta_real t39 = t38 * t38;
+        const delta_real t40 = 0.2530274677508382 * x[2];
+        const delta_real t41 = t40 * t40;
+        const delta_real t42 = t39 + t41;
+        const delta_real t43 = x[0] + 49.406749285902265;
         const delta_real t44 = t43 * t43;
-        const delta_real t45 = t42 + t44;
-        const delta_real t46 = t36 * t36;
-        const delta_real t47 = t38 * t38;
-        const delta_real t48 = t46 + t47;
-        const delta_real t49 = t48 + t10;
-        const delta_real t50 = t49 - 53824.0;
-        const delta_real t51 = 0.001129586909601956 * t50;
-        const delta_real t52 = t51 * t51;
-        const delta_real t53 = t45 - t52;
-        const delta_real d3 = t53;
+        const delta_real t45 = x[1] + 85.575;
+        const delta_real t46 = t45 * t45;
+        const delta_real t47 = t44 + t46;
+        const delta_real t48 = t47 + t10;
+        const delta_real t49 = t48 - 53824.0;
+        const delta_real t50 = 0.001129586909601956 * t49;
+        const delta_real t51 = t50 * t50;
+        const delta_real t52 = t42 - t51;
+        const delta_real d3 = t52;
         const delta_real r3 = (d3 > 8.31e-27) ? sqrt(d3) : 1.0;
-        const delta_real t56 = t1 * t13;
-        const delta_real t57 = t3 * r1;
-        const delta_real t58 = t56 + t57;
-        const delta_real t59 = 1.0 / t5;
-        const delta_real t60 = t58 * t59;
-        const delta_real t61 = -t60;
-        const delta_real t62 = t1 * r1;
-        const delta_real t63 = t3 * t13;
-        const delta_real t64 = t62 - t63;
-        const delta_real t65 = t64 * t59;
-        const delta_real t66 = t23 * t31;
-        const delta_real t67 = t3 * r2;
-        const delta_real t68 = t66 + t67;
-        const delta_real t69 = 1.0 / t25;
-        const delta_real t70 = t68 * t69;
-        const delta_real t71 = -t70;
-        const delta_real t72 = t23 * r2;
-        const delta_real t73 = t3 * t31;
-        const delta_real t74 = t72 - t73;
-        const delta_real t75 = t74 * t69;
-        const delta_real t76 = t41 * t51;
-        const delta_real t77 = t43 * r3;
-        const delta_real t78 = t76 + t77;
-        const delta_real t79 = 1.0 / t45;
-        const delta_real t80 = t78 * t79;
-        const delta_real t81 = -t80;
-        const delta_real t82 = t41 * r3;
-        const delta_real t83 = t43 * t51;
-        const delta_real t84 = t82 - t83;
-        const delta_real t85 = t84 * t79;
-        w->at[0] = t61;
-        w->at[1] = t65;
-        w->at[2] = t71;
-        w->at[3] = t75;
-        w->at[4] = t81;
-        w->at[5] = t85;
-        const delta_real t92 = t70 + 1.0;
-        const delta_real t93 = 17.320508075688778 * t92;
-        const delta_real t94 = -38.67949192431119 * t70;
-        const delta_real t95 = t93 - t94;
-        const delta_real t96 = t95 - 66.00556952510394;
-        const delta_real t97 = 0.7216878364870389 - t96;
-        const delta_real t98 = t97 * t97;
-        const delta_real t99 = 10.0 * t92;
-        const delta_real t100 = 106.99484522385713 * t70;
-        const delta_real t101 = t99 - t100;
-        const delta_real t102 = t101 + 114.325;
-        const delta_real t103 = 38.75 - t102;
-        const delta_real t104 = t103 * t103;
-        const delta_real t105 = t98 + t104;
-        const delta_real t106 = -112.0 * t75;
-        const delta_real t107 = t106 * t106;
-        const delta_real t108 = t105 + t107;
-        const delta_real t109 = t108 - 53824.0;
-        const delta_real t110 = 0.001129586909601956 * t109;
-        const delta_real t111 = 112.0 * t60;
-        const delta_real t112 = 132.01113905020793 - t111;
-        const delta_real t113 = 33.197640478403486 - t112;
-        const delta_real t114 = t113 * t113;
-        const delta_real t115 = -112.0 * t65;
-        const delta_real t116 = t115 * t115;
-        const delta_real t117 = t114 + t116;
-        const delta_real t118 = t117 - 53824.0;
-        const delta_real t119 = 0.001129586909601956 * t118;
-        const delta_real t120 = t110 - t119;
-        const delta_real t121 = t80 + 1.0;
-        const delta_real t122 = 10.0 * t121;
-        const delta_real t123 = -86.99484522385711 * t80;
-        const delta_real t124 = t122 - t123;
-        const delta_real t125 = t124 - 114.325;
-        const delta_real t126 = -18.75 - t125;
-        const delta_real t127 = 0.002259173819203912 * t126;
-        const delta_real t128 = 0.002259173819203912 * t97;
-        const delta_real t129 = 0.002259173819203912 * t113;
-        const delta_real t130 = t128 - t129;
-        const delta_real t131 = t130 * t127;
-        const delta_real t132 = 0.002259173819203912 * t103;
-        const delta_real t133 = -17.32050807568876 * t121;
-        const delta_real t134 = -73.32050807568882 * t80;
-        const delta_real t135 = t133 - t134;
-        const delta_real t136 = t135 - 66.00556952510402;
-        const delta_real t137 = -33.91932831489052 - t136;
-        const delta_real t138 = 0.002259173819203912 * t137;
-        const delta_real t139 = t138 - t129;
-        const delta_real t140 = t132 * t139;
-        const delta_real t141 = t131 - t140;
-        const delta_real t142 = t127 * t141;
-        const delta_real t143 = -0.2530274677508381 * t65;
-        const delta_real t144 = -0.2530274677508382 * t85;
-        const delta_real t145 = t143 - t144;
-        const delta_real t146 = -0.2530274677508381 * t75;
-        const delta_real t147 = t143 - t146;
-        const delta_real t148 = t147 * t139;
-        const delta_real t149 = t130 * t145;
-        const delta_real t150 = t148 - t149;
-        const delta_real t151 = t145 * t150;
-        const delta_real t152 = t142 - t151;
-        const delta_real t153 = t120 * t152;
-        const delta_real t154 = t137 * t137;
-        const delta_real t155 = t126 * t126;
-        const delta_real t156 = t154 + t155;
-        const delta_real t157 = -112.0 * t85;
-        const delta_real t158 = t157 * t157;
-        const delta_real t159 = t156 + t158;
-        const delta_real t160 = t159 - 53824.0;
-        const delta_real t161 = 0.001129586909601956 * t160;
-        const delta_real t162 = t161 - t119;
-        const delta_real t163 = t150 * t147;
-        const delta_real t164 = t141 * t132;
-        const delta_real t165 = t163 - t164;
-        const delta_real t166 = t162 * t165;
-        const delta_real t167 = t153 + t166;
-        const delta_real t168 = t132 * t145;
-        const delta_real t169 = t147 * t127;
-        const delta_real t170 = t168 - t169;
-        const delta_real t171 = t170 * t170;
-        const delta_real t172 = t150 * t150;
-        const delta_real t173 = t171 + t172;
-        const delta_real t174 = t141 * t141;
-        const delta_real t175 = t173 + t174;
-        const delta_real t176 = 1.0 / t175;
-        const delta_real t177 = t167 * t176;
-        const delta_real t178 = x[0] + t177;
-        const delta_real t179 = t178 * t170;
-        const delta_real t180 = t145 * t170;
-        const delta_real t181 = t139 * t141;
-        const delta_real t182 = t180 - t181;
-        const delta_real t183 = t120 * t182;
-        const delta_real t184 = t141 * t130;
-        const delta_real t185 = t170 * t147;
-        const delta_real t186 = t184 - t185;
-        const delta_real t187 = t162 * t186;
-        const delta_real t188 = t183 + t187;
-        const delta_real t189 = t188 * t176;
-        const delta_real t190 = x[1] + t189;
-        const delta_real t191 = t190 * t150;
-        const delta_real t192 = t179 + t191;
-        const delta_real t193 = t139 * t150;
-        const delta_real t194 = t127 * t170;
-        const delta_real t195 = t193 - t194;
-        const delta_real t196 = t120 * t195;
-        const delta_real t197 = t170 * t132;
-        const delta_real t198 = t150 * t130;
-        const delta_real t199 = t197 - t198;
-        const delta_real t200 = t162 * t199;
-        const delta_real t201 = t196 + t200;
-        const delta_real t202 = t201 * t176;
-        const delta_real t203 = x[2] + t202;
-        const delta_real t204 = t203 * t141;
-        const delta_real t205 = t192 + t204;
-        const delta_real t206 = t205 * t176;
-        const delta_real t207 = 0.001129586909601956 * t113;
-        const delta_real t208 = t207 * t170;
-        const delta_real t209 = t170 * t177;
-        const delta_real t210 = 0.001129586909601956 * t209;
-        const delta_real t211 = t208 - t210;
-        const delta_real t212 = t150 * t189;
-        const delta_real t213 = 0.001129586909601956 * t212;
-        const delta_real t214 = t211 - t213;
-        const delta_real t215 = t141 * t202;
-        const delta_real t216 = 0.001129586909601956 * t215;
-        const delta_real t217 = t214 - t216;
-        const delta_real t218 = -0.12651373387541906 * t65;
-        const delta_real t219 = t218 * t141;
-        const delta_real t220 = t217 - t219;
-        const delta_real t221 = 0.001129586909601956 * t170;
-        const delta_real t222 = t221 * t170;
-        const delta_real t223 = 0.001129586909601956 * t150;
-        const delta_real t224 = t223 * t150;
-        const delta_real t225 = t222 + t224;
-        const delta_real t226 = 0.001129586909601956 * t141;
-        const delta_real t227 = t226 * t141;
-        const delta_real t228 = t225 + t227;
-        const delta_real t229 = t220 / t228;
-        const delta_real t230 = t206 + t229;
-        w->sign[0] = (t230 < 0.0) ? -1.0 : 1.0;
-        const delta_real t232 = t228 * t228;
-        const delta_real t233 = t230 * t230;
-        const delta_real t234 = t232 * t233;
-        w->left[0] = t234;
-        w->left[1] = t175;
-        const delta_real t237 = 885.2793808954285 * x[4];
-        const delta_real t238 = 885.2793808954285 * x[5];
-        const delta_real t239 = 885.2793808954285 * x[6];
+        const delta_real t55 = 885.2793808954285 * x[4];
+        const delta_real t56 = 885.2793808954285 * x[5];
+        const delta_real t57 = 885.2793808954285 * x[6];
         if (!((d1 > 7.82e-27) && (d2 > 7.27e-27) && (d3 > 8.31e-27)
-            && (fabs(t237) <= 0.00044263969044771424) && (fabs(t238) <= 0.00044263969044771424)
-            && (fabs(t239) <= 0.00044263969044771424))) {
+            && (fabs(t55) <= 0.00044263969044771424) && (fabs(t56) <= 0.00044263969044771424)
+            && (fabs(t57) <= 0.00044263969044771424))) {
             status = DELTA_OUT_OF_RANGE;
-        }
-        if ((status == DELTA_OK) && !((w->left[0] > 7.73e-17) && (w->left[1] > 2.59e-15))) {
-            status = DELTA_SINGULAR;
+        } else {
+            const delta_real t58 = t1 * t13;
+            const delta_real t59 = t3 * r1;
+            const delta_real t60 = t58 + t59;
+            const delta_real t61 = 1.0 / t5;
+            const delta_real t62 = t60 * t61;
+            const delta_real t63 = -t62;
+            const delta_real t64 = t1 * r1;
+            const delta_real t65 = t3 * t13;
+            const delta_real t66 = t64 - t65;
+            const delta_real t67 = t66 * t61;
+            const delta_real t68 = t21 * t31;
+            const delta_real t69 = t3 * r2;
+            const delta_real t70 = t68 + t69;
+            const delta_real t71 = 1.0 / t23;
+            const delta_real t72 = t70 * t71;
+            const delta_real t73 = -t72;
+            const delta_real t74 = t21 * r2;
+            const delta_real t75 = t3 * t31;
+            const delta_real t76 = t74 - t75;
+            const delta_real t77 = t76 * t71;
+            const delta_real t78 = t38 * t50;
+            const delta_real t79 = t40 * r3;
+            const delta_real t80 = t78 + t79;
+            const delta_real t81 = 1.0 / t42;
+            const delta_real t82 = t80 * t81;
+            const delta_real t83 = -t82;
+            const delta_real t84 = t38 * r3;
+            const delta_real t85 = t40 * t50;
+            const delta_real t86 = t84 - t85;
+            const delta_real t87 = t86 * t81;
+            w->at[0] = t63;
+            w->at[1] = t67;
+            w->at[2] = t73;
+            w->at[3] = t77;
+            w->at[4] = t83;
+            w->at[5] = t87;
+            const delta_real t94 = 0.2191282149274736 * t72;
+            const delta_real t95 = t94 - 0.19332879957837476;
+            const delta_real t96 = -0.2530274677508381 * t67;
+            const delta_real t97 = -0.2530274677508382 * t87;
+            const delta_real t98 = t96 - t97;
+            const delta_real t99 = t95 * t98;
+            const delta_real t100 = -0.2530274677508381 * t77;
+            const delta_real t101 = t96 - t100;
+            const delta_real t102 = 0.21912821492747359 * t82;
+            const delta_real t103 = 0.19332879957837476 - t102;
+            const delta_real t104 = t101 * t103;
+            const delta_real t105 = t99 - t104;
+            const delta_real t106 = 0.1265137338754192 * t82;
+            const delta_real t107 = 0.33485530343604575 - t106;
+            const delta_real t108 = 0.2530274677508381 * t62;
+            const delta_real t109 = t107 - t108;
+            const delta_real t110 = t101 * t109;
+            const delta_real t111 = 0.126513733875419 * t72;
+            const delta_real t112 = 0.3348553034360455 - t111;
+            const delta_real t113 = t112 - t108;
+            const delta_real t114 = t113 * t98;
+            const delta_real t115 = t110 - t114;
+            const delta_real t116 = t113 * t103;
+            const delta_real t117 = t95 * t109;
+            const delta_real t118 = t116 - t117;
+            const delta_real t119 = t105 * t105;
+            const delta_real t120 = t115 * t115;
+            const delta_real t121 = t119 + t120;
+            const delta_real t122 = t118 * t118;
+            const delta_real t123 = t121 + t122;
+            w->left[1] = t123;
+            if (!((w->left[1] > 2.59e-15))) {
+                status = DELTA_SINGULAR;
+            } else {
+                const delta_real t125 = t105 * x[0];
+                const delta_real t126 = 0.001129586909601956 * t125;
+                const delta_real t127 = 0.12651373387541906 * t62;
+                const delta_real t128 = t127 - 0.11161843447868187;
+                const delta_real t129 = t128 * t105;
+                const delta_real t130 = t126 + t129;
+                const delta_real t131 = t115 * x[1];
+                const delta_real t132 = 0.001129586909601956 * t131;
+                const delta_real t133 = t130 + t132;
+                const delta_real t134 = t118 * x[2];
+                const delta_real t135 = 0.001129586909601956 * t134;
+                const delta_real t136 = t133 + t135;
+                const delta_real t137 = -0.12651373387541906 * t67;
+                const delta_real t138 = t137 * t118;
+                const delta_real t139 = t136 - t138;
+                const delta_real t140 = 0.001129586909601956 * t123;
+                const delta_real t141 = t139 / t140;
+                w->sign[0] = (t141 < 0.0) ? -1.0 : 1.0;
+                const delta_real t143 = t141 * t141;
+                const delta_real t144 = t123 * t143;
+                const delta_real t145 = t123 * t144;
+                w->left[0] = t145;
+                if (!((w->left[0] > 6.06e-11))) {
+                    status = DELTA_SINGULAR;
+                }
+            }
         }
     }
     return status;
@@ -943,168 +856,137 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
 static void delta_direct_formulas(delta_direct_work *w)
 {
     const delta_real t0 = 112.0 * w->u[0];
-    const delta_real t1 = t0 + 132.01113905020793;
-    const delta_real t2 = 33.197640478403486 - t1;
-    const delta_real t3 = 0.001129586909601956 * t2;
-    const delta_real t4 = 106.99484522385713 * w->u[2];
-    const delta_real t5 = 1.0 - w->u[2];
-    const delta_real t6 = 10.0 * t5;
-    const delta_real t7 = t4 + t6;
-    const delta_real t8 = t7 + 114.325;
-    const delta_real t9 = 38.75 - t8;
-    const delta_real t10 = 0.002259173819203912 * t9;
-    const delta_real t11 = -0.2530274677508381 * w->u[1];
-    const delta_real t12 = -0.2530274677508382 * w->u[5];
-    const delta_real t13 = t11 - t12;
-    const delta_real t14 = t10 * t13;
-    const delta_real t15 = -0.2530274677508381 * w->u[3];
-    const delta_real t16 = t11 - t15;
-    const delta_real t17 = -86.99484522385711 * w->u[4];
-    const delta_real t18 = 1.0 - w->u[4];
-    const delta_real t19 = 10.0 * t18;
-    const delta_real t20 = t17 + t19;
-    const delta_real t21 = t20 - 114.325;
-    const delta_real t22 = -18.75 - t21;
-    const delta_real t23 = 0.002259173819203912 * t22;
-    const delta_real t24 = t16 * t23;
-    const delta_real t25 = t14 - t24;
-    const delta_real t26 = t3 * t25;
-    const delta_real t27 = -38.67949192431119 * w->u[2];
-    const delta_real t28 = 17.320508075688778 * t5;
-    const delta_real t29 = t27 + t28;
-    const delta_real t30 = t29 - 66.00556952510394;
-    const delta_real t31 = 0.7216878364870389 - t30;
-    const delta_real t32 = t31 * t31;
-    const delta_real t33 = t9 * t9;
-    const delta_real t34 = t32 + t33;
-    const delta_real t35 = -112.0 * w->u[3];
-    const delta_real t36 = t35 * t35;
-    const delta_real t37 = t34 + t36;
-    const delta_real t38 = t37 - 53824.0;
-    const delta_real t39 = 0.001129586909601956 * t38;
-    const delta_real t40 = t2 * t2;
-    const delta_real t41 = -112.0 * w->u[1];
-    const delta_real t42 = t41 * t41;
-    const delta_real t43 = t40 + t42;
-    const delta_real t44 = t43 - 53824.0;
-    const delta_real t45 = 0.001129586909601956 * t44;
-    const delta_real t46 = t39 - t45;
-    const delta_real t47 = 0.002259173819203912 * t31;
-    const delta_real t48 = 0.002259173819203912 * t2;
-    const delta_real t49 = t47 - t48;
-    const delta_real t50 = t49 * t23;
-    const delta_real t51 = -73.32050807568882 * w->u[4];
-    const delta_real t52 = -17.32050807568876 * t18;
-    const delta_real t53 = t51 + t52;
-    const delta_real t54 = t53 - 66.00556952510402;
-    const delta_real t55 = -33.91932831489052 - t54;
-    const delta_real t56 = 0.002259173819203912 * t55;
-    const delta_real t57 = t56 - t48;
-    const delta_real t58 = t10 * t57;
-    const delta_real t59 = t50 - t58;
-    const delta_real t60 = t23 * t59;
-    const delta_real t61 = t16 * t57;
-    const delta_real t62 = t49 * t13;
-    const delta_real t63 = t61 - t62;
-    const delta_real t64 = t13 * t63;
-    const delta_real t65 = t60 - t64;
-    const delta_real t66 = t46 * t65;
-    const delta_real t67 = t55 * t55;
-    const delta_real t68 = t22 * t22;
-    const delta_real t69 = t67 + t68;
-    const delta_real t70 = -112.0 * w->u[5];
-    const delta_real t71 = t70 * t70;
-    const delta_real t72 = t69 + t71;
-    const delta_real t73 = t72 - 53824.0;
-    const delta_real t74 = 0.001129586909601956 * t73;
-    const delta_real t75 = t74 - t45;
-    const delta_real t76 = t63 * t16;
-    const delta_real t77 = t59 * t10;
-    const delta_real t78 = t76 - t77;
-    const delta_real t79 = t75 * t78;
-    const delta_real t80 = t66 + t79;
-    const delta_real t81 = t25 * t25;
-    const delta_real t82 = t63 * t63;
-    const delta_real t83 = t81 + t82;
-    const delta_real t84 = t59 * t59;
-    const delta_real t85 = t83 + t84;
-    const delta_real t86 = 1.0 / t85;
-    const delta_real t87 = t80 * t86;
-    const delta_real t88 = t25 * t87;
-    const delta_real t89 = 0.001129586909601956 * t88;
-    const delta_real t90 = t26 - t89;
-    const delta_real t91 = t13 * t25;
-    const delta_real t92 = t57 * t59;
-    const delta_real t93 = t91 - t92;
-    const delta_real t94 = t46 * t93;
-    const delta_real t95 = t59 * t49;
-    const delta_real t96 = t25 * t16;
-    const delta_real t97 = t95 - t96;
-    const delta_real t98 = t75 * t97;
-    const delta_real t99 = t94 + t98;
-    const delta_real t100 = t99 * t86;
-    const delta_real t101 = t63 * t100;
-    const delta_real t102 = 0.001129586909601956 * t101;
-    const delta_real t103 = t90 - t102;
-    const delta_real t104 = t57 * t63;
-    const delta_real t105 = t23 * t25;
-    const delta_real t106 = t104 - t105;
-    const delta_real t107 = t46 * t106;
-    const delta_real t108 = t25 * t10;
-    const delta_real t109 = t63 * t49;
-    const delta_real t110 = t108 - t109;
-    const delta_real t111 = t75 * t110;
-    const delta_real t112 = t107 + t111;
-    const delta_real t113 = t112 * t86;
-    const delta_real t114 = t59 * t113;
-    const delta_real t115 = 0.001129586909601956 * t114;
-    const delta_real t116 = t103 - t115;
-    const delta_real t117 = -0.12651373387541906 * w->u[1];
-    const delta_real t118 = t117 * t59;
-    const delta_real t119 = t116 - t118;
-    const delta_real t120 = 0.001129586909601956 * t25;
-    const delta_real t121 = t120 * t25;
-    const delta_real t122 = 0.001129586909601956 * t63;
-    const delta_real t123 = t122 * t63;
-    const delta_real t124 = t121 + t123;
-    const delta_real t125 = 0.001129586909601956 * t59;
-    const delta_real t126 = t125 * t59;
-    const delta_real t127 = t124 + t126;
-    const delta_real t128 = 1.0 / t127;
-    const delta_real t129 = t119 * t128;
-    const delta_real t130 = t129 * t129;
-    const delta_real t131 = t87 * t87;
-    const delta_real t132 = 0.001129586909601956 * t131;
-    const delta_real t133 = t48 * t87;
-    const delta_real t134 = t132 - t133;
-    const delta_real t135 = t134 + t45;
-    const delta_real t136 = t100 * t100;
-    const delta_real t137 = 0.001129586909601956 * t136;
-    const delta_real t138 = t135 + t137;
-    const delta_real t139 = t113 * t113;
-    const delta_real t140 = 0.001129586909601956 * t139;
-    const delta_real t141 = t138 + t140;
-    const delta_real t142 = t11 * t113;
-    const delta_real t143 = t141 + t142;
-    const delta_real t144 = t143 * t128;
-    const delta_real t145 = t130 - t144;
-    const delta_real d1 = t145; /* above 0 where pose.x_pose.y_pose.z has two values */
-    const delta_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
-    const delta_real t148 = t127 * t127;
-    const delta_real t149 = t148 * t145;
-    w->guard[0] = t149;
-    w->guard[1] = t85;
-    const delta_real t152 = r1 - t129;
-    const delta_real t153 = t152 * t25;
-    const delta_real t154 = t153 - t87;
-    w->y[0] = t154;
-    const delta_real t156 = t152 * t63;
-    const delta_real t157 = t156 - t100;
-    w->y[1] = t157;
-    const delta_real t159 = t152 * t59;
-    const delta_real t160 = t159 - t113;
-    w->y[2] = t160;
-    w->share = 27900.0 / d1;
+    const delta_real t1 = -98.81349857180444 - t0;
+    const delta_real t2 = 0.2191282149274736 * w->u[2];
+    const delta_real t3 = -0.19332879957837476 - t2;
+    const delta_real t4 = -0.2530274677508381 * w->u[1];
+    const delta_real t5 = -0.2530274677508382 * w->u[5];
+    const delta_real t6 = t4 - t5;
+    const delta_real t7 = t3 * t6;
+    const delta_real t8 = -0.2530274677508381 * w->u[3];
+    const delta_real t9 = t4 - t8;
+    const delta_real t10 = 0.21912821492747359 * w->u[4];
+    const delta_real t11 = t10 + 0.19332879957837476;
+    const delta_real t12 = t9 * t11;
+    const delta_real t13 = t7 - t12;
+    const delta_real t14 = 56.0 * w->u[2];
+    const delta_real t15 = t14 + 49.406749285902194;
+    const delta_real t16 = 0.002259173819203912 * t15;
+    const delta_real t17 = 0.002259173819203912 * t1;
+    const delta_real t18 = t16 - t17;
+    const delta_real t19 = t18 * t11;
+    const delta_real t20 = 0.1265137338754192 * w->u[4];
+    const delta_real t21 = t20 + 0.33485530343604575;
+    const delta_real t22 = 0.2530274677508381 * w->u[0];
+    const delta_real t23 = t21 + t22;
+    const delta_real t24 = t3 * t23;
+    const delta_real t25 = t19 - t24;
+    const delta_real t26 = t9 * t23;
+    const delta_real t27 = t18 * t6;
+    const delta_real t28 = t26 - t27;
+    const delta_real t29 = t13 * t13;
+    const delta_real t30 = t28 * t28;
+    const delta_real t31 = t29 + t30;
+    const delta_real t32 = t25 * t25;
+    const delta_real t33 = t31 + t32;
+    w->guard[1] = t33;
+    if ((w->guard[1] > 2.59e-15)) {
+        const delta_real t35 = 0.001129586909601956 * t1;
+        const delta_real t36 = t35 * t13;
+        const delta_real t37 = 25.002529323224735 * w->u[2];
+        const delta_real t38 = 25.00252932322474 * w->u[0];
+        const delta_real t39 = t37 - t38;
+        const delta_real t40 = t11 * t25;
+        const delta_real t41 = t6 * t28;
+        const delta_real t42 = t40 - t41;
+        const delta_real t43 = t39 * t42;
+        const delta_real t44 = 25.00252932322475 * w->u[4];
+        const delta_real t45 = t44 - t38;
+        const delta_real t46 = t28 * t9;
+        const delta_real t47 = t25 * t3;
+        const delta_real t48 = t46 - t47;
+        const delta_real t49 = t45 * t48;
+        const delta_real t50 = t43 + t49;
+        const delta_real t51 = 1.0 / t33;
+        const delta_real t52 = t50 * t51;
+        const delta_real t53 = t13 * t52;
+        const delta_real t54 = 0.001129586909601956 * t53;
+        const delta_real t55 = t36 - t54;
+        const delta_real t56 = t6 * t13;
+        const delta_real t57 = t23 * t25;
+        const delta_real t58 = t56 - t57;
+        const delta_real t59 = t39 * t58;
+        const delta_real t60 = t25 * t18;
+        const delta_real t61 = t13 * t9;
+        const delta_real t62 = t60 - t61;
+        const delta_real t63 = t45 * t62;
+        const delta_real t64 = t59 + t63;
+        const delta_real t65 = t64 * t51;
+        const delta_real t66 = t28 * t65;
+        const delta_real t67 = 0.001129586909601956 * t66;
+        const delta_real t68 = t55 - t67;
+        const delta_real t69 = t23 * t28;
+        const delta_real t70 = t11 * t13;
+        const delta_real t71 = t69 - t70;
+        const delta_real t72 = t39 * t71;
+        const delta_real t73 = t13 * t3;
+        const delta_real t74 = t28 * t18;
+        const delta_real t75 = t73 - t74;
+        const delta_real t76 = t45 * t75;
+        const delta_real t77 = t72 + t76;
+        const delta_real t78 = t77 * t51;
+        const delta_real t79 = t25 * t78;
+        const delta_real t80 = 0.001129586909601956 * t79;
+        const delta_real t81 = t68 - t80;
+        const delta_real t82 = -0.12651373387541906 * w->u[1];
+        const delta_real t83 = t82 * t25;
+        const delta_real t84 = t81 - t83;
+        const delta_real t85 = 0.001129586909601956 * t33;
+        const delta_real t86 = 1.0 / t85;
+        const delta_real t87 = t84 * t86;
+        const delta_real t88 = t87 * t87;
+        const delta_real t89 = t52 * t52;
+        const delta_real t90 = 0.001129586909601956 * t89;
+        const delta_real t91 = t17 * t52;
+        const delta_real t92 = t90 - t91;
+        const delta_real t93 = t1 * t1;
+        const delta_real t94 = -112.0 * w->u[1];
+        const delta_real t95 = t94 * t94;
+        const delta_real t96 = t93 + t95;
+        const delta_real t97 = t96 - 53824.0;
+        const delta_real t98 = 0.001129586909601956 * t97;
+        const delta_real t99 = t92 + t98;
+        const delta_real t100 = t65 * t65;
+        const delta_real t101 = 0.001129586909601956 * t100;
+        const delta_real t102 = t99 + t101;
+        const delta_real t103 = t78 * t78;
+        const delta_real t104 = 0.001129586909601956 * t103;
+        const delta_real t105 = t102 + t104;
+        const delta_real t106 = t4 * t78;
+        const delta_real t107 = t105 + t106;
+        const delta_real t108 = t107 * t86;
+        const delta_real t109 = t88 - t108;
+        const delta_real d1 = t109; /* above 0 where pose.x_pose.y_pose.z has two values */
+        const delta_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
+        const delta_real t112 = t33 * t33;
+        const delta_real t113 = t112 * t109;
+        w->guard[0] = t113;
+        const delta_real t115 = r1 - t87;
+        const delta_real t116 = t115 * t13;
+        const delta_real t117 = t116 - t52;
+        w->y[0] = t117;
+        const delta_real t119 = t115 * t28;
+        const delta_real t120 = t119 - t65;
+        w->y[1] = t120;
+        const delta_real t122 = t115 * t25;
+        const delta_real t123 = t122 - t78;
+        w->y[2] = t123;
+        w->share = fabs(r1) * 0.005982649458223984;
+    } else {
+        /* what formulas divide by vanishes: no guard is above zero */
+        w->guard[0] = 0.0;
+        w->share = 0.0;
+    }
 }
 
 /* Sets w->u to joint values. */
@@ -1121,28 +1003,35 @@ static void delta_direct_set(delta_direct_work *w, const delta_real joints[3])
 /* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
  * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
  * these allow (README.md). */
-static bool delta_line_keeps(const delta_direct_work *w, const delta_real change[3])
+static bool delta_line_keeps(delta_direct_work *w, const delta_real change[3])
 {
-    static const delta_real weights[2][3] = {
-        { 0.00911, 0.00911, 0.00911 }, { 0.196, 0.196, 0.196 }
-    };
-    static const delta_real least[2] = { 7.73e-17, 2.59e-15 };
     bool kept = true;
-    for (int j = 0; j < 2; ++j) {
-        const delta_real a = w->left[j] - least[j];
-        const delta_real b = w->guard[j] - least[j];
-        const delta_real lesser = (a < b) ? a : b;
-        delta_real bend = 0.0;
-        for (int i = 0; i < 3; ++i) {
-            bend += weights[j][i] * change[i];
-        }
-        kept = kept && (lesser > 0.0) && (bend < a + b + lesser + lesser);
+    /* pose.x_pose.y_pose.z */
+    const delta_real a0 = w->left[0] - 6.06e-11;
+    const delta_real b0 = w->guard[0] - 6.06e-11;
+    const delta_real lesser0 = (a0 < b0) ? a0 : b0;
+    const delta_real sum0 = change[0] + change[1] + change[2];
+    const delta_real bend0 = 7140.0 * sum0;
+    const delta_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
+    /* divisor 1 */
+    const delta_real a1 = w->left[1] - 2.59e-15;
+    const delta_real b1 = w->guard[1] - 2.59e-15;
+    const delta_real lesser1 = (a1 < b1) ? a1 : b1;
+    const delta_real bend1 = 0.196 * sum0;
+    const delta_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
+        kept = false;
     }
     return kept;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved
- * where they are not. */
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
 static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3],
     unsigned int most, unsigned int *count)
 {
@@ -1151,6 +1040,7 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     delta_real change[3];
     delta_real done = 0.0;
     delta_real part = 0.5;
+    bool refused = true;
     delta_status status = DELTA_MAX_ITERATIONS;
     delta_real at_end[3];
     at[0] = atan2(w->at[1], w->at[0]);
@@ -1158,16 +1048,17 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     at[2] = atan2(w->at[5], w->at[4]);
     delta_unwrap_joints(at, joints, given);
     while ((status == DELTA_MAX_ITERATIONS) && (*count < most)) {
-        const delta_real end = done + part;
+        const delta_real end = (done + part < 0.9999) ? (done + part) : 1.0;
         bool above = true;
         for (int i = 0; i < 3; ++i) {
             const delta_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0) ? (at[i] + end * way) : given[i];
         }
         delta_direct_set(w, at_end);
         delta_direct_formulas(w);
         ++*count;
+        w->over = 4.0;
         for (int j = 0; j < 2; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
@@ -1179,12 +1070,15 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0 * part <= 1.0) ? (2.0 * part) : part;
+            part = refused ? part : (2.0 * part);
+            refused = false;
             if (done >= 1.0) {
                 status = DELTA_OK;
             }
         } else {
-            part *= 0.5;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0) ? (0.9 / sqrt(w->over)) : 0.1);
+            refused = true;
             if (part < 0.000244140625) {
                 status = DELTA_WRONG_BRANCH;
             }
@@ -1205,72 +1099,76 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     const delta_real t3 = t2 * t2;
     const delta_real t4 = w->y[1] * w->y[1];
     const delta_real t5 = t3 + t4;
-    const delta_real t6 = -112.0 * w->u[1];
-    const delta_real t7 = w->y[2] - t6;
+    const delta_real t6 = 112.0 * w->u[1];
+    const delta_real t7 = w->y[2] + t6;
     const delta_real t8 = t7 * t7;
     const delta_real t9 = t5 + t8;
-    const delta_real t10 = sqrt(t9);
-    const delta_real t11 = t10 - 232.0;
-    const delta_real t12 = w->y[0] + 49.406749285902194;
-    const delta_real t13 = 56.0 * w->u[2];
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = w->y[1] - 85.575;
-    const delta_real t17 = 96.99484522385713 * w->u[2];
-    const delta_real t18 = t16 - t17;
-    const delta_real t19 = t18 * t18;
-    const delta_real t20 = t15 + t19;
-    const delta_real t21 = -112.0 * w->u[3];
-    const delta_real t22 = w->y[2] - t21;
-    const delta_real t23 = t22 * t22;
-    const delta_real t24 = t20 + t23;
-    const delta_real t25 = sqrt(t24);
-    const delta_real t26 = t25 - 232.0;
-    const delta_real t27 = w->y[0] + 49.406749285902265;
-    const delta_real t28 = 56.0 * w->u[4];
-    const delta_real t29 = t27 + t28;
-    const delta_real t30 = t29 * t29;
-    const delta_real t31 = w->y[1] + 85.575;
-    const delta_real t32 = 96.99484522385711 * w->u[4];
-    const delta_real t33 = t31 + t32;
-    const delta_real t34 = t33 * t33;
-    const delta_real t35 = t30 + t34;
-    const delta_real t36 = -112.0 * w->u[5];
-    const delta_real t37 = w->y[2] - t36;
-    const delta_real t38 = t37 * t37;
-    const delta_real t39 = t35 + t38;
-    const delta_real t40 = sqrt(t39);
-    const delta_real t41 = t40 - 232.0;
-    *residual = sqrt(t11 * t11 + t26 * t26 + t41 * t41);
+    const delta_real t10 = t9 - 53824.0;
+    const delta_real t11 = t10 * 0.001129586909601956;
+    const delta_real t12 = 224.0 * w->u[3];
+    const delta_real t13 = w->y[2] + t12;
+    const delta_real t14 = w->y[2] * t13;
+    const delta_real t15 = t14 - 31515.8925;
+    const delta_real t16 = w->y[1] - 171.15;
+    const delta_real t17 = w->y[1] * t16;
+    const delta_real t18 = t15 + t17;
+    const delta_real t19 = w->y[0] + 98.81349857180439;
+    const delta_real t20 = w->y[0] * t19;
+    const delta_real t21 = t18 + t20;
+    const delta_real t22 = 193.98969044771425 * w->y[1];
+    const delta_real t23 = 22134.223680084193 - t22;
+    const delta_real t24 = 112.0 * w->y[0];
+    const delta_real t25 = t23 + t24;
+    const delta_real t26 = w->u[2] * t25;
+    const delta_real t27 = t21 + t26;
+    const delta_real t28 = t27 * 0.001129586909601956;
+    const delta_real t29 = 224.0 * w->u[5];
+    const delta_real t30 = w->y[2] + t29;
+    const delta_real t31 = w->y[2] * t30;
+    const delta_real t32 = t31 - 31515.8925;
+    const delta_real t33 = w->y[1] + 171.15;
+    const delta_real t34 = w->y[1] * t33;
+    const delta_real t35 = t32 + t34;
+    const delta_real t36 = w->y[0] + 98.81349857180453;
+    const delta_real t37 = w->y[0] * t36;
+    const delta_real t38 = t35 + t37;
+    const delta_real t39 = 193.98969044771422 * w->y[1];
+    const delta_real t40 = t39 + 22134.223680084204;
+    const delta_real t41 = t40 + t24;
+    const delta_real t42 = w->u[4] * t41;
+    const delta_real t43 = t38 + t42;
+    const delta_real t44 = t43 * 0.001129586909601956;
+    *residual = sqrt(t11 * t11 + t28 * t28 + t44 * t44);
     if (!(*residual <= tolerance + 3.15e-12)) {
         status = DELTA_SINGULAR;
     }
-    const delta_real t43 = -0.2530274677508381 * t0;
-    const delta_real t44 = t43 * w->u[1];
-    const delta_real t45 = 0.2530274677508381 * w->y[2];
-    const delta_real t46 = t45 * w->u[0];
-    const delta_real t47 = t44 - t46;
-    const delta_real t48 = 0.2191282149274736 * w->y[1];
-    const delta_real t49 = 25.002529323224735 - t48;
-    const delta_real t50 = 0.12651373387541906 * w->y[0];
-    const delta_real t51 = t49 + t50;
-    const delta_real t52 = t51 * w->u[3];
-    const delta_real t53 = t45 * w->u[2];
-    const delta_real t54 = t52 - t53;
-    const delta_real t55 = 0.21912821492747359 * w->y[1];
-    const delta_real t56 = t55 + 25.002529323224746;
-    const delta_real t57 = t56 + t50;
-    const delta_real t58 = t57 * w->u[5];
-    const delta_real t59 = 0.2530274677508382 * w->y[2];
-    const delta_real t60 = t59 * w->u[4];
-    const delta_real t61 = t58 - t60;
-    if (!(t47 >= -0.000105)) { /* motor1 */
+    const delta_real t46 = 0.2530274677508381 * w->y[0];
+    const delta_real t47 = 25.00252932322474 - t46;
+    const delta_real t48 = t47 * w->u[1];
+    const delta_real t49 = 0.2530274677508381 * w->y[2];
+    const delta_real t50 = t49 * w->u[0];
+    const delta_real t51 = t48 - t50;
+    const delta_real t52 = 0.2191282149274736 * w->y[1];
+    const delta_real t53 = 25.002529323224735 - t52;
+    const delta_real t54 = 0.12651373387541906 * w->y[0];
+    const delta_real t55 = t53 + t54;
+    const delta_real t56 = w->u[3] * t55;
+    const delta_real t57 = t49 * w->u[2];
+    const delta_real t58 = t56 - t57;
+    const delta_real t59 = -0.2530274677508382 * w->y[2];
+    const delta_real t60 = w->u[4] * t59;
+    const delta_real t61 = 0.21912821492747359 * w->y[1];
+    const delta_real t62 = t61 + 25.002529323224746;
+    const delta_real t63 = t62 + t54;
+    const delta_real t64 = w->u[5] * t63;
+    const delta_real t65 = t60 + t64;
+    if (!(t51 >= -0.000105)) { /* motor1 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t54 >= -0.000101)) { /* motor2 */
+    if (!(t58 >= -0.000101)) { /* motor2 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t61 >= -0.000108)) { /* motor3 */
+    if (!(t65 >= -0.000108)) { /* motor3 */
         status = DELTA_WRONG_BRANCH;
     }
     if (status == DELTA_OK) {
@@ -1297,6 +1195,7 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     delta_status status = delta_read_guess(&w, guess);
     const delta_status limits = delta_check_limits(joints);
     w.share = 0.0;
+    w.over = 4.0;
     /* NaN or infinity anywhere comes first */
     if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
         status = limits;
@@ -1314,24 +1213,23 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
             delta_direct_set(&w, joints);
             delta_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right
-             * angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const delta_real move0 = w.u[0] - w.at[0];
             const delta_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0);
-            change[0] *= 1.2338;
+            const delta_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0);
+            change[0] = chord0 + 0.117 * chord0 * chord0;
             const delta_real move2 = w.u[2] - w.at[2];
             const delta_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0);
-            change[1] *= 1.2338;
+            const delta_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0);
+            change[1] = chord1 + 0.117 * chord1 * chord1;
             const delta_real move4 = w.u[4] - w.at[4];
             const delta_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0);
-            change[2] *= 1.2338;
+            const delta_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0);
+            change[2] = chord2 + 0.117 * chord2 * chord2;
             kept = kept && delta_line_keeps(&w, change);
         }
         if (!kept) {
@@ -1342,7 +1240,13 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
         }
     }
     if (count > 0U) {
-        delta_write_info(info, count, residual, 0.0, w.share);
+        if (info != NULL) {
+            info->iterations = (uint8_t)count;
+            info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+            info->step = 0.0;
+            info->min_pivot = (w.share >= 0.0) ? w.share : 0.0;
+            info->joint = 3U;
+        }
     } else {
         delta_write_no_step(info, joints);
     }

@@ -5697,7 +5697,7 @@ zhao2000_links_status zhao2000_links_feed(const zhao2000_links_pose *pose,
     return status;
 }
 
-/* The twist of joint rates: the closure's linear system at the pose, passive joints included. */
+/* The twist of joint rates: the closure's linear system at the pose. */
 zhao2000_links_status zhao2000_links_twist(const zhao2000_links_pose *pose,
     const zhao2000_links_real rates[4], zhao2000_links_real twist[6])
 {
