@@ -19,7 +19,7 @@ from symkin.codegen.options import Options
 CODEGEN = Path(__file__).parent.parent / "codegen"
 
 FOLDERS = sorted(path.parent.name for path in CODEGEN.glob("*/manifest.json"))
-TRAPS = "division"
+TRAPS = "trap"
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
 

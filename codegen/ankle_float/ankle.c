@@ -650,6 +650,9 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
+    /* whether the first step is long beside the way to a singularity, as the least pivot tells
+     * it */
+    bool far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -720,6 +723,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         size = ankle_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > 68650.0f);
         } else if (taken == 1U) {
             limit = 0.0625f * before;
         } else {
@@ -748,14 +752,18 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > still2))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
+            } else if ((taken == 0U) || ((size > still2)
+                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose
+                 * third step is not far shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    quick = (size * 100.0f <= before);
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where
+                /* accepted at a point of the line: go on from here, by up to twice the part where
                  * convergence was quick */
                 const ankle_real part = aim - done;
                 done = aim;
@@ -1914,6 +1922,10 @@ ankle_status ankle_rates(const ankle_real joints[2], const ankle_real found[2],
 {
     ankle_real jacobian[4];
     ankle_status status = ankle_check_finite(joint_rates, 2, ANKLE_OK);
+    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
+        /* what could overflow in the sums */
+        status = (fabsf(joint_rates[i]) > 1e+20f) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
+    }
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }
@@ -1936,6 +1948,10 @@ ankle_status ankle_torques(const ankle_real joints[2], const ankle_real found[2]
 {
     ankle_real jacobian[4];
     ankle_status status = ankle_check_finite(found_torques, 2, ANKLE_OK);
+    for (int i = 0; (i < 2) && (status == ANKLE_OK); ++i) {
+        /* what could overflow in the sums */
+        status = (fabsf(found_torques[i]) > 1e+20f) ? ANKLE_OUT_OF_RANGE : ANKLE_OK;
+    }
     if (status == ANKLE_OK) {
         status = ankle_jacobian(joints, found, jacobian);
     }

@@ -14,6 +14,9 @@ from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.formats.load import load
 
+_OTHERS = re.compile("jacobian|rates|twist|feed|speeds|row_scale|column")
+"""Sections of functions that are not counted."""
+
 
 def footprint(board: str, options: Options, optimise: str) -> tuple[int, dict[str, int]]:
     """Bytes of code and constants of direct, inverse and track, and the stack of each by the summed call graph."""
@@ -22,7 +25,7 @@ def footprint(board: str, options: Options, optimise: str) -> tuple[int, dict[st
     flags = [*COMMON, optimise, "-ffunction-sections", "-fdata-sections", "-fcallgraph-info=su", *BOARDS[board][1]]
     subprocess.run(["arm-none-eabi-gcc", *flags, "-c", "zhang2009.c", "-o", "z.o"], cwd=folder, check=True)
     listed = subprocess.run(["arm-none-eabi-size", "-A", "z.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
-    lines = [line.split() for line in listed.splitlines() if line.startswith((".text", ".rodata")) and "jacobian" not in line]
+    lines = [line.split() for line in listed.splitlines() if line.startswith((".text", ".rodata")) and not _OTHERS.search(line)]
     graph = next(folder.glob("*.ci")).read_text()
     own = {m[0]: int(m[1]) for m in re.findall(r'title: "([^"]+)" label: "[^"]*\\n(\d+) bytes', graph)}
     calls: dict[str, set[str]] = defaultdict(set)

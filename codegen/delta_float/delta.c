@@ -35,19 +35,22 @@ static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int
 static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7])
 {
     const delta_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
-        && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 443000.0f) && (fabsf(pose->position[1]) <= 443000.0f)
-            && (fabsf(pose->position[2]) <= 443000.0f);
-    const delta_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-        : 0.0f;
     delta_status status = DELTA_OK;
+    delta_real squared = 0.0f;
+    delta_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    delta_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 443000.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 443000.0f)
+        && (fabsf(pose->position[1]) <= 443000.0f)
+        && (fabsf(pose->position[2]) <= 443000.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = delta_check_finite(q, 4, delta_check_finite(x, 3, DELTA_OUT_OF_RANGE));

@@ -35,19 +35,22 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_re
 static gluon_6l3_status gluon_6l3_normalise_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
 {
     const gluon_6l3_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
-        && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 540000.0) && (fabs(pose->position[1]) <= 540000.0)
-            && (fabs(pose->position[2]) <= 540000.0);
-    const gluon_6l3_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
-        + q[3] * q[3]) : 0.0;
     gluon_6l3_status status = GLUON_6L3_OK;
+    gluon_6l3_real squared = 0.0;
+    gluon_6l3_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    gluon_6l3_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 540000.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 540000.0)
+        && (fabs(pose->position[1]) <= 540000.0)
+        && (fabs(pose->position[2]) <= 540000.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = gluon_6l3_check_finite(q, 4, gluon_6l3_check_finite(x, 3, GLUON_6L3_OUT_OF_RANGE));

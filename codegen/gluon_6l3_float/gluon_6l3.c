@@ -35,19 +35,22 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_re
 static gluon_6l3_status gluon_6l3_normalise_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
 {
     const gluon_6l3_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
-        && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 540000.0f) && (fabsf(pose->position[1]) <= 540000.0f)
-            && (fabsf(pose->position[2]) <= 540000.0f);
-    const gluon_6l3_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
-        + q[3] * q[3]) : 0.0f;
     gluon_6l3_status status = GLUON_6L3_OK;
+    gluon_6l3_real squared = 0.0f;
+    gluon_6l3_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    gluon_6l3_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 540000.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 540000.0f)
+        && (fabsf(pose->position[1]) <= 540000.0f)
+        && (fabsf(pose->position[2]) <= 540000.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = gluon_6l3_check_finite(q, 4, gluon_6l3_check_finite(x, 3, GLUON_6L3_OUT_OF_RANGE));

@@ -35,14 +35,22 @@ static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real value
 static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_real x[7])
 {
     const ren2008_real *const q = pose->quaternion;
-    const ren2008_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     ren2008_status status = REN2008_OK;
+    ren2008_real squared = 0.0f;
+    ren2008_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    ren2008_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 1690.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 1690.0f)
+        && (fabsf(pose->position[1]) <= 1690.0f)
+        && (fabsf(pose->position[2]) <= 1690.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = ren2008_check_finite(q, 4, ren2008_check_finite(x, 3, REN2008_OUT_OF_RANGE));
@@ -709,6 +717,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
+    /* whether the first step is long beside the way to a singularity, as the least pivot tells
+     * it */
+    bool far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -753,6 +764,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         size = ren2008_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > 2.8566623f);
         } else if (taken == 1U) {
             limit = 0.0625f * before;
         } else {
@@ -776,14 +788,18 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 4.1569907e-11f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
+            } else if ((taken == 0U) || ((size > 4.1569907e-11f)
+                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose
+                 * third step is not far shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    quick = (size * 100.0f <= before);
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where
+                /* accepted at a point of the line: go on from here, by up to twice the part where
                  * convergence was quick */
                 const ren2008_real part = aim - done;
                 done = aim;

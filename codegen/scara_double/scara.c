@@ -35,19 +35,22 @@ static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int
 static scara_status scara_normalise_pose(const scara_pose *pose, scara_real x[7])
 {
     const scara_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
-        && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 400000.0) && (fabs(pose->position[1]) <= 400000.0)
-            && (fabs(pose->position[2]) <= 400000.0);
-    const scara_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-        : 0.0;
     scara_status status = SCARA_OK;
+    scara_real squared = 0.0;
+    scara_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    scara_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 400000.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 400000.0)
+        && (fabs(pose->position[1]) <= 400000.0)
+        && (fabs(pose->position[2]) <= 400000.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = scara_check_finite(q, 4, scara_check_finite(x, 3, SCARA_OUT_OF_RANGE));

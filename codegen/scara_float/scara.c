@@ -35,19 +35,22 @@ static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int
 static scara_status scara_normalise_pose(const scara_pose *pose, scara_real x[7])
 {
     const scara_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
-        && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 400000.0f) && (fabsf(pose->position[1]) <= 400000.0f)
-            && (fabsf(pose->position[2]) <= 400000.0f);
-    const scara_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-        : 0.0f;
     scara_status status = SCARA_OK;
+    scara_real squared = 0.0f;
+    scara_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    scara_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 400000.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 400000.0f)
+        && (fabsf(pose->position[1]) <= 400000.0f)
+        && (fabsf(pose->position[2]) <= 400000.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = scara_check_finite(q, 4, scara_check_finite(x, 3, SCARA_OUT_OF_RANGE));

@@ -35,19 +35,22 @@ static UR5E_COLD ur5e_status ur5e_check_finite(const ur5e_real values[], int cou
 static ur5e_status ur5e_normalise_pose(const ur5e_pose *pose, ur5e_real x[7])
 {
     const ur5e_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
-        && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 845000.0) && (fabs(pose->position[1]) <= 845000.0)
-            && (fabs(pose->position[2]) <= 845000.0);
-    const ur5e_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-        : 0.0;
     ur5e_status status = UR5E_OK;
+    ur5e_real squared = 0.0;
+    ur5e_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    ur5e_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 845000.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 845000.0)
+        && (fabs(pose->position[1]) <= 845000.0)
+        && (fabs(pose->position[2]) <= 845000.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = ur5e_check_finite(q, 4, ur5e_check_finite(x, 3, UR5E_OUT_OF_RANGE));

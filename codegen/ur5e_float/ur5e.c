@@ -35,19 +35,22 @@ static UR5E_COLD ur5e_status ur5e_check_finite(const ur5e_real values[], int cou
 static ur5e_status ur5e_normalise_pose(const ur5e_pose *pose, ur5e_real x[7])
 {
     const ur5e_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
-        && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 845000.0f) && (fabsf(pose->position[1]) <= 845000.0f)
-            && (fabsf(pose->position[2]) <= 845000.0f);
-    const ur5e_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-        : 0.0f;
     ur5e_status status = UR5E_OK;
+    ur5e_real squared = 0.0f;
+    ur5e_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    ur5e_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 845000.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 845000.0f)
+        && (fabsf(pose->position[1]) <= 845000.0f)
+        && (fabsf(pose->position[2]) <= 845000.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = ur5e_check_finite(q, 4, ur5e_check_finite(x, 3, UR5E_OUT_OF_RANGE));

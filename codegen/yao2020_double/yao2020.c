@@ -35,19 +35,22 @@ static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real value
 static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
-        && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 556000.0) && (fabs(pose->position[1]) <= 556000.0)
-            && (fabs(pose->position[2]) <= 556000.0);
-    const yao2020_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-        : 0.0;
     yao2020_status status = YAO2020_OK;
+    yao2020_real squared = 0.0;
+    yao2020_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    yao2020_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 556000.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 556000.0)
+        && (fabs(pose->position[1]) <= 556000.0)
+        && (fabs(pose->position[2]) <= 556000.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = yao2020_check_finite(q, 4, yao2020_check_finite(x, 3, YAO2020_OUT_OF_RANGE));

@@ -35,19 +35,22 @@ static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real value
 static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
-        && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 556000.0f) && (fabsf(pose->position[1]) <= 556000.0f)
-            && (fabsf(pose->position[2]) <= 556000.0f);
-    const yao2020_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
-        : 0.0f;
     yao2020_status status = YAO2020_OK;
+    yao2020_real squared = 0.0f;
+    yao2020_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    yao2020_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 556000.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 556000.0f)
+        && (fabsf(pose->position[1]) <= 556000.0f)
+        && (fabsf(pose->position[2]) <= 556000.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = yao2020_check_finite(q, 4, yao2020_check_finite(x, 3, YAO2020_OUT_OF_RANGE));

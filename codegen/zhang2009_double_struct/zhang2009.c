@@ -36,14 +36,22 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
-    const zhang2009_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     zhang2009_status status = ZHANG2009_OK;
+    zhang2009_real squared = 0.0;
+    zhang2009_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    zhang2009_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 532000.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 532000.0)
+        && (fabs(pose->position[1]) <= 532000.0)
+        && (fabs(pose->position[2]) <= 532000.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = zhang2009_check_finite(q, 4, zhang2009_check_finite(x, 3, ZHANG2009_OUT_OF_RANGE));
@@ -884,6 +892,9 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
+    /* whether the first step is long beside the way to a singularity, as the least pivot tells
+     * it */
+    bool far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -928,6 +939,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
         size = zhang2009_direct_apply_step(geometry, w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > 282236.3423223964);
         } else if (taken == 1U) {
             limit = 0.0625 * before;
         } else {
@@ -952,14 +964,18 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 1.4249293855405632e-23))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0 <= before);
+            } else if ((taken == 0U) || ((size > 1.4249293855405632e-23)
+                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose
+                 * third step is not far shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    quick = (size * 100.0 <= before);
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where
+                /* accepted at a point of the line: go on from here, by up to twice the part where
                  * convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;

@@ -35,14 +35,22 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
-    const zhang2009_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     zhang2009_status status = ZHANG2009_OK;
+    zhang2009_real squared = 0.0f;
+    zhang2009_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    zhang2009_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 532000.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 532000.0f)
+        && (fabsf(pose->position[1]) <= 532000.0f)
+        && (fabsf(pose->position[2]) <= 532000.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = zhang2009_check_finite(q, 4, zhang2009_check_finite(x, 3, ZHANG2009_OUT_OF_RANGE));
@@ -756,6 +764,9 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
+    /* whether the first step is long beside the way to a singularity, as the least pivot tells
+     * it */
+    bool far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -800,6 +811,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
         size = zhang2009_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > 282236.34f);
         } else if (taken == 1U) {
             limit = 0.0625f * before;
         } else {
@@ -823,14 +835,18 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > 4.1070793e-06f))) {
-                /* towards a point of the line: the next step judges this one */
-                quick = (size * 100.0f <= before);
+            } else if ((taken == 0U) || ((size > 4.1070793e-06f)
+                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose
+                 * third step is not far shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    quick = (size * 100.0f <= before);
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where
+                /* accepted at a point of the line: go on from here, by up to twice the part where
                  * convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;

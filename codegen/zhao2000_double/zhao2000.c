@@ -35,19 +35,22 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
-        && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 240000.0) && (fabs(pose->position[1]) <= 240000.0)
-            && (fabs(pose->position[2]) <= 240000.0);
-    const zhao2000_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
-        + q[3] * q[3]) : 0.0;
     zhao2000_status status = ZHAO2000_OK;
+    zhao2000_real squared = 0.0;
+    zhao2000_real inverse = 1.0;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    zhao2000_real inverse = 1.0;
-    if ((squared >= 0.98) && (squared <= 1.0201)
-        && (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) <= 240000.0)) {
+    if ((fabs(q[0]) <= 2.0)
+        && (fabs(q[1]) <= 2.0)
+        && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 240000.0)
+        && (fabs(pose->position[1]) <= 240000.0)
+        && (fabs(pose->position[2]) <= 240000.0)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98) && (squared <= 1.0201)) {
         inverse = 1.0 / sqrt(squared);
     } else {
         status = zhao2000_check_finite(q, 4, zhao2000_check_finite(x, 3, ZHAO2000_OUT_OF_RANGE));

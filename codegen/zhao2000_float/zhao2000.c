@@ -35,19 +35,22 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
-        && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 240000.0f) && (fabsf(pose->position[1]) <= 240000.0f)
-            && (fabsf(pose->position[2]) <= 240000.0f);
-    const zhao2000_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
-        + q[3] * q[3]) : 0.0f;
     zhao2000_status status = ZHAO2000_OK;
+    zhao2000_real squared = 0.0f;
+    zhao2000_real inverse = 1.0f;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    zhao2000_real inverse = 1.0f;
-    if ((squared >= 0.98f) && (squared <= 1.0201f)
-        && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 240000.0f)) {
+    if ((fabsf(q[0]) <= 2.0f)
+        && (fabsf(q[1]) <= 2.0f)
+        && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 240000.0f)
+        && (fabsf(pose->position[1]) <= 240000.0f)
+        && (fabsf(pose->position[2]) <= 240000.0f)) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= 0.98f) && (squared <= 1.0201f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
         status = zhao2000_check_finite(q, 4, zhao2000_check_finite(x, 3, ZHAO2000_OUT_OF_RANGE));

@@ -50,22 +50,15 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
     }  # fmt: skip
 
 
-def normalise_pose(values: Mapping[str, object], *, careful: bool = True) -> str:
-    """NAME_normalise_pose; `careful`: no square or sum overflows on the way to a refusal (for processors that trap)."""
-    squares = " + ".join(f"q[{i}] * q[{i}]" for i in range(4))
-    lines = [f"    const {values['real']} squared = {squares};"]
-    if careful:
-        near = [f"({values['fabs']}(q[{i}]) <= {values['two']})" for i in range(4)]
-        near += [f"({values['fabs']}(pose->position[{i}]) <= {values['farthest']})" for i in range(3)]
-        lines = [
-            f"    const bool bounded = {' && '.join(near[:4])}", f"        && {' && '.join(near[4:])};",
-            f"    const {values['real']} squared = bounded ? ({squares}) : {values['zero']};",
-        ]  # fmt: skip
-    return fill("pose.c", {**values, "squared": "\n".join(lines)})
+def normalise_pose(values: Mapping[str, object]) -> str:
+    """NAME_normalise_pose: no square overflows on the way to a refusal (for processors that trap)."""
+    near = [f"({values['fabs']}(q[{i}]) <= {values['two']})" for i in range(4)]
+    near += [f"({values['fabs']}(pose->position[{i}]) <= {values['farthest']})" for i in range(3)]
+    return fill("pose.c", {**values, "bounded": "\n        && ".join(near)})
 
 
 def farthest(size: float, reference: Sequence[float] | np.ndarray) -> float:
-    """How far a position may be from the base's origin (sum of its coordinates' sizes), for a platform or tool at `reference`."""
+    """How far each coordinate of a position may be from the base's origin, for a platform or tool at `reference`."""
     return float(f"{FARTHEST * size + float(np.sum(np.abs(reference))):.3g}")
 
 

@@ -49,6 +49,10 @@ _NOT_DECIDED = 1e-4
 """Share of a condition's usual size below which one step decides nothing."""
 
 
+_LARGEST = 1e20
+"""Rates and torques beyond it are refused: their products stay below the largest float."""
+
+
 @dataclass(frozen=True, eq=False)
 class JointMapSource:
     """The C of one map, function by function."""
@@ -507,6 +511,7 @@ class JointMapSource:
         set_ = [f"{self.name}_direct_place(&w, joints, {'y' if made.passive else 'found'});"]
         rows = [f"rates[{n * i} + j] = w.f[{column}]{scale};" for i, (column, scale) in enumerate(self._step_columns(direct))]
         return fill("map_rates.c", self._common | {
+            "largest": self.real.literal(_LARGEST),
             "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state), "set": indent(set_, 2),
             "near": literal(_BELONG * made.size), "singular": singular_condition(kernel, f"{self.name}_direct", "&w"), "rates": indent(rows, 4),
         })  # fmt: skip

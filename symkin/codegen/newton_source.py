@@ -20,6 +20,9 @@ LONGEST_TURN = 1.0
 _STRAIGHT2 = 0.25
 """Square of the turn times `spread`, an estimate of |J^-1|^2, below which the rows' change is as good as straight: its bend is an
 eighth of the turn's square, which is then a small part of what Newton and Kantorovich allow."""
+_SURE = 25.0
+"""Square of how much shorter than the second step a third one is that needs no fourth, though |J_0^-1| |s_0| is above the size: there
+curvatures of 1 / size leave the theorem silent, and three steps can contract towards a point where the rows have no root."""
 _ROWS = 8.0
 """Roundings of the size by which rows are off."""
 _COMMENT_WIDTH = 118
@@ -260,7 +263,7 @@ class NewtonCode:
             "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
             "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
             "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
-            "singular": literal(32.0 * self.real.epsilon),
+            "singular": literal(32.0 * self.real.epsilon), "sure": literal(_SURE), "size2": literal(self.kernel.characteristic_length**2),
             "guard": literal(GUARD**-2),
         }  # fmt: skip
 

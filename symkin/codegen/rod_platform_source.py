@@ -84,7 +84,7 @@ class RodSource:
         code, values = self.code, self.values
         retarget = fill("retarget.c", values)
         return "".join([
-            normalise_pose(values, careful=False), fill("info.c", values), range_functions(_ranges(self.platform), self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
+            normalise_pose(values), fill("info.c", values), range_functions(_ranges(self.platform), self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
             code.target, code.linear.text, retarget, code.driver, fill("no_step.c", values), fill("parallel_direct.c", values), "\n", self._inverse,
             rates_functions(self.platform.mechanism, self.real, values), square_twist(self.platform.mechanism, self.real, values),
         ])  # fmt: skip

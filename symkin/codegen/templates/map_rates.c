@@ -47,6 +47,10 @@ static void @{p}_joint_columns(const @{p}_direct_work *w, @{real} sides[@{nsides
 {
     @{real} jacobian[@{nj}];
     @{p}_status status = @{p}_check_finite(joint_rates, @{nq}, @{P}_OK);
+    for (int i = 0; (i < @{nq}) && (status == @{P}_OK); ++i) {
+        /* what could overflow in the sums */
+        status = (@{fabs}(joint_rates[i]) > @{largest}) ? @{P}_OUT_OF_RANGE : @{P}_OK;
+    }
     if (status == @{P}_OK) {
         status = @{p}_jacobian(joints, found, jacobian);
     }
@@ -68,6 +72,10 @@ static void @{p}_joint_columns(const @{p}_direct_work *w, @{real} sides[@{nsides
 {
     @{real} jacobian[@{nj}];
     @{p}_status status = @{p}_check_finite(found_torques, @{nq}, @{P}_OK);
+    for (int i = 0; (i < @{nq}) && (status == @{P}_OK); ++i) {
+        /* what could overflow in the sums */
+        status = (@{fabs}(found_torques[i]) > @{largest}) ? @{P}_OUT_OF_RANGE : @{P}_OK;
+    }
     if (status == @{P}_OK) {
         status = @{p}_jacobian(joints, found, jacobian);
     }

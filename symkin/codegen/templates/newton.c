@@ -27,6 +27,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool was_fresh = false; /* whether the step before had new factors */
     @{quick_variable}
     bool kept = false; /* whether the factors are those of the part that is done */
+    bool far = false; /* whether the first step is long beside the way to a singularity, as the least pivot tells it */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
@@ -72,6 +73,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         size = @{k}_apply_step(@{ga}w);
         if (taken == 0U) {
             limit = longest2;
+            far = (size * w->spread > @{size2});
         } else if (taken == 1U) {
             limit = @{contraction2} * before;
         } else {
@@ -96,9 +98,13 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
                 ++taken;
-            } else if ((taken == 0U) || ((taken == 1U) && (size > @{still2}))) {
-                /* towards a point of the line: the next step judges this one */
-                @{set_quick}
+            } else if ((taken == 0U) || ((size > @{still2})
+                && ((taken == 1U) || (far && (taken == 2U) && (size * @{sure} > before))))) {
+                /* towards a point of the line: the next step judges this one; of a far point whose third step is not far
+                 * shorter than its second, a fourth one judges that */
+                if (taken < 2U) {
+                    @{set_quick}
+                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

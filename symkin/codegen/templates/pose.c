@@ -3,14 +3,16 @@
 static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
 {
     const @{real} *const q = pose->quaternion;
-@{squared}
     @{p}_status status = @{P}_OK;
+    @{real} squared = @{zero};
+    @{real} inverse = @{one};
     x[0] = pose->position[0];
     x[1] = pose->position[1];
     x[2] = pose->position[2];
-    @{real} inverse = @{one};
-    if ((squared >= @{least_norm}) && (squared <= @{most_norm})
-        && (@{fabs}(x[0]) + @{fabs}(x[1]) + @{fabs}(x[2]) <= @{farthest})) {
+    if (@{bounded}) {
+        squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    }
+    if ((squared >= @{least_norm}) && (squared <= @{most_norm})) {
         inverse = @{one} / @{sqrt}(squared);
     } else {
         status = @{p}_check_finite(q, 4, @{p}_check_finite(x, 3, @{P}_OUT_OF_RANGE));
