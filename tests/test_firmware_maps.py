@@ -4,6 +4,7 @@ import ctypes
 import subprocess
 from collections import Counter
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from symkin.codegen.options import Options
 from symkin.codegen.program import build_program
 
 ANKLE = ("ankle", ("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))
-MODELS = "tests/data/models/"
+MODELS = str(Path(__file__).parent / "data" / "models") + "/"
 MAPS = {
     "ankle": ANKLE,
     "four-bar": ("four_bar", ("crank",), ("follower",)),
@@ -41,7 +42,8 @@ class _Map:
         self.made, self.n = made, len(made.given)
         self.type = ctypes.c_double if made.real.name == "double" else ctypes.c_float
         self.library = ctypes.CDLL(str(folder / "code.so"))
-        fields = [("iterations", ctypes.c_uint8), *((name, self.type) for name in ("residual", "step", "min_pivot"))]
+        numbers = ((name, self.type) for name in ("residual", "step", "min_pivot"))
+        fields = [("iterations", ctypes.c_uint8), *numbers, ("joint", ctypes.c_uint8)]
         self.info = type("Info", (ctypes.Structure,), {"_fields_": fields})
 
     def array(self, values):

@@ -90,7 +90,7 @@ def test_fresh_code_is_as_careful(made, real, tmp_path):
     _fuzzed(tmp_path / "folder", 1000)
 
 
-WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("zhao2000", 150, "double", 50.0)]
+WIDE = [("zhang2009", 300, "double", 93.0), ("ren2008", 300, "float", 93.0), ("zhao2000", 150, "double", 93.0)]
 """Mechanism, goals, type, and how many of the regular lines must succeed (%)."""
 
 
@@ -111,7 +111,7 @@ def test_all_near_goals_are_ok():
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
     near = branches.study(
-        load("zhang2009"), Options("float", home=branches.HOME), 200, branches.Reach(60.0 / 531.2592, 0.25), seed=5
+        load("zhang2009"), Options("float", home=branches.HOME), 200, branches.Reach(60.0 / 531.2592, 0.25), seed=5, folds=False
     )
     assert near.ok == 200
     assert near.wrong == 0

@@ -46,22 +46,29 @@ static void solve_all(void)
         ankle_real joints[N];
         ankle_info info;
         copy(ankle_vector_guesses[k], found);
-        expect(ankle_direct(NULL, ankle_vector_joints[k], found, found, &info) == ANKLE_OK, "direct", k);
+        expect(ankle_direct(NULL, ankle_vector_joints[k], found, found, &info) == ANKLE_OK,
+            "direct", k);
         expect(difference(found, ankle_vector_found[k], of_found) <= bound, "direct's values", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
         expect(ankle_track(ankle_vector_joints[k], found, &info) == ANKLE_OK, "track", k);
         expect(difference(found, ankle_vector_found[k], of_found) <= bound, "track's values", k);
         copy(ankle_vector_joint_guesses[k], joints);
-        expect(ankle_inverse(NULL, ankle_vector_found[k], joints, joints, &info) == ANKLE_OK, "inverse", k);
-        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound, "inverse's joints", k);
-        expect(ankle_inverse(NULL, ankle_vector_found[k], ankle_vector_joint_guesses[k], joints, NULL) == ANKLE_OK, "inverse without info", k);
-        expect(ankle_track_inverse(ankle_vector_found[k], joints, &info) == ANKLE_OK, "track_inverse", k);
-        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound, "track_inverse's joints", k);
+        expect(ankle_inverse(NULL, ankle_vector_found[k], joints, joints, &info) == ANKLE_OK,
+            "inverse", k);
+        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound, "inverse's joints",
+            k);
+        expect(ankle_inverse(NULL, ankle_vector_found[k], ankle_vector_joint_guesses[k], joints,
+            NULL) == ANKLE_OK, "inverse without info", k);
+        expect(ankle_track_inverse(ankle_vector_found[k], joints, &info) == ANKLE_OK,
+            "track_inverse", k);
+        expect(difference(joints, ankle_vector_inverse[k], of_joints) <= bound,
+            "track_inverse's joints", k);
     }
 }
 
-/* The Jacobian, and the law of virtual power: joint torques on joint rates do what found torques do on found rates. */
+/* The Jacobian, and the law of virtual power: joint torques on joint rates do what found torques do
+ * on found rates. */
 static void rates_all(void)
 {
     for (int k = 0; k < ANKLE_VECTOR_JACOBIANS; ++k) {
@@ -76,15 +83,20 @@ static void rates_all(void)
             torques[i] = (ankle_real)(1 + i);
             rates[i] = (ankle_real)(2 - i);
         }
-        expect(ankle_jacobian(ankle_vector_joints[k], ankle_vector_found[k], jacobian) == ANKLE_OK, "jacobian", k);
+        expect(ankle_jacobian(ankle_vector_joints[k], ankle_vector_found[k], jacobian) == ANKLE_OK,
+            "jacobian", k);
         for (int i = 0; i < N * N; ++i) {
             const double wanted = (double)ankle_vector_jacobians[k][i];
-            expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * (1.0 + fabs(wanted)), "jacobian's entry", i);
+            expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * (1.0 + fabs(wanted)),
+                "jacobian's entry", i);
         }
-        expect(ankle_rates(ankle_vector_joints[k], ankle_vector_found[k], rates, of_found) == ANKLE_OK, "rates", k);
-        expect(ankle_torques(ankle_vector_joints[k], ankle_vector_found[k], torques, of_joints) == ANKLE_OK, "torques", k);
+        expect(ankle_rates(ankle_vector_joints[k], ankle_vector_found[k], rates,
+            of_found) == ANKLE_OK, "rates", k);
+        expect(ankle_torques(ankle_vector_joints[k], ankle_vector_found[k], torques,
+            of_joints) == ANKLE_OK, "torques", k);
         for (int i = 0; i < N; ++i) {
-            power += (double)torques[i] * (double)of_found[i] - (double)of_joints[i] * (double)rates[i];
+            power += (double)torques[i] * (double)of_found[i]
+                - (double)of_joints[i] * (double)rates[i];
             size += fabs((double)torques[i] * (double)of_found[i]);
         }
         expect(fabs(power) <= 1e-8 * size, "power", k);
@@ -92,7 +104,8 @@ static void rates_all(void)
 }
 
 /* Every function with one input that it refuses: the status, results untouched, info written. */
-static void refuse(const ankle_real joints[N], const ankle_real found[N], ankle_status wanted, int number)
+static void refuse(const ankle_real joints[N], const ankle_real found[N], ankle_status wanted,
+    int number)
 {
     ankle_real result[N];
     ankle_real jacobian[N * N];
@@ -121,7 +134,8 @@ static void refuse(const ankle_real joints[N], const ankle_real found[N], ankle_
 
 static void refuse_all(void)
 {
-    static const ankle_real wrong[3] = { (ankle_real)NAN, (ankle_real)INFINITY, -(ankle_real)INFINITY };
+    static const ankle_real wrong[3] = { (ankle_real)NAN, (ankle_real)INFINITY,
+        -(ankle_real)INFINITY };
     const ankle_config none = { ANKLE_TOLERANCE, 0U, ANKLE_MAX_STEP };
     ankle_real joints[N];
     ankle_real found[N];
@@ -139,8 +153,10 @@ static void refuse_all(void)
     }
     copy(ankle_vector_joints[0], joints);
     copy(ankle_vector_found[0], found);
-    expect(ankle_direct(&none, joints, found, found, &info) == ANKLE_MAX_ITERATIONS, "direct without a step", 0);
-    expect(ankle_inverse(&none, found, joints, joints, &info) == ANKLE_MAX_ITERATIONS, "inverse without a step", 0);
+    expect(ankle_direct(&none, joints, found, found, &info) == ANKLE_MAX_ITERATIONS,
+        "direct without a step", 0);
+    expect(ankle_inverse(&none, found, joints, joints, &info) == ANKLE_MAX_ITERATIONS,
+        "inverse without a step", 0);
 }
 
 int main(void)

@@ -154,6 +154,8 @@ static const ankle_real ankle_vector_home_joints[2] = { 0x0.0p+0, 0x0.0p+0 };
 static const ankle_real ankle_vector_home_found[2] = { 0x0.0p+0, 0x0.0p+0 };
 
 /* Error allowed, as a length. */
-static const double ankle_vector_bounds[24] = { 1.7e-09, 1.7e-09, 1.7e-09, 1.8e-09, 1.6e-09, 1.6e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.6e-09, 1.7e-09, 1.6e-09, 1.7e-09, 1.7e-09, 1.6e-09, 1.6e-09, 1.6e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09 };
+static const double ankle_vector_bounds[24] = { 1.7e-09, 1.7e-09, 1.7e-09, 1.8e-09, 1.6e-09,
+    1.6e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.6e-09, 1.7e-09, 1.6e-09,
+    1.7e-09, 1.7e-09, 1.6e-09, 1.6e-09, 1.6e-09, 1.7e-09, 1.7e-09, 1.7e-09, 1.7e-09 };
 
 #endif

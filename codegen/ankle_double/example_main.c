@@ -1,5 +1,5 @@
-/* How a loop of 1 kHz uses ankle: the joints' values come from the found ones that are wanted, and what the joints have reached tells
- * the found values.
+/* How a loop of 1 kHz uses ankle: the joints' values come from the found ones that are wanted, and
+ * what the joints have reached tells the found values.
  * SPDX-License-Identifier: MIT */
 #include "ankle.h"
 #include "ankle_vectors.h"
@@ -14,13 +14,15 @@
 static int stopped(const char *call, ankle_status status)
 {
     static const char *const names[] = {
-        "ANKLE_OK", "ANKLE_MAX_ITERATIONS", "ANKLE_SINGULAR", "ANKLE_NONFINITE", "ANKLE_OUT_OF_RANGE", "ANKLE_WRONG_BRANCH"
+        "ANKLE_OK", "ANKLE_MAX_ITERATIONS", "ANKLE_SINGULAR", "ANKLE_NONFINITE",
+            "ANKLE_OUT_OF_RANGE", "ANKLE_WRONG_BRANCH"
     };
     (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
     return 1;
 }
 
-/* The found values of the joints that were read: one step from the last ones, and the whole line where that is not enough. */
+/* The found values of the joints that were read: one step from the last ones, and the whole line
+ * where that is not enough. */
 static ankle_status read_found(const ankle_real joints[N], ankle_real found[N])
 {
     ankle_info info;
@@ -82,7 +84,8 @@ int main(void)
         }
     }
     for (int i = 0; i < N; ++i) {
-        (void)printf("joint %.6f found %.6f torque %.6f\n", (double)joints[i], (double)found[i], (double)torques[i]);
+        (void)printf("joint %.6f found %.6f torque %.6f\n", (double)joints[i], (double)found[i],
+            (double)torques[i]);
     }
     return 0;
 }

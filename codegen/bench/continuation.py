@@ -1,90 +1,121 @@
-"""The pose that a machine reaches when its joints move in straight lines: many lines at once, in many small steps."""
+"""The configuration that a machine reaches when its known values move in straight lines: a reference in C of its own (walk.c)."""
 
 from __future__ import annotations
 
+import ctypes
+import subprocess
+import tempfile
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
 
 from symkin.numeric.system import System
 from symkin.position.problem import Problem
+from symkin.spatial.rotation import multiply
 
-_LANES = 256
-"""Most lines that one mapped CasADi call evaluates."""
-_LONGEST, _SHORTEST = 1.0 / 400, 2.0**-13 / 400
-"""Longest and shortest steps as parts of a line."""
+LONGEST = 1.0 / 200
+"""Longest step as a part of a line."""
+_RESIDUAL = 1e-8
+"""Largest closure error, over all constraints, of a configuration that is reached, as a part of the size."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Where lines lead: unknowns where each ended, how far it came, and the shortest step that it needed: 0 where it met a
+    singularity."""
+
+    unknowns: np.ndarray
+    done: np.ndarray
+    shortest: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class Walker:
-    """Fine continuation of a direct problem, geometry nominal. Where rows are more than unknowns, steps are least squares over all, and
-    a singularity is told by steps that no longer converge alone."""
+    """Fine continuation of a position problem, geometry nominal, by Newton's method on all rows. Known positions, joints and
+    quaternions move in straight lines, quaternions normalised."""
 
     problem: Problem
+    longest: float = LONGEST
 
     @property
     def system(self) -> System:
         return self.problem.system
 
+    def reached(self, start: np.ndarray, begin: np.ndarray, goals: np.ndarray) -> Ends:
+        """Lines from known values `begin` (n, known), where the unknowns are `start` (n, width), to `goals`."""
+        z, begin, goals = (np.array(values, dtype=float, order="C") for values in (start, begin, goals))
+        shortest, done = np.zeros(len(z)), np.zeros(len(z))
+        arrays = [ctypes.c_void_p(v.ctypes.data) for v in (z, begin, goals)]
+        outputs = [ctypes.c_void_p(v.ctypes.data) for v in (shortest, done)]
+        self._library.follow_all(len(z), *arrays, ctypes.c_double(self.longest), *outputs)
+        whole = np.flatnonzero(shortest > 0.0)
+        if len(whole):
+            error = self.system.residuals(z[whole], goals[whole])
+            shortest[whole[~(error < _RESIDUAL * self.system.characteristic_length)]] = 0.0
+        return Ends(z, done, shortest)
+
     @cached_property
-    def _mapped(self) -> dict[int, ca.Function]:
-        """Rows and matrices of 4, 32 or 256 points a call."""
+    def _library(self) -> ctypes.CDLL:
+        folder, system = Path(tempfile.mkdtemp()), self.system
+        generator = ca.CodeGenerator("rows.c", {"with_header": False})
+        for function in self._functions:
+            generator.add(function)
+        generator.generate(f"{folder}/")
+        sizes = np.max([[f.sz_arg(), f.sz_res(), f.sz_iw(), f.sz_w()] for f in self._functions], axis=0)
+        counts = dict(zip(("point_SZ_ARG", "point_SZ_RES", "point_SZ_IW", "point_SZ_W"), sizes, strict=True))
+        counts |= {
+            "N": system.freedom,
+            "M": int(system.rows.shape[0]),
+            "WIDTH": system.width,
+            "KNOWN": int(system.known.shape[0]),
+        }
+        macros = [f"-D{name}={count}" for name, count in counts.items()] + [f"-DSIZE={system.characteristic_length!r}"]
+        source = Path(__file__).with_name("walk.c")
+        subprocess.run(
+            ["gcc", "-O2", "-ffp-contract=off", "-fno-math-errno", "-shared", "-fPIC", *macros, f"-I{folder}", str(source), "-o", "walk.so", "-lm"],
+            cwd=folder, check=True,
+        )  # fmt: skip
+        return ctypes.CDLL(str(folder / "walk.so"))
+
+    @cached_property
+    def _functions(self) -> tuple[ca.Function, ca.Function]:
+        """Rows, their matrix and their rate along a line; the retraction."""
         system = self.system
-        outputs = [ca.densify(system.rows), ca.densify(system.jacobian)]
-        single = ca.Function("linearised", [system.unknown, system.known], outputs, {"cse": True})
-        return {width: single.map(width) for width in (4, 32, _LANES)}
+        begin, goal, part = (
+            ca.SX.sym(name, *shape) for name, shape in (("b", system.known.shape), ("g", system.known.shape), ("t", (1, 1)))
+        )
+        line = self._line(begin, goal, part)
+        rows, matrix = (ca.substitute(ca.densify(out), system.known, line) for out in (system.rows, system.jacobian))
+        outputs = [rows, ca.densify(matrix), ca.densify(ca.jacobian(rows, part))]
+        step = ca.SX.sym("step", system.freedom)
+        options = {"cse": True}
+        return (
+            ca.Function("linearised", [system.unknown, begin, goal, part], outputs, options),
+            ca.Function("retracted", [system.unknown, step], [self._moved(step)], options),
+        )
 
-    def linearised(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """F (count, m) and dF/dd (count, m, n) at z (count, width), each with its own known values."""
-        count, n, m = len(z), self.system.freedom, int(self.system.rows.shape[0])
-        rows, matrices = np.empty((count, m)), np.empty((count, m, n))
-        for begin in range(0, count, _LANES):
-            part = slice(begin, min(begin + _LANES, count))
-            used = part.stop - begin
-            width = min(w for w in self._mapped if w >= used)
-            pad = [np.concatenate([v[part], np.repeat(v[part][-1:], width - used, 0)]).T for v in (z, known)]
-            f, j = (np.asarray(out) for out in self._mapped[width](*pad))
-            rows[part] = f.T[:used]
-            matrices[part] = j.reshape(m, width, n).transpose(1, 0, 2)[:used]
-        return rows, matrices
+    def _line(self, begin: ca.SX, goal: ca.SX, part: ca.SX) -> ca.SX:
+        """Known values at a part of the line; quaternions have unit length."""
+        line, place = begin + part * (goal - begin), 0
+        for c in self.problem.known_coordinates:
+            if c.kind == "quaternion":
+                line[place : place + 4] /= ca.norm_2(line[place : place + 4])
+            place += c.width
+        return line
 
-    def newton(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """One step from each point: the points after it, signs of det before it, lengths of the steps."""
-        rows, matrices = self.linearised(z, known)
-        if matrices.shape[1] > matrices.shape[2]:
-            sign, steps = np.ones(len(z)), -(np.linalg.pinv(matrices) @ rows[..., None])[..., 0]
-        else:
-            sign, _ = np.linalg.slogdet(matrices)
-            matrices[sign == 0] = np.eye(matrices.shape[1])
-            steps = np.linalg.solve(matrices, -rows[..., None])[..., 0]
-        lengths = np.linalg.norm(steps, axis=1)
-        steps *= np.minimum(1.0, 0.1 * self.system.characteristic_length / np.maximum(lengths, 1e-300))[:, None]
-        return self.system.move(z, steps), sign, lengths
-
-    def reached(self, start: np.ndarray, begin: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Unknowns at the ends of the lines from known values `begin` (unknowns `start`; one for each line, or one for all) to
-        `goals`, and the shortest step that each line needed, as a part of it: 0 where it met a singularity. A step is accepted
-        where det keeps its sign and a second Newton step is below a tenth of the first; it is halved elsewhere, and doubled again
-        up to 1/400."""
-        size, count = self.system.characteristic_length, len(goals)
-        begin = np.broadcast_to(begin, goals.shape)
-        z, done, step = np.array(np.broadcast_to(start, (count, start.shape[-1]))), np.zeros(count), np.full(count, _LONGEST)
-        sign0 = self.newton(z, begin)[1]
-        shortest = step.copy()
-        going = np.arange(count)
-        while len(going):
-            part = np.minimum(1.0, done[going] + step[going])
-            known = begin[going] + part[:, None] * (goals[going] - begin[going])
-            once, sign, first = self.newton(z[going], known)
-            twice, after, second = self.newton(once, known)
-            fine = (sign == sign0[going]) & (after == sign0[going]) & (second < 0.1 * first + 1e-12 * size)
-            z[going[fine]], done[going[fine]] = twice[fine], part[fine]
-            step[going] = np.where(fine, np.minimum(_LONGEST, 2 * step[going]), 0.5 * step[going])
-            shortest = np.minimum(shortest, step)
-            going = going[(done[going] < 1.0) & (step[going] > _SHORTEST)]
-        for _ in range(3):
-            z, sign, length = self.newton(z, begin + done[:, None] * (goals - begin))
-        whole = (done == 1.0) & (sign == sign0) & (length < 1e-9 * size)
-        return z, np.where(whole, shortest, 0.0)
+    def _moved(self, step: ca.SX) -> ca.SX:
+        """The unknowns after a tangent step."""
+        system, column, parts = self.system, 0, []
+        size = system.characteristic_length
+        for c, place in zip(system.unknowns, system.slices, strict=True):
+            entry = system.unknown[place]
+            if c.kind == "quaternion":
+                turned = multiply([1.0, *(0.5 / size * step[column + k] for k in range(3))], entry)
+                parts.append(turned / ca.norm_2(turned))
+            else:
+                parts.append(entry + step[column] * (1.0 / size if c.is_angular else 1.0))
+            column += c.freedom
+        return ca.vertcat(*parts)

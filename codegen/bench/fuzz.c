@@ -3,7 +3,7 @@
  *
  *     fuzz COUNT SEED trap|division|count
  *
- * Macros: NAME, UPPER (the mechanism's name), HEADER, VECTORS (files to include), SERIAL or PARALLEL, STRUCT where the geometry is
+ * Macros: NAME, UPPER (the mechanism's name), HEADER, VECTORS (files to include), SERIAL, PARALLEL or MAP, STRUCT where the geometry is
  * given with each call, HAS_... for each function beyond these. `division` traps no
  * overflow; `count` traps nothing. All print how often each function raises which exception. */
 #define _GNU_SOURCE
@@ -27,6 +27,11 @@ static const F(geometry) nominal = M(NOMINAL);
 #else
 #define FIRST
 #endif
+#ifdef MAP
+#define FOUND M(FOUND)
+#else
+#define FOUND 1
+#endif
 #define KINDS 8
 #define MOST_FUNCTIONS 12
 
@@ -36,10 +41,15 @@ typedef F(real) real;
 typedef struct {
     real joints[N];
     real guess[N];
+    real found[FOUND]; /* of a map, as the next two */
+    real found_guess[FOUND];
+    real found_rates[FOUND];
     real rates[N];
     real twist[6];
     real limits[N];
+#ifndef MAP
     F(pose) pose;
+#endif
     F(config) config;
     int usual; /* whether the call has no config */
 } inputs;
@@ -91,6 +101,32 @@ static real lattice(double step)
     return (real)(step * (double)((int)(next() % 17ULL) - 8) + off);
 }
 
+#ifdef MAP
+static void of_vector(inputs *in, double relative)
+{
+    const int k = (int)(next() % (unsigned long long)M(VECTORS));
+    for (int i = 0; i < N; ++i) {
+        in->joints[i] = (real)((double)F(vector_joints)[k][i] + relative * uniform());
+        in->guess[i] = (real)((double)F(vector_joints)[k][i] + relative * uniform());
+    }
+    for (int i = 0; i < FOUND; ++i) {
+        in->found[i] = (real)((double)F(vector_found)[k][i] + relative * uniform());
+        in->found_guess[i] = (real)((double)F(vector_found)[k][i] + relative * uniform());
+    }
+}
+
+static void all_by(inputs *in, real (*number)(double), double angle, double length)
+{
+    for (int i = 0; i < N; ++i) {
+        in->joints[i] = number((next() % 4ULL != 0ULL) ? angle : length);
+        in->guess[i] = number(angle);
+    }
+    for (int i = 0; i < FOUND; ++i) {
+        in->found[i] = number((next() % 4ULL != 0ULL) ? angle : length);
+        in->found_guess[i] = number(angle);
+    }
+}
+#else
 static void of_vector(inputs *in, double relative)
 {
     const int k = (int)(next() % (unsigned long long)M(VECTORS));
@@ -127,6 +163,7 @@ static void all_by(inputs *in, real (*number)(double), double angle, double leng
         in->pose.quaternion[i] = (real)((squared > 1e-6 && squared < 1e6) ? q[i] / sqrt(squared) : (double)(i == 0));
     }
 }
+#endif
 
 static real ordinary(double scale)
 {
@@ -145,17 +182,24 @@ static void fill(inputs *in, int kind)
     of_vector(in, 0.0);
     if (kind == 0) {
         all_by(in, ordinary_or_special, 3.2, 2.0 * size);
+#ifndef MAP
         for (int i = 0; i < 4; ++i) {
             in->pose.quaternion[i] = ordinary_or_special(1.0);
         }
+#endif
     } else if (kind == 1) {
         all_by(in, ordinary_or_special, 3.2, 2.0 * size);
     } else if (kind == 2) {
         of_vector(in, pow(10.0, -12.0 * fabs(uniform())));
     } else if (kind == 3) {
+#ifdef MAP
+        const int slot = (int)(next() % (unsigned long long)(2 * N + FOUND));
+        real *const place = (slot < N) ? &in->joints[slot] : (slot < 2 * N) ? &in->guess[slot - N] : &in->found[slot - 2 * N];
+#else
         const int slot = (int)(next() % (unsigned long long)(2 * N + 7));
         real *const place = (slot < N) ? &in->joints[slot] : (slot < 2 * N) ? &in->guess[slot - N]
             : (slot < 2 * N + 3) ? &in->pose.position[slot - 2 * N] : &in->pose.quaternion[slot - 2 * N - 3];
+#endif
         of_vector(in, 1e-3);
         *place = special();
     } else if (kind == 4) {
@@ -172,6 +216,9 @@ static void fill(inputs *in, int kind)
     }
     for (int i = 0; i < 6; ++i) {
         in->twist[i] = (kind % 2 == 0) ? ordinary_or_special(size) : ordinary(size);
+    }
+    for (int i = 0; i < FOUND; ++i) {
+        in->found_rates[i] = (kind % 2 == 0) ? ordinary_or_special(size) : ordinary(size);
     }
     for (int i = 0; i < N; ++i) {
         in->rates[i] = (kind % 2 == 0) ? ordinary_or_special(size) : ordinary(size);
@@ -193,15 +240,22 @@ static int all_finite(const real *v, int n)
     return 1;
 }
 
+#ifndef MAP
 static int pose_finite(const F(pose) * pose)
 {
     return all_finite(pose->position, 3) && all_finite(pose->quaternion, 4);
 }
+#endif
 
 static int inputs_finite(const inputs *in)
 {
+#ifdef MAP
+    const int others = all_finite(in->found, FOUND) && all_finite(in->found_guess, FOUND) && all_finite(in->found_rates, FOUND);
+#else
+    const int others = pose_finite(&in->pose);
+#endif
     return all_finite(in->joints, N) && all_finite(in->guess, N) && all_finite(in->rates, N) && all_finite(in->twist, 6)
-        && all_finite(in->limits, N) && pose_finite(&in->pose) && isfinite(in->config.tolerance) && isfinite(in->config.max_step);
+        && all_finite(in->limits, N) && others && isfinite(in->config.tolerance) && isfinite(in->config.max_step);
 }
 
 static int trapping;
@@ -241,6 +295,28 @@ static void end(int function, const char *name, int status, int finite, long num
         end(function++, #name, status, status != 0 || (finite), number); \
     } while (0)
 
+#ifdef MAP
+static void call_all(const inputs *in, long number)
+{
+    const F(config) *const config = in->usual ? NULL : &in->config;
+    real joints[N], found[FOUND], matrix[FOUND * N];
+    F(info) info;
+    int function = 0;
+    memset(joints, 0, sizeof joints);
+    memset(found, 0, sizeof found);
+    memset(matrix, 0, sizeof matrix);
+    of_finite = inputs_finite(in);
+    CALL(direct, all_finite(found, FOUND), config, in->joints, in->found_guess, found, &info);
+    CALL(inverse, all_finite(joints, N), config, in->found, in->guess, joints, &info);
+    memcpy(found, in->found_guess, sizeof found);
+    CALL(track, all_finite(found, FOUND) && isfinite(info.residual), in->joints, found, &info);
+    memcpy(joints, in->guess, sizeof joints);
+    CALL(track_inverse, all_finite(joints, N) && isfinite(info.residual), in->found, joints, &info);
+    CALL(jacobian, all_finite(matrix, FOUND * N), in->joints, in->found, matrix);
+    CALL(rates, all_finite(found, FOUND), in->joints, in->found, in->rates, found);
+    CALL(torques, all_finite(joints, N), in->joints, in->found, in->found_rates, joints);
+}
+#else
 static void call_all(const inputs *in, long number)
 {
     const F(config) *const config = in->usual ? NULL : &in->config;
@@ -301,6 +377,8 @@ static void call_all(const inputs *in, long number)
     }
 #endif
 }
+
+#endif
 
 int main(int argc, char **argv)
 {

@@ -35,8 +35,12 @@ def built(folder: Path, output: Path) -> Path:
     manifest = json.loads((folder / "manifest.json").read_text())
     name, options = manifest["mechanism"], manifest["options"]
     header = (folder / f"{name}.h").read_text()
-    serial = re.search(rf"{name}_inverse\([^)]*guess", header) is not None
-    macros = [f"-D{'SERIAL' if serial else 'PARALLEL'}", f"-DNAME={name}", f"-DUPPER={name.upper()}"]
+    arm = re.search(rf"{name}_inverse\([^)]*guess", header) is not None
+    macros = [
+        f"-D{'MAP' if 'given' in options else 'SERIAL' if arm else 'PARALLEL'}",
+        f"-DNAME={name}",
+        f"-DUPPER={name.upper()}",
+    ]
     macros += [
         f'-DHEADER="{name}.h"',
         f'-DVECTORS="{name}_vectors.h"',

@@ -15,8 +15,10 @@
 #define DELTA_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count, delta_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count,
+    delta_status otherwise)
 {
     delta_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,14 +30,17 @@ static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7])
 {
     const delta_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 443000.0) && (fabs(pose->position[1]) <= 443000.0) && (fabs(pose->position[2]) <= 443000.0);
-    const delta_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 443000.0) && (fabs(pose->position[1]) <= 443000.0)
+            && (fabs(pose->position[2]) <= 443000.0);
+    const delta_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     delta_status status = DELTA_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -54,9 +59,10 @@ static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7]
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual, delta_real size, delta_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual,
+    delta_real size, delta_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -73,8 +79,10 @@ static DELTA_COLD delta_status delta_check_config(const delta_config *config, de
     const delta_real tolerance = config->tolerance;
     const delta_real longest = config->max_step;
     delta_status status = before;
-    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 443000.0 - longest)) && (before != DELTA_NONFINITE)) {
-        const delta_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 443000.0 - longest))
+        && (before != DELTA_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const delta_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
     }
     return status;
@@ -93,18 +101,21 @@ static delta_status delta_pose_coordinates(const delta_pose *pose, delta_real c[
         c[0] = x[0];
         c[1] = x[1];
         c[2] = x[2];
-        if (!((fabs(t0) <= 0.00044263969044771424) && (fabs(t1) <= 0.00044263969044771424) && (fabs(t2) <= 0.00044263969044771424))) {
+        if (!((fabs(t0) <= 0.00044263969044771424) && (fabs(t1) <= 0.00044263969044771424)
+            && (fabs(t2) <= 0.00044263969044771424))) {
             status = DELTA_OUT_OF_RANGE;
         }
     }
     return status;
 }
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static DELTA_SHARED uint8_t delta_first_beyond(const delta_real joints[3])
 {
     uint8_t joint = 0U;
-    while ((joint < 3U) && ((joints[joint] >= -1000.000000001) && (joints[joint] <= 1000.000000001))) {
+    while ((joint < 3U) && ((joints[joint] >= -1000.000000001)
+        && (joints[joint] <= 1000.000000001))) {
         ++joint;
     }
     return joint;
@@ -122,42 +133,42 @@ static DELTA_SHARED delta_status delta_check_limits(const delta_real joints[3])
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 33.197640478403486;
-    const delta_real t1 = t0 + (-132.01113905020793);
-    const delta_real t2 = -0.2530274677508381 * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.2530274677508381 * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0);
-    const delta_real t14 = 0.001129586909601956 * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.81349857180444;
+    const delta_real t1 = -0.2530274677508381 * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.2530274677508381 * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0;
+    const delta_real t13 = 0.001129586909601956 * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 7.82e-27) ? sqrt(d1) : 1.0;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 7.82e-27) {
-        const delta_real t19 = t2 * r1;
-        const delta_real t20 = t4 * t14;
-        const delta_real t21 = t19 - t20;
-        const delta_real t22 = 1.0 / t6;
-        const delta_real t23 = t21 * t22;
-        const delta_real t24 = t2 * t14;
-        const delta_real t25 = t4 * r1;
-        const delta_real t26 = t24 + t25;
-        const delta_real t27 = t26 * t22;
-        const delta_real t28 = -t27;
-        const delta_real t29 = atan2(t23, t28);
-        x[0] = t29;
+        const delta_real t18 = t1 * r1;
+        const delta_real t19 = t3 * t13;
+        const delta_real t20 = t18 - t19;
+        const delta_real t21 = 1.0 / t5;
+        const delta_real t22 = t20 * t21;
+        const delta_real t23 = t1 * t13;
+        const delta_real t24 = t3 * r1;
+        const delta_real t25 = t23 + t24;
+        const delta_real t26 = t25 * t21;
+        const delta_real t27 = -t26;
+        const delta_real t28 = atan2(t22, t27);
+        x[0] = t28;
         status = DELTA_OK;
     } else {
         x[0] = 0.0;
@@ -165,105 +176,105 @@ static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 33.197640478403486;
-    const delta_real t1 = t0 + (-132.01113905020793);
-    const delta_real t2 = -0.2530274677508381 * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.2530274677508381 * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0);
-    const delta_real t14 = 0.001129586909601956 * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.81349857180444;
+    const delta_real t1 = -0.2530274677508381 * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.2530274677508381 * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0;
+    const delta_real t13 = 0.001129586909601956 * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 0.000619) ? sqrt(d1) : 1.0;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000619) {
-        const delta_real t19 = t1 + t1;
-        const delta_real t20 = t2 * r1;
-        const delta_real t21 = t4 * t14;
-        const delta_real t22 = t20 - t21;
-        const delta_real t23 = 1.0 / t6;
-        const delta_real t24 = t22 * t23;
-        const delta_real t25 = t24 * t24;
-        const delta_real t26 = t2 * t14;
-        const delta_real t27 = t4 * r1;
-        const delta_real t28 = t26 + t27;
-        const delta_real t29 = t28 * t23;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t25 + t30;
-        const delta_real t32 = 1.0 / t31;
-        const delta_real t33 = t24 * t32;
-        const delta_real t34 = t33 * t23;
-        const delta_real t35 = t2 * t34;
-        const delta_real t36 = t29 * t32;
-        const delta_real t37 = t36 * t23;
-        const delta_real t38 = t4 * t37;
-        const delta_real t39 = t35 + t38;
-        const delta_real t40 = 0.001129586909601956 * t39;
-        const delta_real t41 = t19 * t40;
-        const delta_real t42 = t14 * t34;
-        const delta_real t43 = -0.5060549355016762 * t1;
-        const delta_real t44 = t24 * t23;
-        const delta_real t45 = t44 * t36;
-        const delta_real t46 = t29 * t23;
-        const delta_real t47 = t46 * t33;
-        const delta_real t48 = t45 - t47;
-        const delta_real t49 = t43 * t48;
-        const delta_real t50 = t42 + t49;
-        const delta_real t51 = r1 * t37;
-        const delta_real t52 = t50 - t51;
-        const delta_real t53 = -0.2530274677508381 * t52;
-        const delta_real t54 = t41 + t53;
-        const delta_real t55 = t4 * t23;
-        const delta_real t56 = t33 * t55;
-        const delta_real t57 = t2 * t23;
-        const delta_real t58 = t36 * t57;
-        const delta_real t59 = t56 - t58;
-        const delta_real t60 = 0.12804579887280285 * t1;
-        const delta_real t61 = 2.551933172688195e-06 * t13;
-        const delta_real t62 = t19 * t61;
-        const delta_real t63 = t60 - t62;
-        const delta_real t64 = r1 + r1;
-        const delta_real t65 = 1.0 / t64;
-        const delta_real t66 = t63 * t65;
-        const delta_real t67 = t59 * t66;
-        const delta_real t68 = t54 + t67;
-        const delta_real t69 = c[1] + c[1];
-        const delta_real t70 = t69 * t40;
-        const delta_real t71 = t69 * t61;
-        const delta_real t72 = t71 * t65;
-        const delta_real t73 = t59 * t72;
-        const delta_real t74 = t70 - t73;
-        const delta_real t75 = c[2] + c[2];
-        const delta_real t76 = t75 * t40;
-        const delta_real t77 = r1 * t34;
-        const delta_real t78 = 0.5060549355016762 * c[2];
-        const delta_real t79 = t78 * t48;
-        const delta_real t80 = t77 + t79;
-        const delta_real t81 = t14 * t37;
-        const delta_real t82 = t80 + t81;
-        const delta_real t83 = 0.2530274677508381 * t82;
-        const delta_real t84 = t76 + t83;
-        const delta_real t85 = 0.12804579887280285 * c[2];
-        const delta_real t86 = t75 * t61;
-        const delta_real t87 = t85 - t86;
-        const delta_real t88 = t87 * t65;
-        const delta_real t89 = t59 * t88;
-        const delta_real t90 = t84 + t89;
-        rates[0] = t68;
-        rates[1] = t74;
-        rates[2] = t90;
+        const delta_real t18 = t0 + t0;
+        const delta_real t19 = t1 * r1;
+        const delta_real t20 = t3 * t13;
+        const delta_real t21 = t19 - t20;
+        const delta_real t22 = 1.0 / t5;
+        const delta_real t23 = t21 * t22;
+        const delta_real t24 = t23 * t23;
+        const delta_real t25 = t1 * t13;
+        const delta_real t26 = t3 * r1;
+        const delta_real t27 = t25 + t26;
+        const delta_real t28 = t27 * t22;
+        const delta_real t29 = t28 * t28;
+        const delta_real t30 = t24 + t29;
+        const delta_real t31 = 1.0 / t30;
+        const delta_real t32 = t23 * t31;
+        const delta_real t33 = t32 * t22;
+        const delta_real t34 = t1 * t33;
+        const delta_real t35 = t28 * t31;
+        const delta_real t36 = t35 * t22;
+        const delta_real t37 = t3 * t36;
+        const delta_real t38 = t34 + t37;
+        const delta_real t39 = 0.001129586909601956 * t38;
+        const delta_real t40 = t18 * t39;
+        const delta_real t41 = t13 * t33;
+        const delta_real t42 = -0.5060549355016762 * t0;
+        const delta_real t43 = t23 * t22;
+        const delta_real t44 = t43 * t35;
+        const delta_real t45 = t28 * t22;
+        const delta_real t46 = t45 * t32;
+        const delta_real t47 = t44 - t46;
+        const delta_real t48 = t42 * t47;
+        const delta_real t49 = t41 + t48;
+        const delta_real t50 = r1 * t36;
+        const delta_real t51 = t49 - t50;
+        const delta_real t52 = -0.2530274677508381 * t51;
+        const delta_real t53 = t40 + t52;
+        const delta_real t54 = t3 * t22;
+        const delta_real t55 = t32 * t54;
+        const delta_real t56 = t1 * t22;
+        const delta_real t57 = t35 * t56;
+        const delta_real t58 = t55 - t57;
+        const delta_real t59 = 0.12804579887280285 * t0;
+        const delta_real t60 = 2.551933172688195e-06 * t12;
+        const delta_real t61 = t18 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = r1 + r1;
+        const delta_real t64 = 1.0 / t63;
+        const delta_real t65 = t62 * t64;
+        const delta_real t66 = t58 * t65;
+        const delta_real t67 = t53 + t66;
+        const delta_real t68 = c[1] + c[1];
+        const delta_real t69 = t68 * t39;
+        const delta_real t70 = t68 * t60;
+        const delta_real t71 = t70 * t64;
+        const delta_real t72 = t58 * t71;
+        const delta_real t73 = t69 - t72;
+        const delta_real t74 = c[2] + c[2];
+        const delta_real t75 = t74 * t39;
+        const delta_real t76 = r1 * t33;
+        const delta_real t77 = 0.5060549355016762 * c[2];
+        const delta_real t78 = t77 * t47;
+        const delta_real t79 = t76 + t78;
+        const delta_real t80 = t13 * t36;
+        const delta_real t81 = t79 + t80;
+        const delta_real t82 = 0.2530274677508381 * t81;
+        const delta_real t83 = t75 + t82;
+        const delta_real t84 = 0.12804579887280285 * c[2];
+        const delta_real t85 = t74 * t60;
+        const delta_real t86 = t84 - t85;
+        const delta_real t87 = t86 * t64;
+        const delta_real t88 = t58 * t87;
+        const delta_real t89 = t83 + t88;
+        rates[0] = t67;
+        rates[1] = t73;
+        rates[2] = t89;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0;
@@ -273,47 +284,46 @@ static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 0.7216878364870389;
-    const delta_real t1 = t0 + 48.68506144941516;
-    const delta_real t2 = 112.0 * t1;
-    const delta_real t3 = c[1] + 38.75;
-    const delta_real t4 = t3 + (-124.325);
-    const delta_real t5 = -193.98969044771425 * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129586909601956 * t6;
+    const delta_real t0 = c[0] + 49.406749285902194;
+    const delta_real t1 = 112.0 * t0;
+    const delta_real t2 = c[1] - 85.575;
+    const delta_real t3 = -193.98969044771425 * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129586909601956 * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.2530274677508381 * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.2530274677508381 * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0);
-    const delta_real t19 = 0.001129586909601956 * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0;
+    const delta_real t17 = 0.001129586909601956 * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 7.27e-27) ? sqrt(d1) : 1.0;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 7.27e-27) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0 / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0 / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0;
@@ -321,114 +331,113 @@ static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 0.7216878364870389;
-    const delta_real t1 = t0 + 48.68506144941516;
-    const delta_real t2 = 112.0 * t1;
-    const delta_real t3 = c[1] + 38.75;
-    const delta_real t4 = t3 + (-124.325);
-    const delta_real t5 = -193.98969044771425 * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129586909601956 * t6;
+    const delta_real t0 = c[0] + 49.406749285902194;
+    const delta_real t1 = 112.0 * t0;
+    const delta_real t2 = c[1] - 85.575;
+    const delta_real t3 = -193.98969044771425 * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129586909601956 * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.2530274677508381 * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.2530274677508381 * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0);
-    const delta_real t19 = 0.001129586909601956 * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0;
+    const delta_real t17 = 0.001129586909601956 * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 0.000576) ? sqrt(d1) : 1.0;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000576) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0 / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0 / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129586909601956 * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259173819203912 * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.126513733875419 * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.0002858165153410777 * t6;
-        const delta_real t66 = 2.551933172688195e-06 * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0 / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = -0.2191282149274736 * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = -0.0004950487262130362 * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.5060549355016762 * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.2530274677508381 * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.12804579887280285 * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0 / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0 / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129586909601956 * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259173819203912 * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.126513733875419 * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.0002858165153410777 * t4;
+        const delta_real t64 = 2.551933172688195e-06 * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0 / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = -0.2191282149274736 * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = -0.0004950487262130362 * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.5060549355016762 * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.2530274677508381 * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.12804579887280285 * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0;
@@ -438,47 +447,46 @@ static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + (-33.91932831489052);
-    const delta_real t1 = t0 + 83.32607760079279;
-    const delta_real t2 = 112.0 * t1;
-    const delta_real t3 = c[1] + (-18.75);
-    const delta_real t4 = t3 + 104.325;
-    const delta_real t5 = 193.98969044771422 * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129586909601956 * t6;
+    const delta_real t0 = c[0] + 49.406749285902265;
+    const delta_real t1 = 112.0 * t0;
+    const delta_real t2 = c[1] + 85.575;
+    const delta_real t3 = 193.98969044771422 * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129586909601956 * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.2530274677508382 * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.2530274677508382 * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0);
-    const delta_real t19 = 0.001129586909601956 * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0;
+    const delta_real t17 = 0.001129586909601956 * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 8.31e-27) ? sqrt(d1) : 1.0;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 8.31e-27) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0 / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0 / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0;
@@ -486,114 +494,113 @@ static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + (-33.91932831489052);
-    const delta_real t1 = t0 + 83.32607760079279;
-    const delta_real t2 = 112.0 * t1;
-    const delta_real t3 = c[1] + (-18.75);
-    const delta_real t4 = t3 + 104.325;
-    const delta_real t5 = 193.98969044771422 * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129586909601956 * t6;
+    const delta_real t0 = c[0] + 49.406749285902265;
+    const delta_real t1 = 112.0 * t0;
+    const delta_real t2 = c[1] + 85.575;
+    const delta_real t3 = 193.98969044771422 * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129586909601956 * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.2530274677508382 * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.2530274677508382 * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0);
-    const delta_real t19 = 0.001129586909601956 * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0;
+    const delta_real t17 = 0.001129586909601956 * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 0.000658) ? sqrt(d1) : 1.0;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000658) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0 / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0 / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129586909601956 * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259173819203912 * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.1265137338754192 * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.0002858165153410781 * t6;
-        const delta_real t66 = 2.551933172688195e-06 * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0 / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = 0.21912821492747359 * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = 0.0004950487262130362 * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.5060549355016764 * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.2530274677508382 * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.1280457988728029 * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0 / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0 / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129586909601956 * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259173819203912 * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.1265137338754192 * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.0002858165153410781 * t4;
+        const delta_real t64 = 2.551933172688195e-06 * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0 / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = 0.21912821492747359 * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = 0.0004950487262130362 * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.5060549355016764 * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.2530274677508382 * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.1280457988728029 * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0;
@@ -603,7 +610,8 @@ static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
+ * reference configuration. */
 static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], delta_real passive[1])
 {
     delta_status status = DELTA_OK;
@@ -629,8 +637,10 @@ static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], de
     return status;
 }
 
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
-static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3], delta_real given[3])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
+ * `at` is meant. */
+static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3],
+    delta_real given[3])
 {
     static const bool turns[3] = { true, true, true };
     for (int i = 0; i < 3; ++i) {
@@ -644,8 +654,8 @@ static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[
     }
 }
 
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real joints[3])
 {
     delta_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -654,9 +664,10 @@ static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real jo
     }
 }
 
-/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
- * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: largest square of a usual root over a root's. */
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     delta_real at[6];
     delta_real u[6];
@@ -665,6 +676,7 @@ typedef struct {
     delta_real guard[2];
     delta_real y[3];
     delta_real share;
+    delta_real over;
 } delta_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -673,256 +685,165 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
     delta_real x[7];
     delta_status status = delta_normalise_pose(guess, x);
     if (status == DELTA_OK) {
-        const delta_real t0 = x[0] + 33.197640478403486;
-        const delta_real t1 = t0 + (-132.01113905020793);
-        const delta_real t2 = -0.2530274677508381 * t1;
-        const delta_real t3 = t2 * t2;
-        const delta_real t4 = 0.2530274677508381 * x[2];
-        const delta_real t5 = t4 * t4;
-        const delta_real t6 = t3 + t5;
-        const delta_real t7 = t1 * t1;
-        const delta_real t8 = x[1] * x[1];
-        const delta_real t9 = t7 + t8;
-        const delta_real t10 = x[2] * x[2];
-        const delta_real t11 = t10 + 12544.0;
-        const delta_real t12 = t9 + t11;
-        const delta_real t13 = t12 + (-53824.0);
-        const delta_real t14 = 0.001129586909601956 * t13;
-        const delta_real t15 = t14 * t14;
-        const delta_real t16 = t6 - t15;
-        const delta_real d1 = t16;
+        const delta_real t0 = x[0] - 98.81349857180444;
+        const delta_real t1 = -0.2530274677508381 * t0;
+        const delta_real t2 = t1 * t1;
+        const delta_real t3 = 0.2530274677508381 * x[2];
+        const delta_real t4 = t3 * t3;
+        const delta_real t5 = t2 + t4;
+        const delta_real t6 = t0 * t0;
+        const delta_real t7 = x[1] * x[1];
+        const delta_real t8 = t6 + t7;
+        const delta_real t9 = x[2] * x[2];
+        const delta_real t10 = t9 + 12544.0;
+        const delta_real t11 = t8 + t10;
+        const delta_real t12 = t11 - 53824.0;
+        const delta_real t13 = 0.001129586909601956 * t12;
+        const delta_real t14 = t13 * t13;
+        const delta_real t15 = t5 - t14;
+        const delta_real d1 = t15;
         const delta_real r1 = (d1 > 7.82e-27) ? sqrt(d1) : 1.0;
-        const delta_real t19 = x[0] + 0.7216878364870389;
-        const delta_real t20 = t19 + 48.68506144941516;
-        const delta_real t21 = 112.0 * t20;
-        const delta_real t22 = x[1] + 38.75;
-        const delta_real t23 = t22 + (-124.325);
-        const delta_real t24 = -193.98969044771425 * t23;
-        const delta_real t25 = t21 + t24;
-        const delta_real t26 = 0.001129586909601956 * t25;
+        const delta_real t18 = 0.2191282149274736 * x[1];
+        const delta_real t19 = 25.002529323224735 - t18;
+        const delta_real t20 = 0.12651373387541906 * x[0];
+        const delta_real t21 = t19 + t20;
+        const delta_real t22 = t21 * t21;
+        const delta_real t23 = t22 + t4;
+        const delta_real t24 = x[0] + 49.406749285902194;
+        const delta_real t25 = t24 * t24;
+        const delta_real t26 = x[1] - 85.575;
         const delta_real t27 = t26 * t26;
-        const delta_real t28 = t27 + t5;
-        const delta_real t29 = t20 * t20;
-        const delta_real t30 = t23 * t23;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 + t11;
-        const delta_real t33 = t32 + (-53824.0);
-        const delta_real t34 = 0.001129586909601956 * t33;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t28 - t35;
-        const delta_real d2 = t36;
+        const delta_real t28 = t25 + t27;
+        const delta_real t29 = t28 + t10;
+        const delta_real t30 = t29 - 53824.0;
+        const delta_real t31 = 0.001129586909601956 * t30;
+        const delta_real t32 = t31 * t31;
+        const delta_real t33 = t23 - t32;
+        const delta_real d2 = t33;
         const delta_real r2 = (d2 > 7.27e-27) ? sqrt(d2) : 1.0;
-        const delta_real t39 = x[0] + (-33.91932831489052);
-        const delta_real t40 = t39 + 83.32607760079279;
-        const delta_real t41 = 112.0 * t40;
-        const delta_real t42 = x[1] + (-18.75);
-        const delta_real t43 = t42 + 104.325;
-        const delta_real t44 = 193.98969044771422 * t43;
-        const delta_real t45 = t41 + t44;
-        const delta_real t46 = 0.001129586909601956 * t45;
-        const delta_real t47 = t46 * t46;
-        const delta_real t48 = 0.2530274677508382 * x[2];
-        const delta_real t49 = t48 * t48;
-        const delta_real t50 = t47 + t49;
-        const delta_real t51 = t40 * t40;
-        const delta_real t52 = t43 * t43;
-        const delta_real t53 = t51 + t52;
-        const delta_real t54 = t53 + t11;
-        const delta_real t55 = t54 + (-53824.0);
-        const delta_real t56 = 0.001129586909601956 * t55;
-        const delta_real t57 = t56 * t56;
-        const delta_real t58 = t50 - t57;
-        const delta_real d3 = t58;
+        const delta_real t36 = 0.21912821492747359 * x[1];
+        const delta_real t37 = t36 + 25.002529323224746;
+        const delta_real t38 = t37 + t20;
+        const delta_real t39 = t38 * t38;
+        const delta_real t40 = 0.2530274677508382 * x[2];
+        const delta_real t41 = t40 * t40;
+        const delta_real t42 = t39 + t41;
+        const delta_real t43 = x[0] + 49.406749285902265;
+        const delta_real t44 = t43 * t43;
+        const delta_real t45 = x[1] + 85.575;
+        const delta_real t46 = t45 * t45;
+        const delta_real t47 = t44 + t46;
+        const delta_real t48 = t47 + t10;
+        const delta_real t49 = t48 - 53824.0;
+        const delta_real t50 = 0.001129586909601956 * t49;
+        const delta_real t51 = t50 * t50;
+        const delta_real t52 = t42 - t51;
+        const delta_real d3 = t52;
         const delta_real r3 = (d3 > 8.31e-27) ? sqrt(d3) : 1.0;
-        const delta_real t61 = t2 * t14;
-        const delta_real t62 = t4 * r1;
-        const delta_real t63 = t61 + t62;
-        const delta_real t64 = 1.0 / t6;
-        const delta_real t65 = t63 * t64;
-        const delta_real t66 = -t65;
-        const delta_real t67 = t2 * r1;
-        const delta_real t68 = t4 * t14;
-        const delta_real t69 = t67 - t68;
-        const delta_real t70 = t69 * t64;
-        const delta_real t71 = t26 * t34;
-        const delta_real t72 = t4 * r2;
-        const delta_real t73 = t71 + t72;
-        const delta_real t74 = 1.0 / t28;
-        const delta_real t75 = t73 * t74;
-        const delta_real t76 = -t75;
-        const delta_real t77 = t26 * r2;
-        const delta_real t78 = t4 * t34;
-        const delta_real t79 = t77 - t78;
-        const delta_real t80 = t79 * t74;
-        const delta_real t81 = t46 * t56;
-        const delta_real t82 = t48 * r3;
-        const delta_real t83 = t81 + t82;
-        const delta_real t84 = 1.0 / t50;
-        const delta_real t85 = t83 * t84;
-        const delta_real t86 = -t85;
-        const delta_real t87 = t46 * r3;
-        const delta_real t88 = t48 * t56;
-        const delta_real t89 = t87 - t88;
-        const delta_real t90 = t89 * t84;
-        w->at[0] = t66;
-        w->at[1] = t70;
-        w->at[2] = t76;
-        w->at[3] = t80;
-        w->at[4] = t86;
-        w->at[5] = t90;
-        const delta_real t97 = 1.0 + t75;
-        const delta_real t98 = 17.320508075688778 * t97;
-        const delta_real t99 = -38.67949192431119 * t75;
-        const delta_real t100 = t98 - t99;
-        const delta_real t101 = -66.00556952510394 + t100;
-        const delta_real t102 = 0.7216878364870389 - t101;
-        const delta_real t103 = t102 * t102;
-        const delta_real t104 = 10.0 * t97;
-        const delta_real t105 = 106.99484522385713 * t75;
-        const delta_real t106 = t104 - t105;
-        const delta_real t107 = 114.325 + t106;
-        const delta_real t108 = 38.75 - t107;
-        const delta_real t109 = t108 * t108;
-        const delta_real t110 = t103 + t109;
-        const delta_real t111 = -112.0 * t80;
-        const delta_real t112 = t111 * t111;
-        const delta_real t113 = t110 + t112;
-        const delta_real t114 = t113 + (-53824.0);
-        const delta_real t115 = 0.001129586909601956 * t114;
-        const delta_real t116 = 112.0 * t65;
-        const delta_real t117 = 132.01113905020793 - t116;
-        const delta_real t118 = 33.197640478403486 - t117;
-        const delta_real t119 = t118 * t118;
-        const delta_real t120 = -112.0 * t70;
-        const delta_real t121 = t120 * t120;
-        const delta_real t122 = t119 + t121;
-        const delta_real t123 = t122 + (-53824.0);
-        const delta_real t124 = 0.001129586909601956 * t123;
-        const delta_real t125 = t115 - t124;
-        const delta_real t126 = 1.0 + t85;
-        const delta_real t127 = 10.0 * t126;
-        const delta_real t128 = -86.99484522385711 * t85;
-        const delta_real t129 = t127 - t128;
-        const delta_real t130 = -114.325 + t129;
-        const delta_real t131 = -18.75 - t130;
-        const delta_real t132 = 0.002259173819203912 * t131;
-        const delta_real t133 = 0.002259173819203912 * t102;
-        const delta_real t134 = 0.002259173819203912 * t118;
-        const delta_real t135 = t133 - t134;
-        const delta_real t136 = t135 * t132;
-        const delta_real t137 = 0.002259173819203912 * t108;
-        const delta_real t138 = -17.32050807568876 * t126;
-        const delta_real t139 = -73.32050807568882 * t85;
-        const delta_real t140 = t138 - t139;
-        const delta_real t141 = -66.00556952510402 + t140;
-        const delta_real t142 = -33.91932831489052 - t141;
-        const delta_real t143 = 0.002259173819203912 * t142;
-        const delta_real t144 = t143 - t134;
-        const delta_real t145 = t137 * t144;
-        const delta_real t146 = t136 - t145;
-        const delta_real t147 = t132 * t146;
-        const delta_real t148 = -0.2530274677508381 * t70;
-        const delta_real t149 = -0.2530274677508382 * t90;
-        const delta_real t150 = t148 - t149;
-        const delta_real t151 = -0.2530274677508381 * t80;
-        const delta_real t152 = t148 - t151;
-        const delta_real t153 = t152 * t144;
-        const delta_real t154 = t135 * t150;
-        const delta_real t155 = t153 - t154;
-        const delta_real t156 = t150 * t155;
-        const delta_real t157 = t147 - t156;
-        const delta_real t158 = t125 * t157;
-        const delta_real t159 = t142 * t142;
-        const delta_real t160 = t131 * t131;
-        const delta_real t161 = t159 + t160;
-        const delta_real t162 = -112.0 * t90;
-        const delta_real t163 = t162 * t162;
-        const delta_real t164 = t161 + t163;
-        const delta_real t165 = t164 + (-53824.0);
-        const delta_real t166 = 0.001129586909601956 * t165;
-        const delta_real t167 = t166 - t124;
-        const delta_real t168 = t155 * t152;
-        const delta_real t169 = t146 * t137;
-        const delta_real t170 = t168 - t169;
-        const delta_real t171 = t167 * t170;
-        const delta_real t172 = t158 + t171;
-        const delta_real t173 = t137 * t150;
-        const delta_real t174 = t152 * t132;
-        const delta_real t175 = t173 - t174;
-        const delta_real t176 = t175 * t175;
-        const delta_real t177 = t155 * t155;
-        const delta_real t178 = t176 + t177;
-        const delta_real t179 = t146 * t146;
-        const delta_real t180 = t178 + t179;
-        const delta_real t181 = 1.0 / t180;
-        const delta_real t182 = t172 * t181;
-        const delta_real t183 = x[0] + t182;
-        const delta_real t184 = t183 * t175;
-        const delta_real t185 = t150 * t175;
-        const delta_real t186 = t144 * t146;
-        const delta_real t187 = t185 - t186;
-        const delta_real t188 = t125 * t187;
-        const delta_real t189 = t146 * t135;
-        const delta_real t190 = t175 * t152;
-        const delta_real t191 = t189 - t190;
-        const delta_real t192 = t167 * t191;
-        const delta_real t193 = t188 + t192;
-        const delta_real t194 = t193 * t181;
-        const delta_real t195 = x[1] + t194;
-        const delta_real t196 = t195 * t155;
-        const delta_real t197 = t184 + t196;
-        const delta_real t198 = t144 * t155;
-        const delta_real t199 = t132 * t175;
-        const delta_real t200 = t198 - t199;
-        const delta_real t201 = t125 * t200;
-        const delta_real t202 = t175 * t137;
-        const delta_real t203 = t155 * t135;
-        const delta_real t204 = t202 - t203;
-        const delta_real t205 = t167 * t204;
-        const delta_real t206 = t201 + t205;
-        const delta_real t207 = t206 * t181;
-        const delta_real t208 = x[2] + t207;
-        const delta_real t209 = t208 * t146;
-        const delta_real t210 = t197 + t209;
-        const delta_real t211 = t210 * t181;
-        const delta_real t212 = 0.001129586909601956 * t118;
-        const delta_real t213 = t212 * t175;
-        const delta_real t214 = t175 * t182;
-        const delta_real t215 = 0.001129586909601956 * t214;
-        const delta_real t216 = t213 - t215;
-        const delta_real t217 = t155 * t194;
-        const delta_real t218 = 0.001129586909601956 * t217;
-        const delta_real t219 = t216 - t218;
-        const delta_real t220 = t146 * t207;
-        const delta_real t221 = 0.001129586909601956 * t220;
-        const delta_real t222 = t219 - t221;
-        const delta_real t223 = -0.12651373387541906 * t70;
-        const delta_real t224 = t223 * t146;
-        const delta_real t225 = t222 - t224;
-        const delta_real t226 = 0.001129586909601956 * t175;
-        const delta_real t227 = t226 * t175;
-        const delta_real t228 = 0.001129586909601956 * t155;
-        const delta_real t229 = t228 * t155;
-        const delta_real t230 = t227 + t229;
-        const delta_real t231 = 0.001129586909601956 * t146;
-        const delta_real t232 = t231 * t146;
-        const delta_real t233 = t230 + t232;
-        const delta_real t234 = t225 / t233;
-        const delta_real t235 = t211 + t234;
-        w->sign[0] = (t235 < 0.0) ? -1.0 : 1.0;
-        const delta_real t237 = t233 * t233;
-        const delta_real t238 = t235 * t235;
-        const delta_real t239 = t237 * t238;
-        w->left[0] = t239;
-        w->left[1] = t180;
-        const delta_real t242 = 885.2793808954285 * x[4];
-        const delta_real t243 = 885.2793808954285 * x[5];
-        const delta_real t244 = 885.2793808954285 * x[6];
-        if (!((d1 > 7.82e-27) && (d2 > 7.27e-27) && (d3 > 8.31e-27) && (fabs(t242) <= 0.00044263969044771424) && (fabs(t243) <= 0.00044263969044771424) && (fabs(t244) <= 0.00044263969044771424))) {
+        const delta_real t55 = 885.2793808954285 * x[4];
+        const delta_real t56 = 885.2793808954285 * x[5];
+        const delta_real t57 = 885.2793808954285 * x[6];
+        if (!((d1 > 7.82e-27) && (d2 > 7.27e-27) && (d3 > 8.31e-27)
+            && (fabs(t55) <= 0.00044263969044771424) && (fabs(t56) <= 0.00044263969044771424)
+            && (fabs(t57) <= 0.00044263969044771424))) {
             status = DELTA_OUT_OF_RANGE;
-        }
-        if ((status == DELTA_OK) && !((w->left[0] > 7.73e-17) && (w->left[1] > 2.59e-15))) {
-            status = DELTA_SINGULAR;
+        } else {
+            const delta_real t58 = t1 * t13;
+            const delta_real t59 = t3 * r1;
+            const delta_real t60 = t58 + t59;
+            const delta_real t61 = 1.0 / t5;
+            const delta_real t62 = t60 * t61;
+            const delta_real t63 = -t62;
+            const delta_real t64 = t1 * r1;
+            const delta_real t65 = t3 * t13;
+            const delta_real t66 = t64 - t65;
+            const delta_real t67 = t66 * t61;
+            const delta_real t68 = t21 * t31;
+            const delta_real t69 = t3 * r2;
+            const delta_real t70 = t68 + t69;
+            const delta_real t71 = 1.0 / t23;
+            const delta_real t72 = t70 * t71;
+            const delta_real t73 = -t72;
+            const delta_real t74 = t21 * r2;
+            const delta_real t75 = t3 * t31;
+            const delta_real t76 = t74 - t75;
+            const delta_real t77 = t76 * t71;
+            const delta_real t78 = t38 * t50;
+            const delta_real t79 = t40 * r3;
+            const delta_real t80 = t78 + t79;
+            const delta_real t81 = 1.0 / t42;
+            const delta_real t82 = t80 * t81;
+            const delta_real t83 = -t82;
+            const delta_real t84 = t38 * r3;
+            const delta_real t85 = t40 * t50;
+            const delta_real t86 = t84 - t85;
+            const delta_real t87 = t86 * t81;
+            w->at[0] = t63;
+            w->at[1] = t67;
+            w->at[2] = t73;
+            w->at[3] = t77;
+            w->at[4] = t83;
+            w->at[5] = t87;
+            const delta_real t94 = 0.2191282149274736 * t72;
+            const delta_real t95 = t94 - 0.19332879957837476;
+            const delta_real t96 = -0.2530274677508381 * t67;
+            const delta_real t97 = -0.2530274677508382 * t87;
+            const delta_real t98 = t96 - t97;
+            const delta_real t99 = t95 * t98;
+            const delta_real t100 = -0.2530274677508381 * t77;
+            const delta_real t101 = t96 - t100;
+            const delta_real t102 = 0.21912821492747359 * t82;
+            const delta_real t103 = 0.19332879957837476 - t102;
+            const delta_real t104 = t101 * t103;
+            const delta_real t105 = t99 - t104;
+            const delta_real t106 = 0.1265137338754192 * t82;
+            const delta_real t107 = 0.33485530343604575 - t106;
+            const delta_real t108 = 0.2530274677508381 * t62;
+            const delta_real t109 = t107 - t108;
+            const delta_real t110 = t101 * t109;
+            const delta_real t111 = 0.126513733875419 * t72;
+            const delta_real t112 = 0.3348553034360455 - t111;
+            const delta_real t113 = t112 - t108;
+            const delta_real t114 = t113 * t98;
+            const delta_real t115 = t110 - t114;
+            const delta_real t116 = t113 * t103;
+            const delta_real t117 = t95 * t109;
+            const delta_real t118 = t116 - t117;
+            const delta_real t119 = t105 * t105;
+            const delta_real t120 = t115 * t115;
+            const delta_real t121 = t119 + t120;
+            const delta_real t122 = t118 * t118;
+            const delta_real t123 = t121 + t122;
+            w->left[1] = t123;
+            if (!((w->left[1] > 2.59e-15))) {
+                status = DELTA_SINGULAR;
+            } else {
+                const delta_real t125 = t105 * x[0];
+                const delta_real t126 = 0.001129586909601956 * t125;
+                const delta_real t127 = 0.12651373387541906 * t62;
+                const delta_real t128 = t127 - 0.11161843447868187;
+                const delta_real t129 = t128 * t105;
+                const delta_real t130 = t126 + t129;
+                const delta_real t131 = t115 * x[1];
+                const delta_real t132 = 0.001129586909601956 * t131;
+                const delta_real t133 = t130 + t132;
+                const delta_real t134 = t118 * x[2];
+                const delta_real t135 = 0.001129586909601956 * t134;
+                const delta_real t136 = t133 + t135;
+                const delta_real t137 = -0.12651373387541906 * t67;
+                const delta_real t138 = t137 * t118;
+                const delta_real t139 = t136 - t138;
+                const delta_real t140 = 0.001129586909601956 * t123;
+                const delta_real t141 = t139 / t140;
+                w->sign[0] = (t141 < 0.0) ? -1.0 : 1.0;
+                const delta_real t143 = t141 * t141;
+                const delta_real t144 = t123 * t143;
+                const delta_real t145 = t123 * t144;
+                w->left[0] = t145;
+                if (!((w->left[0] > 6.06e-11))) {
+                    status = DELTA_SINGULAR;
+                }
+            }
         }
     }
     return status;
@@ -932,168 +853,137 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
 static void delta_direct_formulas(delta_direct_work *w)
 {
     const delta_real t0 = 112.0 * w->u[0];
-    const delta_real t1 = 132.01113905020793 + t0;
-    const delta_real t2 = 33.197640478403486 - t1;
-    const delta_real t3 = 0.001129586909601956 * t2;
-    const delta_real t4 = 106.99484522385713 * w->u[2];
-    const delta_real t5 = 1.0 - w->u[2];
-    const delta_real t6 = 10.0 * t5;
-    const delta_real t7 = t4 + t6;
-    const delta_real t8 = 114.325 + t7;
-    const delta_real t9 = 38.75 - t8;
-    const delta_real t10 = 0.002259173819203912 * t9;
-    const delta_real t11 = -0.2530274677508381 * w->u[1];
-    const delta_real t12 = -0.2530274677508382 * w->u[5];
-    const delta_real t13 = t11 - t12;
-    const delta_real t14 = t10 * t13;
-    const delta_real t15 = -0.2530274677508381 * w->u[3];
-    const delta_real t16 = t11 - t15;
-    const delta_real t17 = -86.99484522385711 * w->u[4];
-    const delta_real t18 = 1.0 - w->u[4];
-    const delta_real t19 = 10.0 * t18;
-    const delta_real t20 = t17 + t19;
-    const delta_real t21 = -114.325 + t20;
-    const delta_real t22 = -18.75 - t21;
-    const delta_real t23 = 0.002259173819203912 * t22;
-    const delta_real t24 = t16 * t23;
-    const delta_real t25 = t14 - t24;
-    const delta_real t26 = t3 * t25;
-    const delta_real t27 = -38.67949192431119 * w->u[2];
-    const delta_real t28 = 17.320508075688778 * t5;
-    const delta_real t29 = t27 + t28;
-    const delta_real t30 = -66.00556952510394 + t29;
-    const delta_real t31 = 0.7216878364870389 - t30;
-    const delta_real t32 = t31 * t31;
-    const delta_real t33 = t9 * t9;
-    const delta_real t34 = t32 + t33;
-    const delta_real t35 = -112.0 * w->u[3];
-    const delta_real t36 = t35 * t35;
-    const delta_real t37 = t34 + t36;
-    const delta_real t38 = t37 + (-53824.0);
-    const delta_real t39 = 0.001129586909601956 * t38;
-    const delta_real t40 = t2 * t2;
-    const delta_real t41 = -112.0 * w->u[1];
-    const delta_real t42 = t41 * t41;
-    const delta_real t43 = t40 + t42;
-    const delta_real t44 = t43 + (-53824.0);
-    const delta_real t45 = 0.001129586909601956 * t44;
-    const delta_real t46 = t39 - t45;
-    const delta_real t47 = 0.002259173819203912 * t31;
-    const delta_real t48 = 0.002259173819203912 * t2;
-    const delta_real t49 = t47 - t48;
-    const delta_real t50 = t49 * t23;
-    const delta_real t51 = -73.32050807568882 * w->u[4];
-    const delta_real t52 = -17.32050807568876 * t18;
-    const delta_real t53 = t51 + t52;
-    const delta_real t54 = -66.00556952510402 + t53;
-    const delta_real t55 = -33.91932831489052 - t54;
-    const delta_real t56 = 0.002259173819203912 * t55;
-    const delta_real t57 = t56 - t48;
-    const delta_real t58 = t10 * t57;
-    const delta_real t59 = t50 - t58;
-    const delta_real t60 = t23 * t59;
-    const delta_real t61 = t16 * t57;
-    const delta_real t62 = t49 * t13;
-    const delta_real t63 = t61 - t62;
-    const delta_real t64 = t13 * t63;
-    const delta_real t65 = t60 - t64;
-    const delta_real t66 = t46 * t65;
-    const delta_real t67 = t55 * t55;
-    const delta_real t68 = t22 * t22;
-    const delta_real t69 = t67 + t68;
-    const delta_real t70 = -112.0 * w->u[5];
-    const delta_real t71 = t70 * t70;
-    const delta_real t72 = t69 + t71;
-    const delta_real t73 = t72 + (-53824.0);
-    const delta_real t74 = 0.001129586909601956 * t73;
-    const delta_real t75 = t74 - t45;
-    const delta_real t76 = t63 * t16;
-    const delta_real t77 = t59 * t10;
-    const delta_real t78 = t76 - t77;
-    const delta_real t79 = t75 * t78;
-    const delta_real t80 = t66 + t79;
-    const delta_real t81 = t25 * t25;
-    const delta_real t82 = t63 * t63;
-    const delta_real t83 = t81 + t82;
-    const delta_real t84 = t59 * t59;
-    const delta_real t85 = t83 + t84;
-    const delta_real t86 = 1.0 / t85;
-    const delta_real t87 = t80 * t86;
-    const delta_real t88 = t25 * t87;
-    const delta_real t89 = 0.001129586909601956 * t88;
-    const delta_real t90 = t26 - t89;
-    const delta_real t91 = t13 * t25;
-    const delta_real t92 = t57 * t59;
-    const delta_real t93 = t91 - t92;
-    const delta_real t94 = t46 * t93;
-    const delta_real t95 = t59 * t49;
-    const delta_real t96 = t25 * t16;
-    const delta_real t97 = t95 - t96;
-    const delta_real t98 = t75 * t97;
-    const delta_real t99 = t94 + t98;
-    const delta_real t100 = t99 * t86;
-    const delta_real t101 = t63 * t100;
-    const delta_real t102 = 0.001129586909601956 * t101;
-    const delta_real t103 = t90 - t102;
-    const delta_real t104 = t57 * t63;
-    const delta_real t105 = t23 * t25;
-    const delta_real t106 = t104 - t105;
-    const delta_real t107 = t46 * t106;
-    const delta_real t108 = t25 * t10;
-    const delta_real t109 = t63 * t49;
-    const delta_real t110 = t108 - t109;
-    const delta_real t111 = t75 * t110;
-    const delta_real t112 = t107 + t111;
-    const delta_real t113 = t112 * t86;
-    const delta_real t114 = t59 * t113;
-    const delta_real t115 = 0.001129586909601956 * t114;
-    const delta_real t116 = t103 - t115;
-    const delta_real t117 = -0.12651373387541906 * w->u[1];
-    const delta_real t118 = t117 * t59;
-    const delta_real t119 = t116 - t118;
-    const delta_real t120 = 0.001129586909601956 * t25;
-    const delta_real t121 = t120 * t25;
-    const delta_real t122 = 0.001129586909601956 * t63;
-    const delta_real t123 = t122 * t63;
-    const delta_real t124 = t121 + t123;
-    const delta_real t125 = 0.001129586909601956 * t59;
-    const delta_real t126 = t125 * t59;
-    const delta_real t127 = t124 + t126;
-    const delta_real t128 = 1.0 / t127;
-    const delta_real t129 = t119 * t128;
-    const delta_real t130 = t129 * t129;
-    const delta_real t131 = t87 * t87;
-    const delta_real t132 = 0.001129586909601956 * t131;
-    const delta_real t133 = t48 * t87;
-    const delta_real t134 = t132 - t133;
-    const delta_real t135 = t134 + t45;
-    const delta_real t136 = t100 * t100;
-    const delta_real t137 = 0.001129586909601956 * t136;
-    const delta_real t138 = t135 + t137;
-    const delta_real t139 = t113 * t113;
-    const delta_real t140 = 0.001129586909601956 * t139;
-    const delta_real t141 = t138 + t140;
-    const delta_real t142 = t11 * t113;
-    const delta_real t143 = t141 + t142;
-    const delta_real t144 = t143 * t128;
-    const delta_real t145 = t130 - t144;
-    const delta_real d1 = t145; /* above 0 where pose.x_pose.y_pose.z has two values */
-    const delta_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
-    const delta_real t148 = t127 * t127;
-    const delta_real t149 = t148 * t145;
-    w->guard[0] = t149;
-    w->guard[1] = t85;
-    const delta_real t152 = r1 - t129;
-    const delta_real t153 = t152 * t25;
-    const delta_real t154 = t153 - t87;
-    w->y[0] = t154;
-    const delta_real t156 = t152 * t63;
-    const delta_real t157 = t156 - t100;
-    w->y[1] = t157;
-    const delta_real t159 = t152 * t59;
-    const delta_real t160 = t159 - t113;
-    w->y[2] = t160;
-    w->share = 27900.0 / d1;
+    const delta_real t1 = -98.81349857180444 - t0;
+    const delta_real t2 = 0.2191282149274736 * w->u[2];
+    const delta_real t3 = -0.19332879957837476 - t2;
+    const delta_real t4 = -0.2530274677508381 * w->u[1];
+    const delta_real t5 = -0.2530274677508382 * w->u[5];
+    const delta_real t6 = t4 - t5;
+    const delta_real t7 = t3 * t6;
+    const delta_real t8 = -0.2530274677508381 * w->u[3];
+    const delta_real t9 = t4 - t8;
+    const delta_real t10 = 0.21912821492747359 * w->u[4];
+    const delta_real t11 = t10 + 0.19332879957837476;
+    const delta_real t12 = t9 * t11;
+    const delta_real t13 = t7 - t12;
+    const delta_real t14 = 56.0 * w->u[2];
+    const delta_real t15 = t14 + 49.406749285902194;
+    const delta_real t16 = 0.002259173819203912 * t15;
+    const delta_real t17 = 0.002259173819203912 * t1;
+    const delta_real t18 = t16 - t17;
+    const delta_real t19 = t18 * t11;
+    const delta_real t20 = 0.1265137338754192 * w->u[4];
+    const delta_real t21 = t20 + 0.33485530343604575;
+    const delta_real t22 = 0.2530274677508381 * w->u[0];
+    const delta_real t23 = t21 + t22;
+    const delta_real t24 = t3 * t23;
+    const delta_real t25 = t19 - t24;
+    const delta_real t26 = t9 * t23;
+    const delta_real t27 = t18 * t6;
+    const delta_real t28 = t26 - t27;
+    const delta_real t29 = t13 * t13;
+    const delta_real t30 = t28 * t28;
+    const delta_real t31 = t29 + t30;
+    const delta_real t32 = t25 * t25;
+    const delta_real t33 = t31 + t32;
+    w->guard[1] = t33;
+    if ((w->guard[1] > 2.59e-15)) {
+        const delta_real t35 = 0.001129586909601956 * t1;
+        const delta_real t36 = t35 * t13;
+        const delta_real t37 = 25.002529323224735 * w->u[2];
+        const delta_real t38 = 25.00252932322474 * w->u[0];
+        const delta_real t39 = t37 - t38;
+        const delta_real t40 = t11 * t25;
+        const delta_real t41 = t6 * t28;
+        const delta_real t42 = t40 - t41;
+        const delta_real t43 = t39 * t42;
+        const delta_real t44 = 25.00252932322475 * w->u[4];
+        const delta_real t45 = t44 - t38;
+        const delta_real t46 = t28 * t9;
+        const delta_real t47 = t25 * t3;
+        const delta_real t48 = t46 - t47;
+        const delta_real t49 = t45 * t48;
+        const delta_real t50 = t43 + t49;
+        const delta_real t51 = 1.0 / t33;
+        const delta_real t52 = t50 * t51;
+        const delta_real t53 = t13 * t52;
+        const delta_real t54 = 0.001129586909601956 * t53;
+        const delta_real t55 = t36 - t54;
+        const delta_real t56 = t6 * t13;
+        const delta_real t57 = t23 * t25;
+        const delta_real t58 = t56 - t57;
+        const delta_real t59 = t39 * t58;
+        const delta_real t60 = t25 * t18;
+        const delta_real t61 = t13 * t9;
+        const delta_real t62 = t60 - t61;
+        const delta_real t63 = t45 * t62;
+        const delta_real t64 = t59 + t63;
+        const delta_real t65 = t64 * t51;
+        const delta_real t66 = t28 * t65;
+        const delta_real t67 = 0.001129586909601956 * t66;
+        const delta_real t68 = t55 - t67;
+        const delta_real t69 = t23 * t28;
+        const delta_real t70 = t11 * t13;
+        const delta_real t71 = t69 - t70;
+        const delta_real t72 = t39 * t71;
+        const delta_real t73 = t13 * t3;
+        const delta_real t74 = t28 * t18;
+        const delta_real t75 = t73 - t74;
+        const delta_real t76 = t45 * t75;
+        const delta_real t77 = t72 + t76;
+        const delta_real t78 = t77 * t51;
+        const delta_real t79 = t25 * t78;
+        const delta_real t80 = 0.001129586909601956 * t79;
+        const delta_real t81 = t68 - t80;
+        const delta_real t82 = -0.12651373387541906 * w->u[1];
+        const delta_real t83 = t82 * t25;
+        const delta_real t84 = t81 - t83;
+        const delta_real t85 = 0.001129586909601956 * t33;
+        const delta_real t86 = 1.0 / t85;
+        const delta_real t87 = t84 * t86;
+        const delta_real t88 = t87 * t87;
+        const delta_real t89 = t52 * t52;
+        const delta_real t90 = 0.001129586909601956 * t89;
+        const delta_real t91 = t17 * t52;
+        const delta_real t92 = t90 - t91;
+        const delta_real t93 = t1 * t1;
+        const delta_real t94 = -112.0 * w->u[1];
+        const delta_real t95 = t94 * t94;
+        const delta_real t96 = t93 + t95;
+        const delta_real t97 = t96 - 53824.0;
+        const delta_real t98 = 0.001129586909601956 * t97;
+        const delta_real t99 = t92 + t98;
+        const delta_real t100 = t65 * t65;
+        const delta_real t101 = 0.001129586909601956 * t100;
+        const delta_real t102 = t99 + t101;
+        const delta_real t103 = t78 * t78;
+        const delta_real t104 = 0.001129586909601956 * t103;
+        const delta_real t105 = t102 + t104;
+        const delta_real t106 = t4 * t78;
+        const delta_real t107 = t105 + t106;
+        const delta_real t108 = t107 * t86;
+        const delta_real t109 = t88 - t108;
+        const delta_real d1 = t109; /* above 0 where pose.x_pose.y_pose.z has two values */
+        const delta_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
+        const delta_real t112 = t33 * t33;
+        const delta_real t113 = t112 * t109;
+        w->guard[0] = t113;
+        const delta_real t115 = r1 - t87;
+        const delta_real t116 = t115 * t13;
+        const delta_real t117 = t116 - t52;
+        w->y[0] = t117;
+        const delta_real t119 = t115 * t28;
+        const delta_real t120 = t119 - t65;
+        w->y[1] = t120;
+        const delta_real t122 = t115 * t25;
+        const delta_real t123 = t122 - t78;
+        w->y[2] = t123;
+        w->share = fabs(r1) * 0.005982649458223984;
+    } else {
+        /* what formulas divide by vanishes: no guard is above zero */
+        w->guard[0] = 0.0;
+        w->share = 0.0;
+    }
 }
 
 /* Sets w->u to joint values. */
@@ -1107,36 +997,47 @@ static void delta_direct_set(delta_direct_work *w, const delta_real joints[3])
     w->u[5] = sin(joints[2]);
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
- * changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool delta_line_keeps(const delta_direct_work *w, const delta_real change[3])
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool delta_line_keeps(delta_direct_work *w, const delta_real change[3])
 {
-    static const delta_real weights[2][3] = {
-        { 0.00911, 0.00911, 0.00911 }, { 0.196, 0.196, 0.196 }
-    };
-    static const delta_real least[2] = { 7.73e-17, 2.59e-15 };
     bool kept = true;
-    for (int j = 0; j < 2; ++j) {
-        const delta_real a = w->left[j] - least[j];
-        const delta_real b = w->guard[j] - least[j];
-        const delta_real lesser = (a < b) ? a : b;
-        delta_real bend = 0.0;
-        for (int i = 0; i < 3; ++i) {
-            bend += weights[j][i] * change[i];
-        }
-        kept = kept && (lesser > 0.0) && (bend < a + b + lesser + lesser);
+    /* pose.x_pose.y_pose.z */
+    const delta_real a0 = w->left[0] - 6.06e-11;
+    const delta_real b0 = w->guard[0] - 6.06e-11;
+    const delta_real lesser0 = (a0 < b0) ? a0 : b0;
+    const delta_real sum0 = change[0] + change[1] + change[2];
+    const delta_real bend0 = 7140.0 * sum0;
+    const delta_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
+    /* divisor 1 */
+    const delta_real a1 = w->left[1] - 2.59e-15;
+    const delta_real b1 = w->guard[1] - 2.59e-15;
+    const delta_real lesser1 = (a1 < b1) ? a1 : b1;
+    const delta_real bend1 = 0.196 * sum0;
+    const delta_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
+        kept = false;
     }
     return kept;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved where they are not. */
-static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3], unsigned int most, unsigned int *count)
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
+static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3],
+    unsigned int most, unsigned int *count)
 {
     delta_real at[3];
     delta_real given[3];
     delta_real change[3];
     delta_real done = 0.0;
     delta_real part = 0.5;
+    bool refused = true;
     delta_status status = DELTA_MAX_ITERATIONS;
     delta_real at_end[3];
     at[0] = atan2(w->at[1], w->at[0]);
@@ -1144,16 +1045,17 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     at[2] = atan2(w->at[5], w->at[4]);
     delta_unwrap_joints(at, joints, given);
     while ((status == DELTA_MAX_ITERATIONS) && (*count < most)) {
-        const delta_real end = done + part;
+        const delta_real end = (done + part < 0.9999) ? (done + part) : 1.0;
         bool above = true;
         for (int i = 0; i < 3; ++i) {
             const delta_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0) ? (at[i] + end * way) : given[i];
         }
         delta_direct_set(w, at_end);
         delta_direct_formulas(w);
         ++*count;
+        w->over = 4.0;
         for (int j = 0; j < 2; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
@@ -1165,12 +1067,15 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0 * part <= 1.0) ? (2.0 * part) : part;
+            part = refused ? part : (2.0 * part);
+            refused = false;
             if (done >= 1.0) {
                 status = DELTA_OK;
             }
         } else {
-            part *= 0.5;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0) ? (0.9 / sqrt(w->over)) : 0.1);
+            refused = true;
             if (part < 0.000244140625) {
                 status = DELTA_WRONG_BRANCH;
             }
@@ -1179,82 +1084,88 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     return status;
 }
 
-/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes its pose. */
-static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance, delta_pose *pose, delta_real *residual)
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance,
+    delta_pose *pose, delta_real *residual)
 {
     delta_status status = DELTA_OK;
-    const delta_real t0 = -98.81349857180444 + w->y[0];
+    const delta_real t0 = w->y[0] - 98.81349857180444;
     const delta_real t1 = 112.0 * w->u[0];
     const delta_real t2 = t0 - t1;
     const delta_real t3 = t2 * t2;
     const delta_real t4 = w->y[1] * w->y[1];
     const delta_real t5 = t3 + t4;
-    const delta_real t6 = -112.0 * w->u[1];
-    const delta_real t7 = w->y[2] - t6;
+    const delta_real t6 = 112.0 * w->u[1];
+    const delta_real t7 = w->y[2] + t6;
     const delta_real t8 = t7 * t7;
     const delta_real t9 = t5 + t8;
-    const delta_real t10 = sqrt(t9);
-    const delta_real t11 = -232.0 + t10;
-    const delta_real t12 = 49.406749285902194 + w->y[0];
-    const delta_real t13 = 56.0 * w->u[2];
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = -85.575 + w->y[1];
-    const delta_real t17 = 96.99484522385713 * w->u[2];
-    const delta_real t18 = t16 - t17;
-    const delta_real t19 = t18 * t18;
-    const delta_real t20 = t15 + t19;
-    const delta_real t21 = -112.0 * w->u[3];
-    const delta_real t22 = w->y[2] - t21;
-    const delta_real t23 = t22 * t22;
-    const delta_real t24 = t20 + t23;
-    const delta_real t25 = sqrt(t24);
-    const delta_real t26 = -232.0 + t25;
-    const delta_real t27 = 49.406749285902265 + w->y[0];
-    const delta_real t28 = 56.0 * w->u[4];
-    const delta_real t29 = t27 + t28;
-    const delta_real t30 = t29 * t29;
-    const delta_real t31 = 85.575 + w->y[1];
-    const delta_real t32 = 96.99484522385711 * w->u[4];
-    const delta_real t33 = t31 + t32;
-    const delta_real t34 = t33 * t33;
-    const delta_real t35 = t30 + t34;
-    const delta_real t36 = -112.0 * w->u[5];
-    const delta_real t37 = w->y[2] - t36;
-    const delta_real t38 = t37 * t37;
-    const delta_real t39 = t35 + t38;
-    const delta_real t40 = sqrt(t39);
-    const delta_real t41 = -232.0 + t40;
-    *residual = sqrt(t11 * t11 + t26 * t26 + t41 * t41);
+    const delta_real t10 = t9 - 53824.0;
+    const delta_real t11 = t10 * 0.001129586909601956;
+    const delta_real t12 = 224.0 * w->u[3];
+    const delta_real t13 = w->y[2] + t12;
+    const delta_real t14 = w->y[2] * t13;
+    const delta_real t15 = t14 - 31515.8925;
+    const delta_real t16 = w->y[1] - 171.15;
+    const delta_real t17 = w->y[1] * t16;
+    const delta_real t18 = t15 + t17;
+    const delta_real t19 = w->y[0] + 98.81349857180439;
+    const delta_real t20 = w->y[0] * t19;
+    const delta_real t21 = t18 + t20;
+    const delta_real t22 = 193.98969044771425 * w->y[1];
+    const delta_real t23 = 22134.223680084193 - t22;
+    const delta_real t24 = 112.0 * w->y[0];
+    const delta_real t25 = t23 + t24;
+    const delta_real t26 = w->u[2] * t25;
+    const delta_real t27 = t21 + t26;
+    const delta_real t28 = t27 * 0.001129586909601956;
+    const delta_real t29 = 224.0 * w->u[5];
+    const delta_real t30 = w->y[2] + t29;
+    const delta_real t31 = w->y[2] * t30;
+    const delta_real t32 = t31 - 31515.8925;
+    const delta_real t33 = w->y[1] + 171.15;
+    const delta_real t34 = w->y[1] * t33;
+    const delta_real t35 = t32 + t34;
+    const delta_real t36 = w->y[0] + 98.81349857180453;
+    const delta_real t37 = w->y[0] * t36;
+    const delta_real t38 = t35 + t37;
+    const delta_real t39 = 193.98969044771422 * w->y[1];
+    const delta_real t40 = t39 + 22134.223680084204;
+    const delta_real t41 = t40 + t24;
+    const delta_real t42 = w->u[4] * t41;
+    const delta_real t43 = t38 + t42;
+    const delta_real t44 = t43 * 0.001129586909601956;
+    *residual = sqrt(t11 * t11 + t28 * t28 + t44 * t44);
     if (!(*residual <= tolerance + 3.15e-12)) {
         status = DELTA_SINGULAR;
     }
-    const delta_real t43 = -0.2530274677508381 * t0;
-    const delta_real t44 = t43 * w->u[1];
-    const delta_real t45 = 0.2530274677508381 * w->y[2];
-    const delta_real t46 = t45 * w->u[0];
-    const delta_real t47 = t44 - t46;
-    const delta_real t48 = 0.2191282149274736 * w->y[1];
-    const delta_real t49 = 25.002529323224735 - t48;
-    const delta_real t50 = 0.12651373387541906 * w->y[0];
-    const delta_real t51 = t49 + t50;
-    const delta_real t52 = t51 * w->u[3];
-    const delta_real t53 = t45 * w->u[2];
-    const delta_real t54 = t52 - t53;
-    const delta_real t55 = 0.21912821492747359 * w->y[1];
-    const delta_real t56 = 25.002529323224746 + t55;
-    const delta_real t57 = t56 + t50;
-    const delta_real t58 = t57 * w->u[5];
-    const delta_real t59 = 0.2530274677508382 * w->y[2];
-    const delta_real t60 = t59 * w->u[4];
-    const delta_real t61 = t58 - t60;
-    if (!(t47 >= -0.000105)) { /* motor1 */
+    const delta_real t46 = 0.2530274677508381 * w->y[0];
+    const delta_real t47 = 25.00252932322474 - t46;
+    const delta_real t48 = t47 * w->u[1];
+    const delta_real t49 = 0.2530274677508381 * w->y[2];
+    const delta_real t50 = t49 * w->u[0];
+    const delta_real t51 = t48 - t50;
+    const delta_real t52 = 0.2191282149274736 * w->y[1];
+    const delta_real t53 = 25.002529323224735 - t52;
+    const delta_real t54 = 0.12651373387541906 * w->y[0];
+    const delta_real t55 = t53 + t54;
+    const delta_real t56 = w->u[3] * t55;
+    const delta_real t57 = t49 * w->u[2];
+    const delta_real t58 = t56 - t57;
+    const delta_real t59 = -0.2530274677508382 * w->y[2];
+    const delta_real t60 = w->u[4] * t59;
+    const delta_real t61 = 0.21912821492747359 * w->y[1];
+    const delta_real t62 = t61 + 25.002529323224746;
+    const delta_real t63 = t62 + t54;
+    const delta_real t64 = w->u[5] * t63;
+    const delta_real t65 = t60 + t64;
+    if (!(t51 >= -0.000105)) { /* motor1 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t54 >= -0.000101)) { /* motor2 */
+    if (!(t58 >= -0.000101)) { /* motor2 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t61 >= -0.000108)) { /* motor3 */
+    if (!(t65 >= -0.000108)) { /* motor3 */
         status = DELTA_WRONG_BRANCH;
     }
     if (status == DELTA_OK) {
@@ -1269,8 +1180,10 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
-static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess, delta_pose *pose, const delta_config *config, delta_info *info)
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess,
+    delta_pose *pose, const delta_config *config, delta_info *info)
 {
     static const delta_config usual = { DELTA_TOLERANCE, DELTA_MAX_STEPS, DELTA_MAX_STEP };
     delta_direct_work w;
@@ -1279,6 +1192,7 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     delta_status status = delta_read_guess(&w, guess);
     const delta_status limits = delta_check_limits(joints);
     w.share = 0.0;
+    w.over = 4.0;
     /* NaN or infinity anywhere comes first */
     if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
         status = limits;
@@ -1296,23 +1210,23 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
             delta_direct_set(&w, joints);
             delta_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const delta_real move0 = w.u[0] - w.at[0];
             const delta_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0);
-            change[0] *= 1.2338;
+            const delta_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0);
+            change[0] = chord0 + 0.117 * chord0 * chord0;
             const delta_real move2 = w.u[2] - w.at[2];
             const delta_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0);
-            change[1] *= 1.2338;
+            const delta_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0);
+            change[1] = chord1 + 0.117 * chord1 * chord1;
             const delta_real move4 = w.u[4] - w.at[4];
             const delta_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0);
-            change[2] *= 1.2338;
+            const delta_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0);
+            change[2] = chord2 + 0.117 * chord2 * chord2;
             kept = kept && delta_line_keeps(&w, change);
         }
         if (!kept) {
@@ -1323,14 +1237,21 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
         }
     }
     if (count > 0U) {
-        delta_write_info(info, count, residual, 0.0, w.share);
+        if (info != NULL) {
+            info->iterations = (uint8_t)count;
+            info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+            info->step = 0.0;
+            info->min_pivot = (w.share >= 0.0) ? w.share : 0.0;
+            info->joint = 3U;
+        }
     } else {
         delta_write_no_step(info, joints);
     }
     return status;
 }
 
-delta_status delta_direct(const delta_config *config, const delta_real joints[3], const delta_pose *guess, delta_pose *pose, delta_info *info)
+delta_status delta_direct(const delta_config *config, const delta_real joints[3],
+    const delta_pose *guess, delta_pose *pose, delta_info *info)
 {
     return delta_direct_reach(joints, guess, pose, config, info);
 }
@@ -1366,7 +1287,8 @@ delta_status delta_inverse(const delta_pose *pose, delta_real joints[3])
     return status;
 }
 
-/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand
+ * sides. */
 delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
 {
     delta_real c[3];
@@ -1413,7 +1335,8 @@ delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
 static delta_status delta_check_speeds(const delta_real speeds[], int count, delta_status status)
 {
     delta_status found = delta_check_finite(speeds, count, status);
@@ -1443,7 +1366,8 @@ delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delt
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const delta_real rate_limits[3], delta_real *feed)
+delta_status delta_feed(const delta_pose *pose, const delta_real twist[6],
+    const delta_real rate_limits[3], delta_real *feed)
 {
     delta_real rates[3];
     delta_status status = delta_check_finite(rate_limits, 3, delta_rates(pose, twist, rates));
@@ -1464,10 +1388,12 @@ delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
 delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delta_real twist[6])
 {
-    static const delta_real row_scale[3] = { 442.63969044771426, 442.63969044771426, 442.63969044771426 };
+    static const delta_real row_scale[3] = { 442.63969044771426, 442.63969044771426,
+        442.63969044771426 };
     static const delta_real column_scale[3] = { 1.0, 1.0, 1.0 };
     static const uint8_t column[3] = { 0U, 1U, 2U };
     delta_real jacobian[3 * 6];

@@ -7,16 +7,17 @@
  * joints[2] motor3: rad, no limits given
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * DELTA_OK only; `info` always. config and info may be NULL, guess and pose the same object.
- * Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from
- * there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:
- * where a limb has passed one, the direct problem answers with the status of a wrong branch.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with DELTA_OK only; `info` always. config and info may be NULL, guess and pose the same
+ * object. Limbs have the branches (elbow up or down) of the reference configuration, followed along
+ * the line of poses from there; the guess's passive joints are computed from its pose in this way.
+ * A dead centre of a limb is a singularity: where a limb has passed one, the direct problem answers
+ * with the status of a wrong branch.
  *
- * Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of the line. Of a
- * config max_step is not read; tolerance is what the closure's rows of the answer may leave beside rounding.
- * Predicted error of an answer: DELTA_TOLERANCE and the rounding of the type, about
- * 3.93143e-13 mm (angles times the size) where the matrix is well conditioned.
+ * Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of
+ * the line. Of a config max_step is not read; tolerance is what the closure's rows of the answer
+ * may leave beside rounding. Predicted error of an answer: DELTA_TOLERANCE and the rounding of the
+ * type, about 3.93143e-13 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
  */
 #ifndef DELTA_H
@@ -36,8 +37,10 @@ typedef enum {
     DELTA_MAX_ITERATIONS, /* not settled within the iterations allowed */
     DELTA_SINGULAR, /* the linear system lost rank on the way */
     DELTA_NONFINITE, /* NaN or infinity among the inputs */
-    DELTA_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    DELTA_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    DELTA_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    DELTA_WRONG_BRANCH
 } delta_status;
 
 /* Position in mm, unit quaternion (w, x, y, z), both of the platform frame in the base frame. */
@@ -46,17 +49,19 @@ typedef struct {
     delta_real quaternion[4];
 } delta_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 443000.0 (a thousand sizes), else the status is DELTA_OUT_OF_RANGE, of NaN and infinity DELTA_NONFINITE;
- * 0 iterations are DELTA_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 443000.0 (a thousand sizes), else the status is DELTA_OUT_OF_RANGE, of NaN and
+ * infinity DELTA_NONFINITE; 0 iterations are DELTA_MAX_ITERATIONS. NULL in place of a config means
+ * the values below. */
 typedef struct {
     delta_real tolerance;
     uint8_t max_iterations;
     delta_real max_step;
 } delta_config;
 
-#define DELTA_SIZE ((delta_real)442.63969044771426) /* largest distance of joint points at the reference, mm */
+/* largest distance of joint points at the reference, mm */
+#define DELTA_SIZE ((delta_real)442.63969044771426)
 #define DELTA_TOLERANCE ((delta_real)4.914287759480044e-10) /* mm */
 #define DELTA_MAX_STEPS (100U)
 #define DELTA_MAX_STEP ((delta_real)442.63969044771426) /* mm */
@@ -64,8 +69,8 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: 0; min_pivot: smallest root of the answer's formulas over its usual size,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, DELTA_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not
+ * finite, DELTA_JOINTS where it is none of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     delta_real residual;
@@ -74,34 +79,41 @@ typedef struct {
     uint8_t joint;
 } delta_info;
 
-/* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, DELTA_WRONG_BRANCH. The guess need not fit any
- * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth,
- * its pose off the platform's motion (translation) by 0.00044264 mm (angles times the size). */
-delta_status delta_direct(const delta_config *config, const delta_real joints[DELTA_JOINTS], const delta_pose *guess, delta_pose *pose,
+/* The pose that the machine reaches from `guess` when its joints move in a straight line from the
+ * guess's joint values to the given ones without meeting a singularity; where that is not assured,
+ * DELTA_WRONG_BRANCH. The guess need not fit any joint values that were read: an error of it moves
+ * the beginning of the line by as much. The length of its quaternion may be off by a hundredth, its
+ * pose off the platform's motion (translation) by 0.00044264 mm (angles times the size). */
+delta_status delta_direct(const delta_config *config, const delta_real joints[DELTA_JOINTS],
+    const delta_pose *guess, delta_pose *pose,
     delta_info *info);
 
 /* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
- * delta_direct. info->residual is the answer's closure error, beyond DELTA_TRACK_LIMIT near a singularity. */
+ * delta_direct. info->residual is the answer's closure error, beyond DELTA_TRACK_LIMIT near a
+ * singularity. */
 #define DELTA_TRACK_LIMIT ((delta_real)0.00031) /* mm */
 delta_status delta_track(const delta_real joints[DELTA_JOINTS], delta_pose *pose, delta_info *info);
 
 /* Joint values of a pose. */
 delta_status delta_inverse(const delta_pose *pose, delta_real joints[DELTA_JOINTS]);
 
-/* Row-major 3 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
+/* Row-major 3 x 6: joint rates = jacobian * (velocity of the platform's origin, angular
+ * velocity). */
 delta_status delta_jacobian(const delta_pose *pose, delta_real jacobian[DELTA_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 4e+08 are
- * DELTA_OUT_OF_RANGE. */
-delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delta_real rates[DELTA_JOINTS]);
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+ * above 4e+08 are DELTA_OUT_OF_RANGE. */
+delta_status delta_rates(const delta_pose *pose, const delta_real twist[6],
+    delta_real rates[DELTA_JOINTS]);
 
 /* The twist of joint rates at a pose; DELTA_SINGULAR where they do not decide it. */
-delta_status delta_twist(const delta_pose *pose, const delta_real rates[DELTA_JOINTS], delta_real twist[6]);
+delta_status delta_twist(const delta_pose *pose, const delta_real rates[DELTA_JOINTS],
+    delta_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in mm or radians for each unit
- * of time). */
-delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const delta_real rate_limits[DELTA_JOINTS], delta_real *feed);
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more,
+ * in mm or radians for each unit of time). */
+delta_status delta_feed(const delta_pose *pose, const delta_real twist[6],
+    const delta_real rate_limits[DELTA_JOINTS], delta_real *feed);
 #ifdef __cplusplus
 }
 #endif

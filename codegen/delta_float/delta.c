@@ -15,8 +15,10 @@
 #define DELTA_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count, delta_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int count,
+    delta_status otherwise)
 {
     delta_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,14 +30,17 @@ static DELTA_COLD delta_status delta_check_finite(const delta_real values[], int
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7])
 {
     const delta_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f) && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 443000.0f) && (fabsf(pose->position[1]) <= 443000.0f) && (fabsf(pose->position[2]) <= 443000.0f);
-    const delta_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0f;
+    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 443000.0f) && (fabsf(pose->position[1]) <= 443000.0f)
+            && (fabsf(pose->position[2]) <= 443000.0f);
+    const delta_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0f;
     delta_status status = DELTA_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -54,9 +59,10 @@ static delta_status delta_normalise_pose(const delta_pose *pose, delta_real x[7]
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual, delta_real size, delta_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static DELTA_COLD void delta_write_info(delta_info *info, unsigned int count, delta_real residual,
+    delta_real size, delta_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -73,8 +79,10 @@ static DELTA_COLD delta_status delta_check_config(const delta_config *config, de
     const delta_real tolerance = config->tolerance;
     const delta_real longest = config->max_step;
     delta_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 443000.0f - longest)) && (before != DELTA_NONFINITE)) {
-        const delta_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 443000.0f - longest))
+        && (before != DELTA_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const delta_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
     }
     return status;
@@ -93,14 +101,16 @@ static delta_status delta_pose_coordinates(const delta_pose *pose, delta_real c[
         c[0] = x[0];
         c[1] = x[1];
         c[2] = x[2];
-        if (!((fabsf(t0) <= 0.0016885364f) && (fabsf(t1) <= 0.0016885364f) && (fabsf(t2) <= 0.0016885364f))) {
+        if (!((fabsf(t0) <= 0.0016885364f) && (fabsf(t1) <= 0.0016885364f)
+            && (fabsf(t2) <= 0.0016885364f))) {
             status = DELTA_OUT_OF_RANGE;
         }
     }
     return status;
 }
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static DELTA_SHARED uint8_t delta_first_beyond(const delta_real joints[3])
 {
     uint8_t joint = 0U;
@@ -120,42 +130,42 @@ static delta_status delta_check_limits(const delta_real joints[3])
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 33.19764f;
-    const delta_real t1 = t0 + (-132.01114f);
-    const delta_real t2 = -0.25302747f * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.25302747f * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0f;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0f);
-    const delta_real t14 = 0.001129587f * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.8135f;
+    const delta_real t1 = -0.25302747f * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.25302747f * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0f;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0f;
+    const delta_real t13 = 0.001129587f * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 2.25e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.25e-09f) {
-        const delta_real t19 = t2 * r1;
-        const delta_real t20 = t4 * t14;
-        const delta_real t21 = t19 - t20;
-        const delta_real t22 = 1.0f / t6;
-        const delta_real t23 = t21 * t22;
-        const delta_real t24 = t2 * t14;
-        const delta_real t25 = t4 * r1;
-        const delta_real t26 = t24 + t25;
-        const delta_real t27 = t26 * t22;
-        const delta_real t28 = -t27;
-        const delta_real t29 = atan2f(t23, t28);
-        x[0] = t29;
+        const delta_real t18 = t1 * r1;
+        const delta_real t19 = t3 * t13;
+        const delta_real t20 = t18 - t19;
+        const delta_real t21 = 1.0f / t5;
+        const delta_real t22 = t20 * t21;
+        const delta_real t23 = t1 * t13;
+        const delta_real t24 = t3 * r1;
+        const delta_real t25 = t23 + t24;
+        const delta_real t26 = t25 * t21;
+        const delta_real t27 = -t26;
+        const delta_real t28 = atan2f(t22, t27);
+        x[0] = t28;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -163,105 +173,105 @@ static delta_status delta_limb1_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 33.19764f;
-    const delta_real t1 = t0 + (-132.01114f);
-    const delta_real t2 = -0.25302747f * t1;
-    const delta_real t3 = t2 * t2;
-    const delta_real t4 = 0.25302747f * c[2];
-    const delta_real t5 = t4 * t4;
-    const delta_real t6 = t3 + t5;
-    const delta_real t7 = t1 * t1;
-    const delta_real t8 = c[1] * c[1];
-    const delta_real t9 = t7 + t8;
-    const delta_real t10 = c[2] * c[2];
-    const delta_real t11 = t10 + 12544.0f;
-    const delta_real t12 = t9 + t11;
-    const delta_real t13 = t12 + (-53824.0f);
-    const delta_real t14 = 0.001129587f * t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = t6 - t15;
-    const delta_real d1 = t16; /* above 0 where motor1 has two values */
+    const delta_real t0 = c[0] - 98.8135f;
+    const delta_real t1 = -0.25302747f * t0;
+    const delta_real t2 = t1 * t1;
+    const delta_real t3 = 0.25302747f * c[2];
+    const delta_real t4 = t3 * t3;
+    const delta_real t5 = t2 + t4;
+    const delta_real t6 = t0 * t0;
+    const delta_real t7 = c[1] * c[1];
+    const delta_real t8 = t6 + t7;
+    const delta_real t9 = c[2] * c[2];
+    const delta_real t10 = t9 + 12544.0f;
+    const delta_real t11 = t8 + t10;
+    const delta_real t12 = t11 - 53824.0f;
+    const delta_real t13 = 0.001129587f * t12;
+    const delta_real t14 = t13 * t13;
+    const delta_real t15 = t5 - t14;
+    const delta_real d1 = t15; /* above 0 where motor1 has two values */
     const delta_real r1 = (d1 > 0.000619f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000619f) {
-        const delta_real t19 = t1 + t1;
-        const delta_real t20 = t2 * r1;
-        const delta_real t21 = t4 * t14;
-        const delta_real t22 = t20 - t21;
-        const delta_real t23 = 1.0f / t6;
-        const delta_real t24 = t22 * t23;
-        const delta_real t25 = t24 * t24;
-        const delta_real t26 = t2 * t14;
-        const delta_real t27 = t4 * r1;
-        const delta_real t28 = t26 + t27;
-        const delta_real t29 = t28 * t23;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t25 + t30;
-        const delta_real t32 = 1.0f / t31;
-        const delta_real t33 = t24 * t32;
-        const delta_real t34 = t33 * t23;
-        const delta_real t35 = t2 * t34;
-        const delta_real t36 = t29 * t32;
-        const delta_real t37 = t36 * t23;
-        const delta_real t38 = t4 * t37;
-        const delta_real t39 = t35 + t38;
-        const delta_real t40 = 0.001129587f * t39;
-        const delta_real t41 = t19 * t40;
-        const delta_real t42 = t14 * t34;
-        const delta_real t43 = -0.50605494f * t1;
-        const delta_real t44 = t24 * t23;
-        const delta_real t45 = t44 * t36;
-        const delta_real t46 = t29 * t23;
-        const delta_real t47 = t46 * t33;
-        const delta_real t48 = t45 - t47;
-        const delta_real t49 = t43 * t48;
-        const delta_real t50 = t42 + t49;
-        const delta_real t51 = r1 * t37;
-        const delta_real t52 = t50 - t51;
-        const delta_real t53 = -0.25302747f * t52;
-        const delta_real t54 = t41 + t53;
-        const delta_real t55 = t4 * t23;
-        const delta_real t56 = t33 * t55;
-        const delta_real t57 = t2 * t23;
-        const delta_real t58 = t36 * t57;
-        const delta_real t59 = t56 - t58;
-        const delta_real t60 = 0.1280458f * t1;
-        const delta_real t61 = 2.5519332e-06f * t13;
-        const delta_real t62 = t19 * t61;
-        const delta_real t63 = t60 - t62;
-        const delta_real t64 = r1 + r1;
-        const delta_real t65 = 1.0f / t64;
-        const delta_real t66 = t63 * t65;
-        const delta_real t67 = t59 * t66;
-        const delta_real t68 = t54 + t67;
-        const delta_real t69 = c[1] + c[1];
-        const delta_real t70 = t69 * t40;
-        const delta_real t71 = t69 * t61;
-        const delta_real t72 = t71 * t65;
-        const delta_real t73 = t59 * t72;
-        const delta_real t74 = t70 - t73;
-        const delta_real t75 = c[2] + c[2];
-        const delta_real t76 = t75 * t40;
-        const delta_real t77 = r1 * t34;
-        const delta_real t78 = 0.50605494f * c[2];
-        const delta_real t79 = t78 * t48;
-        const delta_real t80 = t77 + t79;
-        const delta_real t81 = t14 * t37;
-        const delta_real t82 = t80 + t81;
-        const delta_real t83 = 0.25302747f * t82;
-        const delta_real t84 = t76 + t83;
-        const delta_real t85 = 0.1280458f * c[2];
-        const delta_real t86 = t75 * t61;
-        const delta_real t87 = t85 - t86;
-        const delta_real t88 = t87 * t65;
-        const delta_real t89 = t59 * t88;
-        const delta_real t90 = t84 + t89;
-        rates[0] = t68;
-        rates[1] = t74;
-        rates[2] = t90;
+        const delta_real t18 = t0 + t0;
+        const delta_real t19 = t1 * r1;
+        const delta_real t20 = t3 * t13;
+        const delta_real t21 = t19 - t20;
+        const delta_real t22 = 1.0f / t5;
+        const delta_real t23 = t21 * t22;
+        const delta_real t24 = t23 * t23;
+        const delta_real t25 = t1 * t13;
+        const delta_real t26 = t3 * r1;
+        const delta_real t27 = t25 + t26;
+        const delta_real t28 = t27 * t22;
+        const delta_real t29 = t28 * t28;
+        const delta_real t30 = t24 + t29;
+        const delta_real t31 = 1.0f / t30;
+        const delta_real t32 = t23 * t31;
+        const delta_real t33 = t32 * t22;
+        const delta_real t34 = t1 * t33;
+        const delta_real t35 = t28 * t31;
+        const delta_real t36 = t35 * t22;
+        const delta_real t37 = t3 * t36;
+        const delta_real t38 = t34 + t37;
+        const delta_real t39 = 0.001129587f * t38;
+        const delta_real t40 = t18 * t39;
+        const delta_real t41 = t13 * t33;
+        const delta_real t42 = -0.50605494f * t0;
+        const delta_real t43 = t23 * t22;
+        const delta_real t44 = t43 * t35;
+        const delta_real t45 = t28 * t22;
+        const delta_real t46 = t45 * t32;
+        const delta_real t47 = t44 - t46;
+        const delta_real t48 = t42 * t47;
+        const delta_real t49 = t41 + t48;
+        const delta_real t50 = r1 * t36;
+        const delta_real t51 = t49 - t50;
+        const delta_real t52 = -0.25302747f * t51;
+        const delta_real t53 = t40 + t52;
+        const delta_real t54 = t3 * t22;
+        const delta_real t55 = t32 * t54;
+        const delta_real t56 = t1 * t22;
+        const delta_real t57 = t35 * t56;
+        const delta_real t58 = t55 - t57;
+        const delta_real t59 = 0.1280458f * t0;
+        const delta_real t60 = 2.5519332e-06f * t12;
+        const delta_real t61 = t18 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = r1 + r1;
+        const delta_real t64 = 1.0f / t63;
+        const delta_real t65 = t62 * t64;
+        const delta_real t66 = t58 * t65;
+        const delta_real t67 = t53 + t66;
+        const delta_real t68 = c[1] + c[1];
+        const delta_real t69 = t68 * t39;
+        const delta_real t70 = t68 * t60;
+        const delta_real t71 = t70 * t64;
+        const delta_real t72 = t58 * t71;
+        const delta_real t73 = t69 - t72;
+        const delta_real t74 = c[2] + c[2];
+        const delta_real t75 = t74 * t39;
+        const delta_real t76 = r1 * t33;
+        const delta_real t77 = 0.50605494f * c[2];
+        const delta_real t78 = t77 * t47;
+        const delta_real t79 = t76 + t78;
+        const delta_real t80 = t13 * t36;
+        const delta_real t81 = t79 + t80;
+        const delta_real t82 = 0.25302747f * t81;
+        const delta_real t83 = t75 + t82;
+        const delta_real t84 = 0.1280458f * c[2];
+        const delta_real t85 = t74 * t60;
+        const delta_real t86 = t84 - t85;
+        const delta_real t87 = t86 * t64;
+        const delta_real t88 = t58 * t87;
+        const delta_real t89 = t83 + t88;
+        rates[0] = t67;
+        rates[1] = t73;
+        rates[2] = t89;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -271,47 +281,46 @@ static delta_status delta_limb1_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + 0.72168785f;
-    const delta_real t1 = t0 + 48.685062f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + 38.75f;
-    const delta_real t4 = t3 + (-124.325f);
-    const delta_real t5 = -193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] - 85.575f;
+    const delta_real t3 = -193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 2.1e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.1e-09f) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0f / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2f(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0f / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2f(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -319,114 +328,113 @@ static delta_status delta_limb2_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + 0.72168785f;
-    const delta_real t1 = t0 + 48.685062f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + 38.75f;
-    const delta_real t4 = t3 + (-124.325f);
-    const delta_real t5 = -193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] - 85.575f;
+    const delta_real t3 = -193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor2 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor2 has two values */
     const delta_real r1 = (d1 > 0.000576f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000576f) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0f / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0f / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129587f * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259174f * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.12651373f * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.00028581652f * t6;
-        const delta_real t66 = 2.5519332e-06f * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0f / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = -0.21912822f * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = -0.0004950487f * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.50605494f * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.25302747f * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.1280458f * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0f / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0f / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129587f * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259174f * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.12651373f * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.00028581652f * t4;
+        const delta_real t64 = 2.5519332e-06f * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0f / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = -0.21912822f * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = -0.0004950487f * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.50605494f * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.25302747f * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.1280458f * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -436,47 +444,46 @@ static delta_status delta_limb2_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
 {
-    const delta_real t0 = c[0] + (-33.919327f);
-    const delta_real t1 = t0 + 83.32608f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + (-18.75f);
-    const delta_real t4 = t3 + 104.325f;
-    const delta_real t5 = 193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] + 85.575f;
+    const delta_real t3 = 193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 2.39e-09f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_OUT_OF_RANGE;
     if (d1 > 2.39e-09f) {
-        const delta_real t24 = t7 * r1;
-        const delta_real t25 = t9 * t19;
-        const delta_real t26 = t24 - t25;
-        const delta_real t27 = 1.0f / t11;
-        const delta_real t28 = t26 * t27;
-        const delta_real t29 = t7 * t19;
-        const delta_real t30 = t9 * r1;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 * t27;
-        const delta_real t33 = -t32;
-        const delta_real t34 = atan2f(t28, t33);
-        x[0] = t34;
+        const delta_real t22 = t5 * r1;
+        const delta_real t23 = t7 * t17;
+        const delta_real t24 = t22 - t23;
+        const delta_real t25 = 1.0f / t9;
+        const delta_real t26 = t24 * t25;
+        const delta_real t27 = t5 * t17;
+        const delta_real t28 = t7 * r1;
+        const delta_real t29 = t27 + t28;
+        const delta_real t30 = t29 * t25;
+        const delta_real t31 = -t30;
+        const delta_real t32 = atan2f(t26, t31);
+        x[0] = t32;
         status = DELTA_OK;
     } else {
         x[0] = 0.0f;
@@ -484,114 +491,113 @@ static delta_status delta_limb3_joints(const delta_real c[3], delta_real x[1])
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3])
 {
-    const delta_real t0 = c[0] + (-33.919327f);
-    const delta_real t1 = t0 + 83.32608f;
-    const delta_real t2 = 112.0f * t1;
-    const delta_real t3 = c[1] + (-18.75f);
-    const delta_real t4 = t3 + 104.325f;
-    const delta_real t5 = 193.98969f * t4;
-    const delta_real t6 = t2 + t5;
-    const delta_real t7 = 0.001129587f * t6;
+    const delta_real t0 = c[0] + 49.40675f;
+    const delta_real t1 = 112.0f * t0;
+    const delta_real t2 = c[1] + 85.575f;
+    const delta_real t3 = 193.98969f * t2;
+    const delta_real t4 = t1 + t3;
+    const delta_real t5 = 0.001129587f * t4;
+    const delta_real t6 = t5 * t5;
+    const delta_real t7 = 0.25302747f * c[2];
     const delta_real t8 = t7 * t7;
-    const delta_real t9 = 0.25302747f * c[2];
-    const delta_real t10 = t9 * t9;
-    const delta_real t11 = t8 + t10;
-    const delta_real t12 = t1 * t1;
-    const delta_real t13 = t4 * t4;
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = c[2] * c[2];
-    const delta_real t16 = t15 + 12544.0f;
-    const delta_real t17 = t14 + t16;
-    const delta_real t18 = t17 + (-53824.0f);
-    const delta_real t19 = 0.001129587f * t18;
-    const delta_real t20 = t19 * t19;
-    const delta_real t21 = t11 - t20;
-    const delta_real d1 = t21; /* above 0 where motor3 has two values */
+    const delta_real t9 = t6 + t8;
+    const delta_real t10 = t0 * t0;
+    const delta_real t11 = t2 * t2;
+    const delta_real t12 = t10 + t11;
+    const delta_real t13 = c[2] * c[2];
+    const delta_real t14 = t13 + 12544.0f;
+    const delta_real t15 = t12 + t14;
+    const delta_real t16 = t15 - 53824.0f;
+    const delta_real t17 = 0.001129587f * t16;
+    const delta_real t18 = t17 * t17;
+    const delta_real t19 = t9 - t18;
+    const delta_real d1 = t19; /* above 0 where motor3 has two values */
     const delta_real r1 = (d1 > 0.000658f) ? sqrtf(d1) : 1.0f;
     delta_status status = DELTA_SINGULAR;
     if (d1 > 0.000658f) {
-        const delta_real t24 = t1 + t1;
-        const delta_real t25 = t7 * r1;
-        const delta_real t26 = t9 * t19;
-        const delta_real t27 = t25 - t26;
-        const delta_real t28 = 1.0f / t11;
-        const delta_real t29 = t27 * t28;
-        const delta_real t30 = t29 * t29;
-        const delta_real t31 = t7 * t19;
-        const delta_real t32 = t9 * r1;
-        const delta_real t33 = t31 + t32;
-        const delta_real t34 = t33 * t28;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t30 + t35;
-        const delta_real t37 = 1.0f / t36;
-        const delta_real t38 = t29 * t37;
-        const delta_real t39 = t38 * t28;
-        const delta_real t40 = t7 * t39;
-        const delta_real t41 = t34 * t37;
-        const delta_real t42 = t41 * t28;
-        const delta_real t43 = t9 * t42;
-        const delta_real t44 = t40 + t43;
-        const delta_real t45 = 0.001129587f * t44;
-        const delta_real t46 = t24 * t45;
-        const delta_real t47 = t19 * t39;
-        const delta_real t48 = 0.002259174f * t6;
-        const delta_real t49 = t29 * t28;
-        const delta_real t50 = t49 * t41;
-        const delta_real t51 = t34 * t28;
-        const delta_real t52 = t51 * t38;
-        const delta_real t53 = t50 - t52;
-        const delta_real t54 = t48 * t53;
-        const delta_real t55 = t47 + t54;
-        const delta_real t56 = r1 * t42;
-        const delta_real t57 = t55 - t56;
-        const delta_real t58 = 0.12651373f * t57;
-        const delta_real t59 = t46 + t58;
-        const delta_real t60 = t9 * t28;
-        const delta_real t61 = t38 * t60;
-        const delta_real t62 = t7 * t28;
-        const delta_real t63 = t41 * t62;
-        const delta_real t64 = t61 - t63;
-        const delta_real t65 = 0.00028581652f * t6;
-        const delta_real t66 = 2.5519332e-06f * t18;
-        const delta_real t67 = t24 * t66;
-        const delta_real t68 = t65 - t67;
-        const delta_real t69 = r1 + r1;
-        const delta_real t70 = 1.0f / t69;
-        const delta_real t71 = t68 * t70;
-        const delta_real t72 = t64 * t71;
-        const delta_real t73 = t59 + t72;
-        const delta_real t74 = t4 + t4;
-        const delta_real t75 = t74 * t45;
-        const delta_real t76 = 0.21912822f * t57;
-        const delta_real t77 = t75 + t76;
-        const delta_real t78 = 0.0004950487f * t6;
-        const delta_real t79 = t74 * t66;
-        const delta_real t80 = t78 - t79;
-        const delta_real t81 = t80 * t70;
-        const delta_real t82 = t64 * t81;
-        const delta_real t83 = t77 + t82;
-        const delta_real t84 = c[2] + c[2];
-        const delta_real t85 = t84 * t45;
-        const delta_real t86 = r1 * t39;
-        const delta_real t87 = 0.50605494f * c[2];
-        const delta_real t88 = t87 * t53;
-        const delta_real t89 = t86 + t88;
-        const delta_real t90 = t19 * t42;
-        const delta_real t91 = t89 + t90;
-        const delta_real t92 = 0.25302747f * t91;
-        const delta_real t93 = t85 + t92;
-        const delta_real t94 = 0.1280458f * c[2];
-        const delta_real t95 = t84 * t66;
-        const delta_real t96 = t94 - t95;
-        const delta_real t97 = t96 * t70;
-        const delta_real t98 = t64 * t97;
-        const delta_real t99 = t93 + t98;
-        rates[0] = t73;
-        rates[1] = t83;
-        rates[2] = t99;
+        const delta_real t22 = t0 + t0;
+        const delta_real t23 = t5 * r1;
+        const delta_real t24 = t7 * t17;
+        const delta_real t25 = t23 - t24;
+        const delta_real t26 = 1.0f / t9;
+        const delta_real t27 = t25 * t26;
+        const delta_real t28 = t27 * t27;
+        const delta_real t29 = t5 * t17;
+        const delta_real t30 = t7 * r1;
+        const delta_real t31 = t29 + t30;
+        const delta_real t32 = t31 * t26;
+        const delta_real t33 = t32 * t32;
+        const delta_real t34 = t28 + t33;
+        const delta_real t35 = 1.0f / t34;
+        const delta_real t36 = t27 * t35;
+        const delta_real t37 = t36 * t26;
+        const delta_real t38 = t5 * t37;
+        const delta_real t39 = t32 * t35;
+        const delta_real t40 = t39 * t26;
+        const delta_real t41 = t7 * t40;
+        const delta_real t42 = t38 + t41;
+        const delta_real t43 = 0.001129587f * t42;
+        const delta_real t44 = t22 * t43;
+        const delta_real t45 = t17 * t37;
+        const delta_real t46 = 0.002259174f * t4;
+        const delta_real t47 = t27 * t26;
+        const delta_real t48 = t47 * t39;
+        const delta_real t49 = t32 * t26;
+        const delta_real t50 = t49 * t36;
+        const delta_real t51 = t48 - t50;
+        const delta_real t52 = t46 * t51;
+        const delta_real t53 = t45 + t52;
+        const delta_real t54 = r1 * t40;
+        const delta_real t55 = t53 - t54;
+        const delta_real t56 = 0.12651373f * t55;
+        const delta_real t57 = t44 + t56;
+        const delta_real t58 = t7 * t26;
+        const delta_real t59 = t36 * t58;
+        const delta_real t60 = t5 * t26;
+        const delta_real t61 = t39 * t60;
+        const delta_real t62 = t59 - t61;
+        const delta_real t63 = 0.00028581652f * t4;
+        const delta_real t64 = 2.5519332e-06f * t16;
+        const delta_real t65 = t22 * t64;
+        const delta_real t66 = t63 - t65;
+        const delta_real t67 = r1 + r1;
+        const delta_real t68 = 1.0f / t67;
+        const delta_real t69 = t66 * t68;
+        const delta_real t70 = t62 * t69;
+        const delta_real t71 = t57 + t70;
+        const delta_real t72 = t2 + t2;
+        const delta_real t73 = t72 * t43;
+        const delta_real t74 = 0.21912822f * t55;
+        const delta_real t75 = t73 + t74;
+        const delta_real t76 = 0.0004950487f * t4;
+        const delta_real t77 = t72 * t64;
+        const delta_real t78 = t76 - t77;
+        const delta_real t79 = t78 * t68;
+        const delta_real t80 = t62 * t79;
+        const delta_real t81 = t75 + t80;
+        const delta_real t82 = c[2] + c[2];
+        const delta_real t83 = t82 * t43;
+        const delta_real t84 = r1 * t37;
+        const delta_real t85 = 0.50605494f * c[2];
+        const delta_real t86 = t85 * t51;
+        const delta_real t87 = t84 + t86;
+        const delta_real t88 = t17 * t40;
+        const delta_real t89 = t87 + t88;
+        const delta_real t90 = 0.25302747f * t89;
+        const delta_real t91 = t83 + t90;
+        const delta_real t92 = 0.1280458f * c[2];
+        const delta_real t93 = t82 * t64;
+        const delta_real t94 = t92 - t93;
+        const delta_real t95 = t94 * t68;
+        const delta_real t96 = t62 * t95;
+        const delta_real t97 = t91 + t96;
+        rates[0] = t71;
+        rates[1] = t81;
+        rates[2] = t97;
         status = DELTA_OK;
     } else {
         rates[0] = 0.0f;
@@ -601,7 +607,8 @@ static delta_status delta_limb3_rates(const delta_real c[3], delta_real rates[3]
     return status;
 }
 
-/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
+ * reference configuration. */
 static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], delta_real passive[1])
 {
     delta_status status = DELTA_OK;
@@ -627,8 +634,10 @@ static delta_status delta_solve_limbs(const delta_real c[3], delta_real q[3], de
     return status;
 }
 
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
-static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3], delta_real given[3])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
+ * `at` is meant. */
+static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[3],
+    delta_real given[3])
 {
     static const bool turns[3] = { true, true, true };
     for (int i = 0; i < 3; ++i) {
@@ -642,8 +651,8 @@ static void delta_unwrap_joints(const delta_real at[3], const delta_real joints[
     }
 }
 
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real joints[3])
 {
     delta_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -652,17 +661,21 @@ static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real jo
     }
 }
 
-/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next quarter. */
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
 static void delta_cosine_and_sine(delta_real angle, delta_real u[2])
 {
     const delta_real number = angle * 0.63661975f;
     const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-    /* the quarter turn in three parts, the first of which have few digits, so that their products are exact */
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
     const delta_real k = (delta_real)quarter;
     const delta_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
     const delta_real square = x * x;
-    const delta_real s = x + x * square * (-0.16666651f + square * (0.008331973f + square * -0.00019494935f));
-    const delta_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const delta_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const delta_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
     const bool odd = (((unsigned int)quarter) & 1U) != 0U;
     const delta_real cosine = odd ? s : c;
     const delta_real sine = odd ? c : s;
@@ -670,9 +683,10 @@ static void delta_cosine_and_sine(delta_real angle, delta_real u[2])
     u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
 }
 
-/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
- * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: largest square of a usual root over a root's. */
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     delta_real at[6];
     delta_real u[6];
@@ -681,6 +695,7 @@ typedef struct {
     delta_real guard[2];
     delta_real y[3];
     delta_real share;
+    delta_real over;
 } delta_direct_work;
 
 /* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
@@ -689,256 +704,165 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
     delta_real x[7];
     delta_status status = delta_normalise_pose(guess, x);
     if (status == DELTA_OK) {
-        const delta_real t0 = x[0] + 33.19764f;
-        const delta_real t1 = t0 + (-132.01114f);
-        const delta_real t2 = -0.25302747f * t1;
-        const delta_real t3 = t2 * t2;
-        const delta_real t4 = 0.25302747f * x[2];
-        const delta_real t5 = t4 * t4;
-        const delta_real t6 = t3 + t5;
-        const delta_real t7 = t1 * t1;
-        const delta_real t8 = x[1] * x[1];
-        const delta_real t9 = t7 + t8;
-        const delta_real t10 = x[2] * x[2];
-        const delta_real t11 = t10 + 12544.0f;
-        const delta_real t12 = t9 + t11;
-        const delta_real t13 = t12 + (-53824.0f);
-        const delta_real t14 = 0.001129587f * t13;
-        const delta_real t15 = t14 * t14;
-        const delta_real t16 = t6 - t15;
-        const delta_real d1 = t16;
+        const delta_real t0 = x[0] - 98.8135f;
+        const delta_real t1 = -0.25302747f * t0;
+        const delta_real t2 = t1 * t1;
+        const delta_real t3 = 0.25302747f * x[2];
+        const delta_real t4 = t3 * t3;
+        const delta_real t5 = t2 + t4;
+        const delta_real t6 = t0 * t0;
+        const delta_real t7 = x[1] * x[1];
+        const delta_real t8 = t6 + t7;
+        const delta_real t9 = x[2] * x[2];
+        const delta_real t10 = t9 + 12544.0f;
+        const delta_real t11 = t8 + t10;
+        const delta_real t12 = t11 - 53824.0f;
+        const delta_real t13 = 0.001129587f * t12;
+        const delta_real t14 = t13 * t13;
+        const delta_real t15 = t5 - t14;
+        const delta_real d1 = t15;
         const delta_real r1 = (d1 > 2.25e-09f) ? sqrtf(d1) : 1.0f;
-        const delta_real t19 = x[0] + 0.72168785f;
-        const delta_real t20 = t19 + 48.685062f;
-        const delta_real t21 = 112.0f * t20;
-        const delta_real t22 = x[1] + 38.75f;
-        const delta_real t23 = t22 + (-124.325f);
-        const delta_real t24 = -193.98969f * t23;
-        const delta_real t25 = t21 + t24;
-        const delta_real t26 = 0.001129587f * t25;
+        const delta_real t18 = 0.21912822f * x[1];
+        const delta_real t19 = 25.00253f - t18;
+        const delta_real t20 = 0.12651373f * x[0];
+        const delta_real t21 = t19 + t20;
+        const delta_real t22 = t21 * t21;
+        const delta_real t23 = t22 + t4;
+        const delta_real t24 = x[0] + 49.40675f;
+        const delta_real t25 = t24 * t24;
+        const delta_real t26 = x[1] - 85.575f;
         const delta_real t27 = t26 * t26;
-        const delta_real t28 = t27 + t5;
-        const delta_real t29 = t20 * t20;
-        const delta_real t30 = t23 * t23;
-        const delta_real t31 = t29 + t30;
-        const delta_real t32 = t31 + t11;
-        const delta_real t33 = t32 + (-53824.0f);
-        const delta_real t34 = 0.001129587f * t33;
-        const delta_real t35 = t34 * t34;
-        const delta_real t36 = t28 - t35;
-        const delta_real d2 = t36;
+        const delta_real t28 = t25 + t27;
+        const delta_real t29 = t28 + t10;
+        const delta_real t30 = t29 - 53824.0f;
+        const delta_real t31 = 0.001129587f * t30;
+        const delta_real t32 = t31 * t31;
+        const delta_real t33 = t23 - t32;
+        const delta_real d2 = t33;
         const delta_real r2 = (d2 > 2.1e-09f) ? sqrtf(d2) : 1.0f;
-        const delta_real t39 = x[0] + (-33.919327f);
-        const delta_real t40 = t39 + 83.32608f;
-        const delta_real t41 = 112.0f * t40;
-        const delta_real t42 = x[1] + (-18.75f);
-        const delta_real t43 = t42 + 104.325f;
-        const delta_real t44 = 193.98969f * t43;
-        const delta_real t45 = t41 + t44;
-        const delta_real t46 = 0.001129587f * t45;
-        const delta_real t47 = t46 * t46;
-        const delta_real t48 = 0.25302747f * x[2];
-        const delta_real t49 = t48 * t48;
-        const delta_real t50 = t47 + t49;
-        const delta_real t51 = t40 * t40;
-        const delta_real t52 = t43 * t43;
-        const delta_real t53 = t51 + t52;
-        const delta_real t54 = t53 + t11;
-        const delta_real t55 = t54 + (-53824.0f);
-        const delta_real t56 = 0.001129587f * t55;
-        const delta_real t57 = t56 * t56;
-        const delta_real t58 = t50 - t57;
-        const delta_real d3 = t58;
+        const delta_real t36 = 0.21912822f * x[1];
+        const delta_real t37 = t36 + 25.00253f;
+        const delta_real t38 = t37 + t20;
+        const delta_real t39 = t38 * t38;
+        const delta_real t40 = 0.25302747f * x[2];
+        const delta_real t41 = t40 * t40;
+        const delta_real t42 = t39 + t41;
+        const delta_real t43 = x[0] + 49.40675f;
+        const delta_real t44 = t43 * t43;
+        const delta_real t45 = x[1] + 85.575f;
+        const delta_real t46 = t45 * t45;
+        const delta_real t47 = t44 + t46;
+        const delta_real t48 = t47 + t10;
+        const delta_real t49 = t48 - 53824.0f;
+        const delta_real t50 = 0.001129587f * t49;
+        const delta_real t51 = t50 * t50;
+        const delta_real t52 = t42 - t51;
+        const delta_real d3 = t52;
         const delta_real r3 = (d3 > 2.39e-09f) ? sqrtf(d3) : 1.0f;
-        const delta_real t61 = t2 * t14;
-        const delta_real t62 = t4 * r1;
-        const delta_real t63 = t61 + t62;
-        const delta_real t64 = 1.0f / t6;
-        const delta_real t65 = t63 * t64;
-        const delta_real t66 = -t65;
-        const delta_real t67 = t2 * r1;
-        const delta_real t68 = t4 * t14;
-        const delta_real t69 = t67 - t68;
-        const delta_real t70 = t69 * t64;
-        const delta_real t71 = t26 * t34;
-        const delta_real t72 = t4 * r2;
-        const delta_real t73 = t71 + t72;
-        const delta_real t74 = 1.0f / t28;
-        const delta_real t75 = t73 * t74;
-        const delta_real t76 = -t75;
-        const delta_real t77 = t26 * r2;
-        const delta_real t78 = t4 * t34;
-        const delta_real t79 = t77 - t78;
-        const delta_real t80 = t79 * t74;
-        const delta_real t81 = t46 * t56;
-        const delta_real t82 = t48 * r3;
-        const delta_real t83 = t81 + t82;
-        const delta_real t84 = 1.0f / t50;
-        const delta_real t85 = t83 * t84;
-        const delta_real t86 = -t85;
-        const delta_real t87 = t46 * r3;
-        const delta_real t88 = t48 * t56;
-        const delta_real t89 = t87 - t88;
-        const delta_real t90 = t89 * t84;
-        w->at[0] = t66;
-        w->at[1] = t70;
-        w->at[2] = t76;
-        w->at[3] = t80;
-        w->at[4] = t86;
-        w->at[5] = t90;
-        const delta_real t97 = 1.0f + t75;
-        const delta_real t98 = 17.320509f * t97;
-        const delta_real t99 = -38.679493f * t75;
-        const delta_real t100 = t98 - t99;
-        const delta_real t101 = -66.00557f + t100;
-        const delta_real t102 = 0.72168785f - t101;
-        const delta_real t103 = t102 * t102;
-        const delta_real t104 = 10.0f * t97;
-        const delta_real t105 = 106.99484f * t75;
-        const delta_real t106 = t104 - t105;
-        const delta_real t107 = 114.325f + t106;
-        const delta_real t108 = 38.75f - t107;
-        const delta_real t109 = t108 * t108;
-        const delta_real t110 = t103 + t109;
-        const delta_real t111 = -112.0f * t80;
-        const delta_real t112 = t111 * t111;
-        const delta_real t113 = t110 + t112;
-        const delta_real t114 = t113 + (-53824.0f);
-        const delta_real t115 = 0.001129587f * t114;
-        const delta_real t116 = 112.0f * t65;
-        const delta_real t117 = 132.01114f - t116;
-        const delta_real t118 = 33.19764f - t117;
-        const delta_real t119 = t118 * t118;
-        const delta_real t120 = -112.0f * t70;
-        const delta_real t121 = t120 * t120;
-        const delta_real t122 = t119 + t121;
-        const delta_real t123 = t122 + (-53824.0f);
-        const delta_real t124 = 0.001129587f * t123;
-        const delta_real t125 = t115 - t124;
-        const delta_real t126 = 1.0f + t85;
-        const delta_real t127 = 10.0f * t126;
-        const delta_real t128 = -86.99484f * t85;
-        const delta_real t129 = t127 - t128;
-        const delta_real t130 = -114.325f + t129;
-        const delta_real t131 = -18.75f - t130;
-        const delta_real t132 = 0.002259174f * t131;
-        const delta_real t133 = 0.002259174f * t102;
-        const delta_real t134 = 0.002259174f * t118;
-        const delta_real t135 = t133 - t134;
-        const delta_real t136 = t135 * t132;
-        const delta_real t137 = 0.002259174f * t108;
-        const delta_real t138 = -17.320509f * t126;
-        const delta_real t139 = -73.32051f * t85;
-        const delta_real t140 = t138 - t139;
-        const delta_real t141 = -66.00557f + t140;
-        const delta_real t142 = -33.919327f - t141;
-        const delta_real t143 = 0.002259174f * t142;
-        const delta_real t144 = t143 - t134;
-        const delta_real t145 = t137 * t144;
-        const delta_real t146 = t136 - t145;
-        const delta_real t147 = t132 * t146;
-        const delta_real t148 = -0.25302747f * t70;
-        const delta_real t149 = -0.25302747f * t90;
-        const delta_real t150 = t148 - t149;
-        const delta_real t151 = -0.25302747f * t80;
-        const delta_real t152 = t148 - t151;
-        const delta_real t153 = t152 * t144;
-        const delta_real t154 = t135 * t150;
-        const delta_real t155 = t153 - t154;
-        const delta_real t156 = t150 * t155;
-        const delta_real t157 = t147 - t156;
-        const delta_real t158 = t125 * t157;
-        const delta_real t159 = t142 * t142;
-        const delta_real t160 = t131 * t131;
-        const delta_real t161 = t159 + t160;
-        const delta_real t162 = -112.0f * t90;
-        const delta_real t163 = t162 * t162;
-        const delta_real t164 = t161 + t163;
-        const delta_real t165 = t164 + (-53824.0f);
-        const delta_real t166 = 0.001129587f * t165;
-        const delta_real t167 = t166 - t124;
-        const delta_real t168 = t155 * t152;
-        const delta_real t169 = t146 * t137;
-        const delta_real t170 = t168 - t169;
-        const delta_real t171 = t167 * t170;
-        const delta_real t172 = t158 + t171;
-        const delta_real t173 = t137 * t150;
-        const delta_real t174 = t152 * t132;
-        const delta_real t175 = t173 - t174;
-        const delta_real t176 = t175 * t175;
-        const delta_real t177 = t155 * t155;
-        const delta_real t178 = t176 + t177;
-        const delta_real t179 = t146 * t146;
-        const delta_real t180 = t178 + t179;
-        const delta_real t181 = 1.0f / t180;
-        const delta_real t182 = t172 * t181;
-        const delta_real t183 = x[0] + t182;
-        const delta_real t184 = t183 * t175;
-        const delta_real t185 = t150 * t175;
-        const delta_real t186 = t144 * t146;
-        const delta_real t187 = t185 - t186;
-        const delta_real t188 = t125 * t187;
-        const delta_real t189 = t146 * t135;
-        const delta_real t190 = t175 * t152;
-        const delta_real t191 = t189 - t190;
-        const delta_real t192 = t167 * t191;
-        const delta_real t193 = t188 + t192;
-        const delta_real t194 = t193 * t181;
-        const delta_real t195 = x[1] + t194;
-        const delta_real t196 = t195 * t155;
-        const delta_real t197 = t184 + t196;
-        const delta_real t198 = t144 * t155;
-        const delta_real t199 = t132 * t175;
-        const delta_real t200 = t198 - t199;
-        const delta_real t201 = t125 * t200;
-        const delta_real t202 = t175 * t137;
-        const delta_real t203 = t155 * t135;
-        const delta_real t204 = t202 - t203;
-        const delta_real t205 = t167 * t204;
-        const delta_real t206 = t201 + t205;
-        const delta_real t207 = t206 * t181;
-        const delta_real t208 = x[2] + t207;
-        const delta_real t209 = t208 * t146;
-        const delta_real t210 = t197 + t209;
-        const delta_real t211 = t210 * t181;
-        const delta_real t212 = 0.001129587f * t118;
-        const delta_real t213 = t212 * t175;
-        const delta_real t214 = t175 * t182;
-        const delta_real t215 = 0.001129587f * t214;
-        const delta_real t216 = t213 - t215;
-        const delta_real t217 = t155 * t194;
-        const delta_real t218 = 0.001129587f * t217;
-        const delta_real t219 = t216 - t218;
-        const delta_real t220 = t146 * t207;
-        const delta_real t221 = 0.001129587f * t220;
-        const delta_real t222 = t219 - t221;
-        const delta_real t223 = -0.12651373f * t70;
-        const delta_real t224 = t223 * t146;
-        const delta_real t225 = t222 - t224;
-        const delta_real t226 = 0.001129587f * t175;
-        const delta_real t227 = t226 * t175;
-        const delta_real t228 = 0.001129587f * t155;
-        const delta_real t229 = t228 * t155;
-        const delta_real t230 = t227 + t229;
-        const delta_real t231 = 0.001129587f * t146;
-        const delta_real t232 = t231 * t146;
-        const delta_real t233 = t230 + t232;
-        const delta_real t234 = t225 / t233;
-        const delta_real t235 = t211 + t234;
-        w->sign[0] = (t235 < 0.0f) ? -1.0f : 1.0f;
-        const delta_real t237 = t233 * t233;
-        const delta_real t238 = t235 * t235;
-        const delta_real t239 = t237 * t238;
-        w->left[0] = t239;
-        w->left[1] = t180;
-        const delta_real t242 = 885.27936f * x[4];
-        const delta_real t243 = 885.27936f * x[5];
-        const delta_real t244 = 885.27936f * x[6];
-        if (!((d1 > 2.25e-09f) && (d2 > 2.1e-09f) && (d3 > 2.39e-09f) && (fabsf(t242) <= 0.0016885364f) && (fabsf(t243) <= 0.0016885364f) && (fabsf(t244) <= 0.0016885364f))) {
+        const delta_real t55 = 885.27936f * x[4];
+        const delta_real t56 = 885.27936f * x[5];
+        const delta_real t57 = 885.27936f * x[6];
+        if (!((d1 > 2.25e-09f) && (d2 > 2.1e-09f) && (d3 > 2.39e-09f)
+            && (fabsf(t55) <= 0.0016885364f) && (fabsf(t56) <= 0.0016885364f)
+            && (fabsf(t57) <= 0.0016885364f))) {
             status = DELTA_OUT_OF_RANGE;
-        }
-        if ((status == DELTA_OK) && !((w->left[0] > 4.15e-08f) && (w->left[1] > 1.39e-06f))) {
-            status = DELTA_SINGULAR;
+        } else {
+            const delta_real t58 = t1 * t13;
+            const delta_real t59 = t3 * r1;
+            const delta_real t60 = t58 + t59;
+            const delta_real t61 = 1.0f / t5;
+            const delta_real t62 = t60 * t61;
+            const delta_real t63 = -t62;
+            const delta_real t64 = t1 * r1;
+            const delta_real t65 = t3 * t13;
+            const delta_real t66 = t64 - t65;
+            const delta_real t67 = t66 * t61;
+            const delta_real t68 = t21 * t31;
+            const delta_real t69 = t3 * r2;
+            const delta_real t70 = t68 + t69;
+            const delta_real t71 = 1.0f / t23;
+            const delta_real t72 = t70 * t71;
+            const delta_real t73 = -t72;
+            const delta_real t74 = t21 * r2;
+            const delta_real t75 = t3 * t31;
+            const delta_real t76 = t74 - t75;
+            const delta_real t77 = t76 * t71;
+            const delta_real t78 = t38 * t50;
+            const delta_real t79 = t40 * r3;
+            const delta_real t80 = t78 + t79;
+            const delta_real t81 = 1.0f / t42;
+            const delta_real t82 = t80 * t81;
+            const delta_real t83 = -t82;
+            const delta_real t84 = t38 * r3;
+            const delta_real t85 = t40 * t50;
+            const delta_real t86 = t84 - t85;
+            const delta_real t87 = t86 * t81;
+            w->at[0] = t63;
+            w->at[1] = t67;
+            w->at[2] = t73;
+            w->at[3] = t77;
+            w->at[4] = t83;
+            w->at[5] = t87;
+            const delta_real t94 = 0.21912822f * t72;
+            const delta_real t95 = t94 - 0.1933288f;
+            const delta_real t96 = -0.25302747f * t67;
+            const delta_real t97 = -0.25302747f * t87;
+            const delta_real t98 = t96 - t97;
+            const delta_real t99 = t95 * t98;
+            const delta_real t100 = -0.25302747f * t77;
+            const delta_real t101 = t96 - t100;
+            const delta_real t102 = 0.21912822f * t82;
+            const delta_real t103 = 0.1933288f - t102;
+            const delta_real t104 = t101 * t103;
+            const delta_real t105 = t99 - t104;
+            const delta_real t106 = 0.12651373f * t82;
+            const delta_real t107 = 0.33485532f - t106;
+            const delta_real t108 = 0.25302747f * t62;
+            const delta_real t109 = t107 - t108;
+            const delta_real t110 = t101 * t109;
+            const delta_real t111 = 0.12651373f * t72;
+            const delta_real t112 = 0.33485532f - t111;
+            const delta_real t113 = t112 - t108;
+            const delta_real t114 = t113 * t98;
+            const delta_real t115 = t110 - t114;
+            const delta_real t116 = t113 * t103;
+            const delta_real t117 = t95 * t109;
+            const delta_real t118 = t116 - t117;
+            const delta_real t119 = t105 * t105;
+            const delta_real t120 = t115 * t115;
+            const delta_real t121 = t119 + t120;
+            const delta_real t122 = t118 * t118;
+            const delta_real t123 = t121 + t122;
+            w->left[1] = t123;
+            if (!((w->left[1] > 1.39e-06f))) {
+                status = DELTA_SINGULAR;
+            } else {
+                const delta_real t125 = t105 * x[0];
+                const delta_real t126 = 0.001129587f * t125;
+                const delta_real t127 = 0.12651373f * t62;
+                const delta_real t128 = t127 - 0.11161844f;
+                const delta_real t129 = t128 * t105;
+                const delta_real t130 = t126 + t129;
+                const delta_real t131 = t115 * x[1];
+                const delta_real t132 = 0.001129587f * t131;
+                const delta_real t133 = t130 + t132;
+                const delta_real t134 = t118 * x[2];
+                const delta_real t135 = 0.001129587f * t134;
+                const delta_real t136 = t133 + t135;
+                const delta_real t137 = -0.12651373f * t67;
+                const delta_real t138 = t137 * t118;
+                const delta_real t139 = t136 - t138;
+                const delta_real t140 = 0.001129587f * t123;
+                const delta_real t141 = t139 / t140;
+                w->sign[0] = (t141 < 0.0f) ? -1.0f : 1.0f;
+                const delta_real t143 = t141 * t141;
+                const delta_real t144 = t123 * t143;
+                const delta_real t145 = t123 * t144;
+                w->left[0] = t145;
+                if (!((w->left[0] > 0.0325f))) {
+                    status = DELTA_SINGULAR;
+                }
+            }
         }
     }
     return status;
@@ -948,168 +872,137 @@ static delta_status delta_read_guess(delta_direct_work *w, const delta_pose *gue
 static void delta_direct_formulas(delta_direct_work *w)
 {
     const delta_real t0 = 112.0f * w->u[0];
-    const delta_real t1 = 132.01114f + t0;
-    const delta_real t2 = 33.19764f - t1;
-    const delta_real t3 = 0.001129587f * t2;
-    const delta_real t4 = 106.99484f * w->u[2];
-    const delta_real t5 = 1.0f - w->u[2];
-    const delta_real t6 = 10.0f * t5;
-    const delta_real t7 = t4 + t6;
-    const delta_real t8 = 114.325f + t7;
-    const delta_real t9 = 38.75f - t8;
-    const delta_real t10 = 0.002259174f * t9;
-    const delta_real t11 = -0.25302747f * w->u[1];
-    const delta_real t12 = -0.25302747f * w->u[5];
-    const delta_real t13 = t11 - t12;
-    const delta_real t14 = t10 * t13;
-    const delta_real t15 = -0.25302747f * w->u[3];
-    const delta_real t16 = t11 - t15;
-    const delta_real t17 = -86.99484f * w->u[4];
-    const delta_real t18 = 1.0f - w->u[4];
-    const delta_real t19 = 10.0f * t18;
-    const delta_real t20 = t17 + t19;
-    const delta_real t21 = -114.325f + t20;
-    const delta_real t22 = -18.75f - t21;
-    const delta_real t23 = 0.002259174f * t22;
-    const delta_real t24 = t16 * t23;
-    const delta_real t25 = t14 - t24;
-    const delta_real t26 = t3 * t25;
-    const delta_real t27 = -38.679493f * w->u[2];
-    const delta_real t28 = 17.320509f * t5;
-    const delta_real t29 = t27 + t28;
-    const delta_real t30 = -66.00557f + t29;
-    const delta_real t31 = 0.72168785f - t30;
-    const delta_real t32 = t31 * t31;
-    const delta_real t33 = t9 * t9;
-    const delta_real t34 = t32 + t33;
-    const delta_real t35 = -112.0f * w->u[3];
-    const delta_real t36 = t35 * t35;
-    const delta_real t37 = t34 + t36;
-    const delta_real t38 = t37 + (-53824.0f);
-    const delta_real t39 = 0.001129587f * t38;
-    const delta_real t40 = t2 * t2;
-    const delta_real t41 = -112.0f * w->u[1];
-    const delta_real t42 = t41 * t41;
-    const delta_real t43 = t40 + t42;
-    const delta_real t44 = t43 + (-53824.0f);
-    const delta_real t45 = 0.001129587f * t44;
-    const delta_real t46 = t39 - t45;
-    const delta_real t47 = 0.002259174f * t31;
-    const delta_real t48 = 0.002259174f * t2;
-    const delta_real t49 = t47 - t48;
-    const delta_real t50 = t49 * t23;
-    const delta_real t51 = -73.32051f * w->u[4];
-    const delta_real t52 = -17.320509f * t18;
-    const delta_real t53 = t51 + t52;
-    const delta_real t54 = -66.00557f + t53;
-    const delta_real t55 = -33.919327f - t54;
-    const delta_real t56 = 0.002259174f * t55;
-    const delta_real t57 = t56 - t48;
-    const delta_real t58 = t10 * t57;
-    const delta_real t59 = t50 - t58;
-    const delta_real t60 = t23 * t59;
-    const delta_real t61 = t16 * t57;
-    const delta_real t62 = t49 * t13;
-    const delta_real t63 = t61 - t62;
-    const delta_real t64 = t13 * t63;
-    const delta_real t65 = t60 - t64;
-    const delta_real t66 = t46 * t65;
-    const delta_real t67 = t55 * t55;
-    const delta_real t68 = t22 * t22;
-    const delta_real t69 = t67 + t68;
-    const delta_real t70 = -112.0f * w->u[5];
-    const delta_real t71 = t70 * t70;
-    const delta_real t72 = t69 + t71;
-    const delta_real t73 = t72 + (-53824.0f);
-    const delta_real t74 = 0.001129587f * t73;
-    const delta_real t75 = t74 - t45;
-    const delta_real t76 = t63 * t16;
-    const delta_real t77 = t59 * t10;
-    const delta_real t78 = t76 - t77;
-    const delta_real t79 = t75 * t78;
-    const delta_real t80 = t66 + t79;
-    const delta_real t81 = t25 * t25;
-    const delta_real t82 = t63 * t63;
-    const delta_real t83 = t81 + t82;
-    const delta_real t84 = t59 * t59;
-    const delta_real t85 = t83 + t84;
-    const delta_real t86 = 1.0f / t85;
-    const delta_real t87 = t80 * t86;
-    const delta_real t88 = t25 * t87;
-    const delta_real t89 = 0.001129587f * t88;
-    const delta_real t90 = t26 - t89;
-    const delta_real t91 = t13 * t25;
-    const delta_real t92 = t57 * t59;
-    const delta_real t93 = t91 - t92;
-    const delta_real t94 = t46 * t93;
-    const delta_real t95 = t59 * t49;
-    const delta_real t96 = t25 * t16;
-    const delta_real t97 = t95 - t96;
-    const delta_real t98 = t75 * t97;
-    const delta_real t99 = t94 + t98;
-    const delta_real t100 = t99 * t86;
-    const delta_real t101 = t63 * t100;
-    const delta_real t102 = 0.001129587f * t101;
-    const delta_real t103 = t90 - t102;
-    const delta_real t104 = t57 * t63;
-    const delta_real t105 = t23 * t25;
-    const delta_real t106 = t104 - t105;
-    const delta_real t107 = t46 * t106;
-    const delta_real t108 = t25 * t10;
-    const delta_real t109 = t63 * t49;
-    const delta_real t110 = t108 - t109;
-    const delta_real t111 = t75 * t110;
-    const delta_real t112 = t107 + t111;
-    const delta_real t113 = t112 * t86;
-    const delta_real t114 = t59 * t113;
-    const delta_real t115 = 0.001129587f * t114;
-    const delta_real t116 = t103 - t115;
-    const delta_real t117 = -0.12651373f * w->u[1];
-    const delta_real t118 = t117 * t59;
-    const delta_real t119 = t116 - t118;
-    const delta_real t120 = 0.001129587f * t25;
-    const delta_real t121 = t120 * t25;
-    const delta_real t122 = 0.001129587f * t63;
-    const delta_real t123 = t122 * t63;
-    const delta_real t124 = t121 + t123;
-    const delta_real t125 = 0.001129587f * t59;
-    const delta_real t126 = t125 * t59;
-    const delta_real t127 = t124 + t126;
-    const delta_real t128 = 1.0f / t127;
-    const delta_real t129 = t119 * t128;
-    const delta_real t130 = t129 * t129;
-    const delta_real t131 = t87 * t87;
-    const delta_real t132 = 0.001129587f * t131;
-    const delta_real t133 = t48 * t87;
-    const delta_real t134 = t132 - t133;
-    const delta_real t135 = t134 + t45;
-    const delta_real t136 = t100 * t100;
-    const delta_real t137 = 0.001129587f * t136;
-    const delta_real t138 = t135 + t137;
-    const delta_real t139 = t113 * t113;
-    const delta_real t140 = 0.001129587f * t139;
-    const delta_real t141 = t138 + t140;
-    const delta_real t142 = t11 * t113;
-    const delta_real t143 = t141 + t142;
-    const delta_real t144 = t143 * t128;
-    const delta_real t145 = t130 - t144;
-    const delta_real d1 = t145; /* above 0 where pose.x_pose.y_pose.z has two values */
-    const delta_real r1 = w->sign[0] * sqrtf((d1 > 0.0f) ? d1 : 0.0f);
-    const delta_real t148 = t127 * t127;
-    const delta_real t149 = t148 * t145;
-    w->guard[0] = t149;
-    w->guard[1] = t85;
-    const delta_real t152 = r1 - t129;
-    const delta_real t153 = t152 * t25;
-    const delta_real t154 = t153 - t87;
-    w->y[0] = t154;
-    const delta_real t156 = t152 * t63;
-    const delta_real t157 = t156 - t100;
-    w->y[1] = t157;
-    const delta_real t159 = t152 * t59;
-    const delta_real t160 = t159 - t113;
-    w->y[2] = t160;
-    w->share = 27900.0f / d1;
+    const delta_real t1 = -98.8135f - t0;
+    const delta_real t2 = 0.21912822f * w->u[2];
+    const delta_real t3 = -0.1933288f - t2;
+    const delta_real t4 = -0.25302747f * w->u[1];
+    const delta_real t5 = -0.25302747f * w->u[5];
+    const delta_real t6 = t4 - t5;
+    const delta_real t7 = t3 * t6;
+    const delta_real t8 = -0.25302747f * w->u[3];
+    const delta_real t9 = t4 - t8;
+    const delta_real t10 = 0.21912822f * w->u[4];
+    const delta_real t11 = t10 + 0.1933288f;
+    const delta_real t12 = t9 * t11;
+    const delta_real t13 = t7 - t12;
+    const delta_real t14 = 56.0f * w->u[2];
+    const delta_real t15 = t14 + 49.40675f;
+    const delta_real t16 = 0.002259174f * t15;
+    const delta_real t17 = 0.002259174f * t1;
+    const delta_real t18 = t16 - t17;
+    const delta_real t19 = t18 * t11;
+    const delta_real t20 = 0.12651373f * w->u[4];
+    const delta_real t21 = t20 + 0.33485532f;
+    const delta_real t22 = 0.25302747f * w->u[0];
+    const delta_real t23 = t21 + t22;
+    const delta_real t24 = t3 * t23;
+    const delta_real t25 = t19 - t24;
+    const delta_real t26 = t9 * t23;
+    const delta_real t27 = t18 * t6;
+    const delta_real t28 = t26 - t27;
+    const delta_real t29 = t13 * t13;
+    const delta_real t30 = t28 * t28;
+    const delta_real t31 = t29 + t30;
+    const delta_real t32 = t25 * t25;
+    const delta_real t33 = t31 + t32;
+    w->guard[1] = t33;
+    if ((w->guard[1] > 1.39e-06f)) {
+        const delta_real t35 = 0.001129587f * t1;
+        const delta_real t36 = t35 * t13;
+        const delta_real t37 = 25.00253f * w->u[2];
+        const delta_real t38 = 25.00253f * w->u[0];
+        const delta_real t39 = t37 - t38;
+        const delta_real t40 = t11 * t25;
+        const delta_real t41 = t6 * t28;
+        const delta_real t42 = t40 - t41;
+        const delta_real t43 = t39 * t42;
+        const delta_real t44 = 25.00253f * w->u[4];
+        const delta_real t45 = t44 - t38;
+        const delta_real t46 = t28 * t9;
+        const delta_real t47 = t25 * t3;
+        const delta_real t48 = t46 - t47;
+        const delta_real t49 = t45 * t48;
+        const delta_real t50 = t43 + t49;
+        const delta_real t51 = 1.0f / t33;
+        const delta_real t52 = t50 * t51;
+        const delta_real t53 = t13 * t52;
+        const delta_real t54 = 0.001129587f * t53;
+        const delta_real t55 = t36 - t54;
+        const delta_real t56 = t6 * t13;
+        const delta_real t57 = t23 * t25;
+        const delta_real t58 = t56 - t57;
+        const delta_real t59 = t39 * t58;
+        const delta_real t60 = t25 * t18;
+        const delta_real t61 = t13 * t9;
+        const delta_real t62 = t60 - t61;
+        const delta_real t63 = t45 * t62;
+        const delta_real t64 = t59 + t63;
+        const delta_real t65 = t64 * t51;
+        const delta_real t66 = t28 * t65;
+        const delta_real t67 = 0.001129587f * t66;
+        const delta_real t68 = t55 - t67;
+        const delta_real t69 = t23 * t28;
+        const delta_real t70 = t11 * t13;
+        const delta_real t71 = t69 - t70;
+        const delta_real t72 = t39 * t71;
+        const delta_real t73 = t13 * t3;
+        const delta_real t74 = t28 * t18;
+        const delta_real t75 = t73 - t74;
+        const delta_real t76 = t45 * t75;
+        const delta_real t77 = t72 + t76;
+        const delta_real t78 = t77 * t51;
+        const delta_real t79 = t25 * t78;
+        const delta_real t80 = 0.001129587f * t79;
+        const delta_real t81 = t68 - t80;
+        const delta_real t82 = -0.12651373f * w->u[1];
+        const delta_real t83 = t82 * t25;
+        const delta_real t84 = t81 - t83;
+        const delta_real t85 = 0.001129587f * t33;
+        const delta_real t86 = 1.0f / t85;
+        const delta_real t87 = t84 * t86;
+        const delta_real t88 = t87 * t87;
+        const delta_real t89 = t52 * t52;
+        const delta_real t90 = 0.001129587f * t89;
+        const delta_real t91 = t17 * t52;
+        const delta_real t92 = t90 - t91;
+        const delta_real t93 = t1 * t1;
+        const delta_real t94 = -112.0f * w->u[1];
+        const delta_real t95 = t94 * t94;
+        const delta_real t96 = t93 + t95;
+        const delta_real t97 = t96 - 53824.0f;
+        const delta_real t98 = 0.001129587f * t97;
+        const delta_real t99 = t92 + t98;
+        const delta_real t100 = t65 * t65;
+        const delta_real t101 = 0.001129587f * t100;
+        const delta_real t102 = t99 + t101;
+        const delta_real t103 = t78 * t78;
+        const delta_real t104 = 0.001129587f * t103;
+        const delta_real t105 = t102 + t104;
+        const delta_real t106 = t4 * t78;
+        const delta_real t107 = t105 + t106;
+        const delta_real t108 = t107 * t86;
+        const delta_real t109 = t88 - t108;
+        const delta_real d1 = t109; /* above 0 where pose.x_pose.y_pose.z has two values */
+        const delta_real r1 = w->sign[0] * sqrtf((d1 > 0.0f) ? d1 : 0.0f);
+        const delta_real t112 = t33 * t33;
+        const delta_real t113 = t112 * t109;
+        w->guard[0] = t113;
+        const delta_real t115 = r1 - t87;
+        const delta_real t116 = t115 * t13;
+        const delta_real t117 = t116 - t52;
+        w->y[0] = t117;
+        const delta_real t119 = t115 * t28;
+        const delta_real t120 = t119 - t65;
+        w->y[1] = t120;
+        const delta_real t122 = t115 * t25;
+        const delta_real t123 = t122 - t78;
+        w->y[2] = t123;
+        w->share = fabsf(r1) * 0.0059826495f;
+    } else {
+        /* what formulas divide by vanishes: no guard is above zero */
+        w->guard[0] = 0.0f;
+        w->share = 0.0f;
+    }
 }
 
 /* Sets w->u to joint values. */
@@ -1120,29 +1013,38 @@ static void delta_direct_set(delta_direct_work *w, const delta_real joints[3])
     delta_cosine_and_sine(joints[2], &w->u[4]);
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
- * changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool delta_line_keeps(const delta_direct_work *w, const delta_real change[3])
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool delta_line_keeps(delta_direct_work *w, const delta_real change[3])
 {
-    static const delta_real weights[2][3] = {
-        { 0.00911f, 0.00911f, 0.00911f }, { 0.196f, 0.196f, 0.196f }
-    };
-    static const delta_real least[2] = { 4.15e-08f, 1.39e-06f };
     bool kept = true;
-    for (int j = 0; j < 2; ++j) {
-        const delta_real a = w->left[j] - least[j];
-        const delta_real b = w->guard[j] - least[j];
-        const delta_real lesser = (a < b) ? a : b;
-        delta_real bend = 0.0f;
-        for (int i = 0; i < 3; ++i) {
-            bend += weights[j][i] * change[i];
-        }
-        kept = kept && (lesser > 0.0f) && (bend < a + b + lesser + lesser);
+    /* pose.x_pose.y_pose.z */
+    const delta_real a0 = w->left[0] - 0.0325f;
+    const delta_real b0 = w->guard[0] - 0.0325f;
+    const delta_real lesser0 = (a0 < b0) ? a0 : b0;
+    const delta_real sum0 = change[0] + change[1] + change[2];
+    const delta_real bend0 = 7140.0f * sum0;
+    const delta_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0f) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0f)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
+    /* divisor 1 */
+    const delta_real a1 = w->left[1] - 1.39e-06f;
+    const delta_real b1 = w->guard[1] - 1.39e-06f;
+    const delta_real lesser1 = (a1 < b1) ? a1 : b1;
+    const delta_real bend1 = 0.196f * sum0;
+    const delta_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0f) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0f)) ? (bend1 / most1) : w->over;
+        kept = false;
     }
     return kept;
 }
 
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
 static delta_real delta_angle(delta_real s, delta_real c)
 {
     const delta_real x = fabsf(c);
@@ -1150,7 +1052,9 @@ static delta_real delta_angle(delta_real s, delta_real c)
     const bool steep = y > x;
     const delta_real ratio = steep ? (x / y) : (y / x);
     const delta_real square = ratio * ratio;
-    delta_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    delta_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
     if (steep) {
         angle = 1.5707964f - angle;
     }
@@ -1160,14 +1064,17 @@ static delta_real delta_angle(delta_real s, delta_real c)
     return (s < 0.0f) ? -angle : angle;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved where they are not. */
-static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3], unsigned int most, unsigned int *count)
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
+static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const delta_real joints[3],
+    unsigned int most, unsigned int *count)
 {
     delta_real at[3];
     delta_real given[3];
     delta_real change[3];
     delta_real done = 0.0f;
     delta_real part = 0.5f;
+    bool refused = true;
     delta_status status = DELTA_MAX_ITERATIONS;
     delta_real at_end[3];
     at[0] = delta_angle(w->at[1], w->at[0]);
@@ -1175,16 +1082,17 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     at[2] = delta_angle(w->at[5], w->at[4]);
     delta_unwrap_joints(at, joints, given);
     while ((status == DELTA_MAX_ITERATIONS) && (*count < most)) {
-        const delta_real end = done + part;
+        const delta_real end = (done + part < 0.9999f) ? (done + part) : 1.0f;
         bool above = true;
         for (int i = 0; i < 3; ++i) {
             const delta_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0f) ? (at[i] + end * way) : given[i];
         }
         delta_direct_set(w, at_end);
         delta_direct_formulas(w);
         ++*count;
+        w->over = 4.0f;
         for (int j = 0; j < 2; ++j) {
             above = above && (w->guard[j] > 0.0f);
         }
@@ -1196,12 +1104,15 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0f * part <= 1.0f) ? (2.0f * part) : part;
+            part = refused ? part : (2.0f * part);
+            refused = false;
             if (done >= 1.0f) {
                 status = DELTA_OK;
             }
         } else {
-            part *= 0.5f;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0f) ? (0.9f / sqrtf(w->over)) : 0.1f);
+            refused = true;
             if (part < 0.00024414062f) {
                 status = DELTA_WRONG_BRANCH;
             }
@@ -1210,82 +1121,88 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     return status;
 }
 
-/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes its pose. */
-static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance, delta_pose *pose, delta_real *residual)
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance,
+    delta_pose *pose, delta_real *residual)
 {
     delta_status status = DELTA_OK;
-    const delta_real t0 = -98.8135f + w->y[0];
+    const delta_real t0 = w->y[0] - 98.8135f;
     const delta_real t1 = 112.0f * w->u[0];
     const delta_real t2 = t0 - t1;
     const delta_real t3 = t2 * t2;
     const delta_real t4 = w->y[1] * w->y[1];
     const delta_real t5 = t3 + t4;
-    const delta_real t6 = -112.0f * w->u[1];
-    const delta_real t7 = w->y[2] - t6;
+    const delta_real t6 = 112.0f * w->u[1];
+    const delta_real t7 = w->y[2] + t6;
     const delta_real t8 = t7 * t7;
     const delta_real t9 = t5 + t8;
-    const delta_real t10 = sqrtf(t9);
-    const delta_real t11 = -232.0f + t10;
-    const delta_real t12 = 49.40675f + w->y[0];
-    const delta_real t13 = 56.0f * w->u[2];
-    const delta_real t14 = t12 + t13;
-    const delta_real t15 = t14 * t14;
-    const delta_real t16 = -85.575f + w->y[1];
-    const delta_real t17 = 96.99484f * w->u[2];
-    const delta_real t18 = t16 - t17;
-    const delta_real t19 = t18 * t18;
-    const delta_real t20 = t15 + t19;
-    const delta_real t21 = -112.0f * w->u[3];
-    const delta_real t22 = w->y[2] - t21;
-    const delta_real t23 = t22 * t22;
-    const delta_real t24 = t20 + t23;
-    const delta_real t25 = sqrtf(t24);
-    const delta_real t26 = -232.0f + t25;
-    const delta_real t27 = 49.40675f + w->y[0];
-    const delta_real t28 = 56.0f * w->u[4];
-    const delta_real t29 = t27 + t28;
-    const delta_real t30 = t29 * t29;
-    const delta_real t31 = 85.575f + w->y[1];
-    const delta_real t32 = 96.99484f * w->u[4];
-    const delta_real t33 = t31 + t32;
-    const delta_real t34 = t33 * t33;
-    const delta_real t35 = t30 + t34;
-    const delta_real t36 = -112.0f * w->u[5];
-    const delta_real t37 = w->y[2] - t36;
-    const delta_real t38 = t37 * t37;
-    const delta_real t39 = t35 + t38;
-    const delta_real t40 = sqrtf(t39);
-    const delta_real t41 = -232.0f + t40;
-    *residual = sqrtf(t11 * t11 + t26 * t26 + t41 * t41);
+    const delta_real t10 = t9 - 53824.0f;
+    const delta_real t11 = t10 * 0.001129587f;
+    const delta_real t12 = 224.0f * w->u[3];
+    const delta_real t13 = w->y[2] + t12;
+    const delta_real t14 = w->y[2] * t13;
+    const delta_real t15 = t14 - 31515.893f;
+    const delta_real t16 = w->y[1] - 171.15f;
+    const delta_real t17 = w->y[1] * t16;
+    const delta_real t18 = t15 + t17;
+    const delta_real t19 = w->y[0] + 98.8135f;
+    const delta_real t20 = w->y[0] * t19;
+    const delta_real t21 = t18 + t20;
+    const delta_real t22 = 193.98969f * w->y[1];
+    const delta_real t23 = 22134.225f - t22;
+    const delta_real t24 = 112.0f * w->y[0];
+    const delta_real t25 = t23 + t24;
+    const delta_real t26 = w->u[2] * t25;
+    const delta_real t27 = t21 + t26;
+    const delta_real t28 = t27 * 0.001129587f;
+    const delta_real t29 = 224.0f * w->u[5];
+    const delta_real t30 = w->y[2] + t29;
+    const delta_real t31 = w->y[2] * t30;
+    const delta_real t32 = t31 - 31515.893f;
+    const delta_real t33 = w->y[1] + 171.15f;
+    const delta_real t34 = w->y[1] * t33;
+    const delta_real t35 = t32 + t34;
+    const delta_real t36 = w->y[0] + 98.8135f;
+    const delta_real t37 = w->y[0] * t36;
+    const delta_real t38 = t35 + t37;
+    const delta_real t39 = 193.98969f * w->y[1];
+    const delta_real t40 = t39 + 22134.225f;
+    const delta_real t41 = t40 + t24;
+    const delta_real t42 = w->u[4] * t41;
+    const delta_real t43 = t38 + t42;
+    const delta_real t44 = t43 * 0.001129587f;
+    *residual = sqrtf(t11 * t11 + t28 * t28 + t44 * t44);
     if (!(*residual <= tolerance + 0.00169f)) {
         status = DELTA_SINGULAR;
     }
-    const delta_real t43 = -0.25302747f * t0;
-    const delta_real t44 = t43 * w->u[1];
-    const delta_real t45 = 0.25302747f * w->y[2];
-    const delta_real t46 = t45 * w->u[0];
-    const delta_real t47 = t44 - t46;
-    const delta_real t48 = 0.21912822f * w->y[1];
-    const delta_real t49 = 25.00253f - t48;
-    const delta_real t50 = 0.12651373f * w->y[0];
-    const delta_real t51 = t49 + t50;
-    const delta_real t52 = t51 * w->u[3];
-    const delta_real t53 = t45 * w->u[2];
-    const delta_real t54 = t52 - t53;
-    const delta_real t55 = 0.21912822f * w->y[1];
-    const delta_real t56 = 25.00253f + t55;
-    const delta_real t57 = t56 + t50;
-    const delta_real t58 = t57 * w->u[5];
-    const delta_real t59 = 0.25302747f * w->y[2];
-    const delta_real t60 = t59 * w->u[4];
-    const delta_real t61 = t58 - t60;
-    if (!(t47 >= -0.0243f)) { /* motor1 */
+    const delta_real t46 = 0.25302747f * w->y[0];
+    const delta_real t47 = 25.00253f - t46;
+    const delta_real t48 = t47 * w->u[1];
+    const delta_real t49 = 0.25302747f * w->y[2];
+    const delta_real t50 = t49 * w->u[0];
+    const delta_real t51 = t48 - t50;
+    const delta_real t52 = 0.21912822f * w->y[1];
+    const delta_real t53 = 25.00253f - t52;
+    const delta_real t54 = 0.12651373f * w->y[0];
+    const delta_real t55 = t53 + t54;
+    const delta_real t56 = w->u[3] * t55;
+    const delta_real t57 = t49 * w->u[2];
+    const delta_real t58 = t56 - t57;
+    const delta_real t59 = -0.25302747f * w->y[2];
+    const delta_real t60 = w->u[4] * t59;
+    const delta_real t61 = 0.21912822f * w->y[1];
+    const delta_real t62 = t61 + 25.00253f;
+    const delta_real t63 = t62 + t54;
+    const delta_real t64 = w->u[5] * t63;
+    const delta_real t65 = t60 + t64;
+    if (!(t51 >= -0.0243f)) { /* motor1 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t54 >= -0.0234f)) { /* motor2 */
+    if (!(t58 >= -0.0234f)) { /* motor2 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t61 >= -0.0251f)) { /* motor3 */
+    if (!(t65 >= -0.0251f)) { /* motor3 */
         status = DELTA_WRONG_BRANCH;
     }
     if (status == DELTA_OK) {
@@ -1300,8 +1217,10 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
-static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess, delta_pose *pose, const delta_config *config, delta_info *info)
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess,
+    delta_pose *pose, const delta_config *config, delta_info *info)
 {
     static const delta_config usual = { DELTA_TOLERANCE, DELTA_MAX_STEPS, DELTA_MAX_STEP };
     delta_direct_work w;
@@ -1310,6 +1229,7 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     delta_status status = delta_read_guess(&w, guess);
     const delta_status limits = delta_check_limits(joints);
     w.share = 0.0f;
+    w.over = 4.0f;
     /* NaN or infinity anywhere comes first */
     if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
         status = limits;
@@ -1327,23 +1247,23 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
             delta_direct_set(&w, joints);
             delta_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const delta_real move0 = w.u[0] - w.at[0];
             const delta_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0f);
-            change[0] *= 1.2338f;
+            const delta_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0f);
+            change[0] = chord0 + 0.117f * chord0 * chord0;
             const delta_real move2 = w.u[2] - w.at[2];
             const delta_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0f);
-            change[1] *= 1.2338f;
+            const delta_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0f);
+            change[1] = chord1 + 0.117f * chord1 * chord1;
             const delta_real move4 = w.u[4] - w.at[4];
             const delta_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0f);
-            change[2] *= 1.2338f;
+            const delta_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0f);
+            change[2] = chord2 + 0.117f * chord2 * chord2;
             kept = kept && delta_line_keeps(&w, change);
         }
         if (!kept) {
@@ -1354,14 +1274,21 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
         }
     }
     if (count > 0U) {
-        delta_write_info(info, count, residual, 0.0f, w.share);
+        if (info != NULL) {
+            info->iterations = (uint8_t)count;
+            info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+            info->step = 0.0f;
+            info->min_pivot = (w.share >= 0.0f) ? w.share : 0.0f;
+            info->joint = 3U;
+        }
     } else {
         delta_write_no_step(info, joints);
     }
     return status;
 }
 
-delta_status delta_direct(const delta_config *config, const delta_real joints[3], const delta_pose *guess, delta_pose *pose, delta_info *info)
+delta_status delta_direct(const delta_config *config, const delta_real joints[3],
+    const delta_pose *guess, delta_pose *pose, delta_info *info)
 {
     return delta_direct_reach(joints, guess, pose, config, info);
 }
@@ -1397,7 +1324,8 @@ delta_status delta_inverse(const delta_pose *pose, delta_real joints[3])
     return status;
 }
 
-/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand
+ * sides. */
 delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
 {
     delta_real c[3];
@@ -1444,7 +1372,8 @@ delta_status delta_jacobian(const delta_pose *pose, delta_real rates[3 * 6])
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
 static delta_status delta_check_speeds(const delta_real speeds[], int count, delta_status status)
 {
     delta_status found = delta_check_finite(speeds, count, status);
@@ -1474,7 +1403,8 @@ delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delt
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const delta_real rate_limits[3], delta_real *feed)
+delta_status delta_feed(const delta_pose *pose, const delta_real twist[6],
+    const delta_real rate_limits[3], delta_real *feed)
 {
     delta_real rates[3];
     delta_status status = delta_check_finite(rate_limits, 3, delta_rates(pose, twist, rates));
@@ -1495,7 +1425,8 @@ delta_status delta_feed(const delta_pose *pose, const delta_real twist[6], const
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
 delta_status delta_twist(const delta_pose *pose, const delta_real rates[3], delta_real twist[6])
 {
     static const delta_real row_scale[3] = { 442.63968f, 442.63968f, 442.63968f };

@@ -59,7 +59,8 @@ static int same_pose(const delta_pose *a, const delta_pose *b)
 }
 
 /* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static delta_status refused(const delta_config *config, const delta_real joints[DELTA_JOINTS], const delta_pose *guess, const char *what)
+static delta_status refused(const delta_config *config, const delta_real joints[DELTA_JOINTS],
+    const delta_pose *guess, const char *what)
 {
     const delta_real marks[7] = { 1.0f, 2.0f, 4.0f, 1.0f, 2.0f, 4.0f, 1.0f };
     const delta_pose untouched = pose_from(marks);
@@ -82,19 +83,22 @@ static void solve_all(void)
         delta_pose pose = guess;
         delta_info info;
         delta_real joints[DELTA_JOINTS];
-        expect(delta_direct(NULL, delta_vector_joints[k], &pose, &pose, &info) == DELTA_OK, "direct", k);
+        expect(delta_direct(NULL, delta_vector_joints[k], &pose, &pose, &info) == DELTA_OK,
+            "direct", k);
         expect(difference(&pose, delta_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
         expect(info.joint == DELTA_JOINTS, "no joint to blame", k);
         pose = guess;
-        expect(delta_direct(NULL, delta_vector_joints[k], &guess, &pose, NULL) == DELTA_OK, "direct without info", k);
+        expect(delta_direct(NULL, delta_vector_joints[k], &guess, &pose, NULL) == DELTA_OK,
+            "direct without info", k);
         expect(delta_track(delta_vector_joints[k], &pose, &info) == DELTA_OK, "track", k);
         expect(difference(&pose, delta_vector_poses[k]) <= bound, "track's pose", k);
         pose = pose_from(delta_vector_poses[k]);
         expect(delta_inverse(&pose, joints) == DELTA_OK, "inverse", k);
         for (int i = 0; i < DELTA_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)delta_vector_inverse[k][i]) <= bound * 1.0, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)delta_vector_inverse[k][i]) <= bound * 1.0,
+                "inverse's joints", k);
         }
         if (k < DELTA_VECTOR_JACOBIANS) {
             delta_real jacobian[DELTA_JOINTS * 6];
@@ -113,9 +117,11 @@ static void refuse_configs(const delta_real joints[DELTA_JOINTS], const delta_po
     const delta_real wrong[4] = { 0.0f, -1.0f, (delta_real)NAN, (delta_real)INFINITY };
     for (int i = 0; i < 8; ++i) {
         const delta_real other = wrong[i % 4];
-        const delta_config config = { (i < 4) ? other : DELTA_TOLERANCE, DELTA_MAX_STEPS, (i < 4) ? DELTA_MAX_STEP : other };
+        const delta_config config = { (i < 4) ? other : DELTA_TOLERANCE, DELTA_MAX_STEPS,
+            (i < 4) ? DELTA_MAX_STEP : other };
         const delta_status wanted = (i % 4 < 2) ? DELTA_OUT_OF_RANGE : DELTA_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+        expect(refused(&config, joints, home, "wrong config") == wanted,
+            "status of a wrong config", i);
     }
 }
 
@@ -131,7 +137,8 @@ static void refuse_all(void)
     for (int i = 0; i < DELTA_JOINTS; ++i) {
         joints[i] = delta_vector_joints[0][i];
     }
-    expect(refused(&none, joints, &home, "no step is not enough") == DELTA_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    expect(refused(&none, joints, &home, "no step is not enough") == DELTA_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 1);
     refuse_configs(joints, &home);
     joints[DELTA_JOINTS - 1] = (delta_real)NAN;
     (void)delta_direct(NULL, joints, &home, &pose, &info);
@@ -148,12 +155,14 @@ static void refuse_all(void)
     joints[0] = (delta_real)INFINITY;
     expect(refused(NULL, joints, &home, "infinite joint") == DELTA_NONFINITE, "NONFINITE", 1);
     joints[0] = -4.426397e+06f;
-    expect(refused(NULL, joints, &home, "joint out of range") == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    expect(refused(NULL, joints, &home, "joint out of range") == DELTA_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 0);
     joints[0] = 4.426397e+06f;
     (void)refused(NULL, joints, &home, "joint beyond reach");
     joints[0] = delta_vector_joints[0][0];
     wrong.quaternion[0] = 2.0f;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE", 1);
+    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == DELTA_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 1);
     expect(delta_inverse(&wrong, joints) == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
     expect(delta_jacobian(&wrong, jacobian) == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
     wrong = home;
@@ -164,7 +173,8 @@ static void refuse_all(void)
     wrong = pose_from(delta_vector_far);
     pose = wrong;
 #if DELTA_VECTOR_FAR > 0
-    expect(delta_track(joints, &wrong, &info) == DELTA_WRONG_BRANCH, "WRONG_BRANCH of a long step", 0);
+    expect(delta_track(joints, &wrong, &info) == DELTA_WRONG_BRANCH, "WRONG_BRANCH of a long step",
+        0);
     expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
 #else
     (void)delta_track(joints, &pose, &info);
@@ -177,7 +187,8 @@ static void refuse_all(void)
 #endif
 }
 
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
+ * own. */
 static void speeds_of(const delta_pose *pose, int k)
 {
     delta_real rates[DELTA_JOINTS];
@@ -203,11 +214,13 @@ static void speeds_of(const delta_pose *pose, int k)
     for (int i = 0; i < DELTA_JOINTS; ++i) {
         limits[i] = 4.0f;
     }
-    expect((delta_feed(pose, twist, limits, &feed) == DELTA_OK) && (feed == 1.0f), "no need for a feed", k);
+    expect((delta_feed(pose, twist, limits, &feed) == DELTA_OK)
+        && (feed == 1.0f), "no need for a feed", k);
     limits[0] = -1.0f;
     expect(delta_feed(pose, twist, limits, &feed) == DELTA_OUT_OF_RANGE, "a limit below 0", k);
     limits[0] = (delta_real)NAN;
-    expect(delta_feed(pose, twist, limits, &feed) == DELTA_NONFINITE, "a limit that is not a number", k);
+    expect(delta_feed(pose, twist, limits, &feed) == DELTA_NONFINITE,
+        "a limit that is not a number", k);
     twist[5] = (delta_real)INFINITY;
     expect(delta_rates(pose, twist, again) == DELTA_NONFINITE, "infinite twist", k);
     rates[0] = (delta_real)NAN;

@@ -1,53 +1,73 @@
-/* How a control loop uses delta: from a pose to joint values and back, then tracking.
+/* A control loop with delta: where the platform is, cycle after cycle, and what to do when that is
+ * not known.
  * SPDX-License-Identifier: MIT */
 #include "delta.h"
 #include "delta_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, delta_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    delta_pose pose; /* the last one that was known */
+    int tracked; /* cycles answered by one step */
+    int recovered; /* cycles answered by the whole line from the last pose */
+    int held; /* cycles without an answer: the machine must not move */
+} loop_state;
+
+/* One cycle: the pose at the joint values that were read. */
+static void cycle(loop_state *state, const delta_real joints[DELTA_JOINTS])
 {
-    static const char *const names[] = {
-        "DELTA_OK", "DELTA_MAX_ITERATIONS", "DELTA_SINGULAR", "DELTA_NONFINITE", "DELTA_OUT_OF_RANGE", "DELTA_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    delta_pose pose = state->pose;
+    delta_info info;
+    if ((delta_track(joints, &pose, &info) == DELTA_OK) && (info.residual <= DELTA_TRACK_LIMIT)) {
+        ++state->tracked;
+        state->pose = pose;
+    } else if (delta_direct(NULL, joints, &state->pose, &pose, &info) == DELTA_OK) {
+        /* too long a step, as after a gap in the readings */
+        ++state->recovered;
+        state->pose = pose;
+    } else {
+        /* joint info.joint is to blame, if it is below DELTA_JOINTS; the pose stays the last good
+         * one */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
-    delta_pose pose;
-    delta_real joints[DELTA_JOINTS];
-    delta_info info;
-    delta_status status;
+    loop_state state = { { { 0.0f }, { 0.0f } }, 0, 0, 0 };
+    delta_real begin[DELTA_JOINTS];
     for (int i = 0; i < 3; ++i) {
-        pose.position[i] = delta_vector_home[i];
+        state.pose.position[i] = delta_vector_home[i];
     }
     for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = delta_vector_home[3 + i];
+        state.pose.quaternion[i] = delta_vector_home[3 + i];
     }
-    status = delta_inverse(&pose, joints);
-    if (status != DELTA_OK) {
-        return stopped("delta_inverse", status);
-    }
-    /* Power-up: the machine's joints as they are read, home as the guess. Anything but OK: do not move. */
-    for (int i = 0; i < DELTA_JOINTS; ++i) {
-        joints[i] = delta_vector_joints[0][i];
-    }
-    status = delta_direct(NULL, joints, &pose, &pose, &info);
-    if (status != DELTA_OK) {
-        return stopped("delta_direct", status);
-    }
-    /* Each cycle: one step from the last pose; a predicted error that is too large asks for delta_direct. */
-    status = delta_track(joints, &pose, &info);
-    if (status != DELTA_OK) {
-        return stopped("delta_track", status);
-    }
-    if (info.residual > DELTA_TRACK_LIMIT) {
-        (void)fprintf(stderr, "delta_track: predicted error %g; call delta_direct\n", (double)info.residual);
+    if (delta_inverse(&state.pose, begin) != DELTA_OK) {
+        (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    (void)printf("position %.6f %.6f %.6f\n", (double)pose.position[0], (double)pose.position[1], (double)pose.position[2]);
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
+     * number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const delta_real part = (delta_real)k / (delta_real)CYCLES;
+        delta_real joints[DELTA_JOINTS];
+        for (int i = 0; i < DELTA_JOINTS; ++i) {
+            joints[i] = begin[i] + part * (delta_vector_joints[0][i] - begin[i]);
+        }
+        if (k == 80) {
+            joints[0] = (delta_real)NAN;
+        }
+        if ((k < 40) || (k >= 70)) {
+            cycle(&state, joints);
+        }
+    }
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
+            state.recovered, state.held);
     return 0;
 }

@@ -1,4 +1,5 @@
-/* Test of gluon_6l3.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+/* Test of gluon_6l3.c against vectors from Python. Prints what failed; exit status 0 when nothing
+ * did.
  * SPDX-License-Identifier: MIT */
 #include "gluon_6l3.h"
 #include "gluon_6l3_vectors.h"
@@ -29,7 +30,8 @@ static gluon_6l3_pose pose_from(const gluon_6l3_real numbers[7])
 }
 
 /* An inverse call that must not succeed: the status, with the joints untouched and info written. */
-static gluon_6l3_status refused(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS], const char *what)
+static gluon_6l3_status refused(const gluon_6l3_config *config, const gluon_6l3_pose *pose,
+    const gluon_6l3_real guess[GLUON_6L3_JOINTS], const char *what)
 {
     gluon_6l3_real joints[GLUON_6L3_JOINTS];
     gluon_6l3_info info;
@@ -56,21 +58,26 @@ static void solve_all(void)
         gluon_6l3_real joints[GLUON_6L3_JOINTS];
         expect(gluon_6l3_direct(gluon_6l3_vector_joints[k], &pose) == GLUON_6L3_OK, "direct", k);
         for (int i = 0; i < 3; ++i) {
-            expect(fabs((double)pose.position[i] - (double)gluon_6l3_vector_poses[k][i]) <= bound, "direct's position", k);
+            expect(fabs((double)pose.position[i] - (double)gluon_6l3_vector_poses[k][i]) <= bound,
+                "direct's position", k);
         }
         for (int i = 0; i < 4; ++i) {
-            const double off = fabs((double)pose.quaternion[i] - (double)gluon_6l3_vector_poses[k][3 + i]);
+            const double off = fabs((double)pose.quaternion[i]
+                - (double)gluon_6l3_vector_poses[k][3 + i]);
             expect((double)GLUON_6L3_SIZE * off <= bound, "direct's quaternion", k);
         }
         pose = pose_from(gluon_6l3_vector_poses[k]);
-        expect(gluon_6l3_inverse(NULL, &pose, gluon_6l3_vector_guesses[k], joints, &info) == GLUON_6L3_OK, "inverse", k);
+        expect(gluon_6l3_inverse(NULL, &pose, gluon_6l3_vector_guesses[k], joints,
+            &info) == GLUON_6L3_OK, "inverse", k);
         expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
         for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)gluon_6l3_vector_inverse[k][i]) <= bound * 1.0, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)gluon_6l3_vector_inverse[k][i]) <= bound * 1.0,
+                "inverse's joints", k);
         }
         if (k < GLUON_6L3_VECTOR_JACOBIANS) {
             gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS];
-            expect(gluon_6l3_jacobian(gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK, "jacobian", k);
+            expect(gluon_6l3_jacobian(gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK,
+                "jacobian", k);
             for (int i = 0; i < 6 * GLUON_6L3_JOINTS; ++i) {
                 const double wanted = (double)gluon_6l3_vector_jacobians[k][i];
                 const double scale = fmax((double)GLUON_6L3_SIZE, 1.0) * (1.0 + fabs(wanted));
@@ -85,9 +92,11 @@ static void refuse_configs(const gluon_6l3_pose *pose, const gluon_6l3_real gues
     const gluon_6l3_real wrong[4] = { 0.0, -1.0, (gluon_6l3_real)NAN, (gluon_6l3_real)INFINITY };
     for (int i = 0; i < 8; ++i) {
         const gluon_6l3_real other = wrong[i % 4];
-        const gluon_6l3_config config = { (i < 4) ? other : GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS, (i < 4) ? GLUON_6L3_MAX_STEP : other };
+        const gluon_6l3_config config = { (i < 4) ? other : GLUON_6L3_TOLERANCE,
+            GLUON_6L3_MAX_STEPS, (i < 4) ? GLUON_6L3_MAX_STEP : other };
         const gluon_6l3_status wanted = (i % 4 < 2) ? GLUON_6L3_OUT_OF_RANGE : GLUON_6L3_NONFINITE;
-        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config", i);
+        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config",
+            i);
     }
 }
 
@@ -102,13 +111,15 @@ static void refuse_all(void)
     for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
         joints[i] = gluon_6l3_vector_guesses[0][i];
     }
-    expect(refused(&none, &pose, joints, "no step is not enough") == GLUON_6L3_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    expect(refused(&none, &pose, joints, "no step is not enough") == GLUON_6L3_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 0);
     refuse_configs(&pose, joints);
     joints[GLUON_6L3_JOINTS - 1] = (gluon_6l3_real)NAN;
     (void)gluon_6l3_inverse(NULL, &pose, joints, other, &info);
     expect(info.joint == GLUON_6L3_JOINTS - 1U, "joint of a NaN guess", 0);
     joints[GLUON_6L3_JOINTS - 1] = gluon_6l3_vector_guesses[0][GLUON_6L3_JOINTS - 1];
-    expect((gluon_6l3_inverse(NULL, &pose, joints, other, &info) == GLUON_6L3_OK) && (info.joint == GLUON_6L3_JOINTS), "no joint to blame", 0);
+    expect((gluon_6l3_inverse(NULL, &pose, joints, other, &info) == GLUON_6L3_OK)
+        && (info.joint == GLUON_6L3_JOINTS), "no joint to blame", 0);
     joints[0] = (gluon_6l3_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == GLUON_6L3_NONFINITE, "NONFINITE", 0);
     expect(gluon_6l3_direct(joints, &wrong) == GLUON_6L3_NONFINITE, "NONFINITE of direct", 0);
@@ -119,20 +130,23 @@ static void refuse_all(void)
     expect(refused(NULL, &wrong, joints, "infinite pose") == GLUON_6L3_NONFINITE, "NONFINITE", 1);
     wrong = pose;
     wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == GLUON_6L3_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == GLUON_6L3_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 0);
     wrong = pose;
     wrong.position[0] = 5392937.207125631;
     (void)refused(NULL, &wrong, joints, "pose out of reach");
 #if GLUON_6L3_VECTOR_SINGULAR > 0
     for (int k = 0; k < GLUON_6L3_VECTOR_SINGULAR; ++k) {
-        expect(refused(NULL, &pose, gluon_6l3_vector_singular[k], "singular start") == GLUON_6L3_SINGULAR, "SINGULAR", k);
+        expect(refused(NULL, &pose, gluon_6l3_vector_singular[k],
+            "singular start") == GLUON_6L3_SINGULAR, "SINGULAR", k);
     }
 #endif
 }
 
 
 /* Whether two lists of joint values are the same within a bound, whole turns left aside. */
-static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS], const gluon_6l3_real b[GLUON_6L3_JOINTS], double bound)
+static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS],
+    const gluon_6l3_real b[GLUON_6L3_JOINTS], double bound)
 {
     static const int angular[GLUON_6L3_JOINTS] = { 1, 1, 1, 1, 1, 1 };
     int same = 1;
@@ -144,7 +158,8 @@ static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS], const gluon_6l3
     return same;
 }
 
-/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is the nearest. */
+/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is
+ * the nearest. */
 static void closed_form(void)
 {
     for (int k = 0; k < GLUON_6L3_VECTORS; ++k) {
@@ -161,10 +176,12 @@ static void closed_form(void)
             gluon_6l3_pose again;
             expect(gluon_6l3_direct(all[row], &again) == GLUON_6L3_OK, "direct of a branch", k);
             for (int i = 0; i < 3; ++i) {
-                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 2.4e-09, "a branch's position", k);
+                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 2.4e-09,
+                    "a branch's position", k);
             }
             for (int i = 0; i < 4; ++i) {
-                const double off = fabs(fabs((double)again.quaternion[i]) - fabs((double)pose.quaternion[i]));
+                const double off = fabs(fabs((double)again.quaternion[i])
+                    - fabs((double)pose.quaternion[i]));
                 expect((double)GLUON_6L3_SIZE * off <= 2.4e-09, "a branch's quaternion", k);
             }
             found += same_joints(all[row], gluon_6l3_vector_inverse[k], most);
@@ -172,14 +189,17 @@ static void closed_form(void)
         expect(found == 1, "one branch is the arm", k);
         for (unsigned int branch = 0U; branch < GLUON_6L3_BRANCHES; ++branch) {
             if (gluon_6l3_inverse_branch(&pose, branch, one) == GLUON_6L3_OK) {
-                expect((named < count) && same_joints(one, all[named], most), "a branch by its name", k);
+                expect((named < count) && same_joints(one, all[named], most),
+                    "a branch by its name", k);
                 ++named;
             }
         }
         expect(named == count, "count of the branches by name", k);
-        expect(gluon_6l3_inverse_nearest(&pose, gluon_6l3_vector_guesses[k], one) == GLUON_6L3_OK, "nearest branch", k);
+        expect(gluon_6l3_inverse_nearest(&pose, gluon_6l3_vector_guesses[k], one) == GLUON_6L3_OK,
+            "nearest branch", k);
         for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-            expect(fabs((double)one[i] - (double)gluon_6l3_vector_inverse[k][i]) <= most, "nearest branch's joints", k);
+            expect(fabs((double)one[i] - (double)gluon_6l3_vector_inverse[k][i]) <= most,
+                "nearest branch's joints", k);
         }
     }
 }
@@ -196,17 +216,22 @@ static void closed_refusals(void)
         joints[i] = 4.0;
         guess[i] = gluon_6l3_vector_guesses[0][i];
     }
-    expect(gluon_6l3_inverse_branch(&pose, GLUON_6L3_BRANCHES, joints) == GLUON_6L3_OUT_OF_RANGE, "no such branch", 0);
+    expect(gluon_6l3_inverse_branch(&pose, GLUON_6L3_BRANCHES, joints) == GLUON_6L3_OUT_OF_RANGE,
+        "no such branch", 0);
     guess[0] = (gluon_6l3_real)NAN;
-    expect(gluon_6l3_inverse_nearest(&pose, guess, joints) == GLUON_6L3_NONFINITE, "NaN guess of the closed form", 0);
+    expect(gluon_6l3_inverse_nearest(&pose, guess, joints) == GLUON_6L3_NONFINITE,
+        "NaN guess of the closed form", 0);
     guess[0] = gluon_6l3_vector_guesses[0][0];
     wrong.position[2] = (gluon_6l3_real)INFINITY;
-    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_NONFINITE, "infinite pose of the closed form", 0);
-    expect(gluon_6l3_inverse_branch(&wrong, 0U, joints) == GLUON_6L3_NONFINITE, "infinite pose of the closed form", 1);
+    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_NONFINITE,
+        "infinite pose of the closed form", 0);
+    expect(gluon_6l3_inverse_branch(&wrong, 0U, joints) == GLUON_6L3_NONFINITE,
+        "infinite pose of the closed form", 1);
     expect(gluon_6l3_inverse_all(&wrong, all) == 0, "infinite pose of the closed form", 2);
     wrong = pose;
     wrong.quaternion[1] = 2.0;
-    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_OUT_OF_RANGE, "quaternion of length 2 of the closed form", 0);
+    expect(gluon_6l3_inverse_nearest(&wrong, guess, joints) == GLUON_6L3_OUT_OF_RANGE,
+        "quaternion of length 2 of the closed form", 0);
     wrong = pose;
     wrong.position[0] = 5392937.207125631;
     wrong.position[1] = 5392937.207125631;

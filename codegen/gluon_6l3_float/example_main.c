@@ -1,35 +1,76 @@
-/* How a control loop uses gluon_6l3: from joint values to a pose and back from a guess.
+/* A control loop with gluon_6l3: joint values of poses, cycle after cycle, and what to do when
+ * there are none.
  * SPDX-License-Identifier: MIT */
 #include "gluon_6l3.h"
 #include "gluon_6l3_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, gluon_6l3_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    gluon_6l3_real joints[GLUON_6L3_JOINTS]; /* the last ones that were answered */
+    int moved; /* cycles with an answer */
+    int held; /* cycles without one: the arm must not move */
+} loop_state;
+
+/* One cycle: the joint values of the pose that is wanted, from the last ones. */
+static void cycle(loop_state *state, const gluon_6l3_pose *pose)
 {
-    static const char *const names[] = {
-        "GLUON_6L3_OK", "GLUON_6L3_MAX_ITERATIONS", "GLUON_6L3_SINGULAR", "GLUON_6L3_NONFINITE", "GLUON_6L3_OUT_OF_RANGE", "GLUON_6L3_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    gluon_6l3_info info;
+    if (gluon_6l3_inverse(NULL, pose, state->joints, state->joints, &info) == GLUON_6L3_OK) {
+        ++state->moved;
+    } else {
+        /* joint info.joint is to blame, if it is below GLUON_6L3_JOINTS; the joint values stay the
+         * last good ones */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
-    gluon_6l3_pose pose;
-    gluon_6l3_real joints[GLUON_6L3_JOINTS];
-    gluon_6l3_info info;
-    gluon_6l3_status status;
-    status = gluon_6l3_direct(gluon_6l3_vector_joints[0], &pose);
-    if (status != GLUON_6L3_OK) {
-        return stopped("gluon_6l3_direct", status);
+    loop_state state = { { 0.0f }, 0, 0 };
+    gluon_6l3_pose from;
+    gluon_6l3_pose to;
+    for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
+        state.joints[i] = gluon_6l3_vector_guesses[0][i];
     }
-    /* Anything but OK: joints are untouched, do not move. */
-    status = gluon_6l3_inverse(NULL, &pose, gluon_6l3_vector_guesses[0], joints, &info);
-    if (status != GLUON_6L3_OK) {
-        return stopped("gluon_6l3_inverse", status);
+    if ((gluon_6l3_direct(state.joints, &from) != GLUON_6L3_OK)
+        || (gluon_6l3_direct(gluon_6l3_vector_joints[0], &to) != GLUON_6L3_OK)) {
+        (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
+        return 1;
     }
-    (void)printf("first joint %.6f after %d steps\n", (double)joints[0], (int)info.iterations);
+    /* the tool moves in a straight line; in cycle 80 the pose that is wanted is not a number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const double part = (double)k / CYCLES;
+        double cosine = 0.0;
+        double squared = 0.0;
+        gluon_6l3_pose pose;
+        for (int i = 0; i < 4; ++i) {
+            cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            const double other = (cosine < 0.0) ? -(double)to.quaternion[i]
+                : (double)to.quaternion[i];
+            const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
+            pose.quaternion[i] = (gluon_6l3_real)q;
+            squared += q * q;
+        }
+        for (int i = 0; i < 4; ++i) {
+            pose.quaternion[i] = (gluon_6l3_real)((double)pose.quaternion[i] / sqrt(squared));
+        }
+        for (int i = 0; i < 3; ++i) {
+            pose.position[i] = (gluon_6l3_real)((1.0 - part) * (double)from.position[i]
+                + part * (double)to.position[i]);
+        }
+        if (k == 80) {
+            pose.position[0] = (gluon_6l3_real)NAN;
+        }
+        cycle(&state, &pose);
+    }
+    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved,
+        state.held);
     return 0;
 }

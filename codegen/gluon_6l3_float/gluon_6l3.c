@@ -15,8 +15,10 @@
 #define GLUON_6L3_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_real values[], int count, gluon_6l3_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_real values[],
+    int count, gluon_6l3_status otherwise)
 {
     gluon_6l3_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,14 +30,17 @@ static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_finite(const gluon_6l3_re
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static gluon_6l3_status gluon_6l3_normalise_pose(const gluon_6l3_pose *pose, gluon_6l3_real x[7])
 {
     const gluon_6l3_real *const q = pose->quaternion;
-    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f) && (fabsf(q[3]) <= 2.0f)
-        && (fabsf(pose->position[0]) <= 540000.0f) && (fabsf(pose->position[1]) <= 540000.0f) && (fabsf(pose->position[2]) <= 540000.0f);
-    const gluon_6l3_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0f;
+    const bool bounded = (fabsf(q[0]) <= 2.0f) && (fabsf(q[1]) <= 2.0f) && (fabsf(q[2]) <= 2.0f)
+        && (fabsf(q[3]) <= 2.0f)
+        && (fabsf(pose->position[0]) <= 540000.0f) && (fabsf(pose->position[1]) <= 540000.0f)
+            && (fabsf(pose->position[2]) <= 540000.0f);
+    const gluon_6l3_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
+        + q[3] * q[3]) : 0.0f;
     gluon_6l3_status status = GLUON_6L3_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -54,9 +59,10 @@ static gluon_6l3_status gluon_6l3_normalise_pose(const gluon_6l3_pose *pose, glu
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static GLUON_6L3_COLD void gluon_6l3_write_info(gluon_6l3_info *info, unsigned int count, gluon_6l3_real residual, gluon_6l3_real size, gluon_6l3_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static GLUON_6L3_COLD void gluon_6l3_write_info(gluon_6l3_info *info, unsigned int count,
+    gluon_6l3_real residual, gluon_6l3_real size, gluon_6l3_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -68,20 +74,24 @@ static GLUON_6L3_COLD void gluon_6l3_write_info(gluon_6l3_info *info, unsigned i
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_config(const gluon_6l3_config *config, gluon_6l3_status before)
+static GLUON_6L3_COLD gluon_6l3_status gluon_6l3_check_config(const gluon_6l3_config *config,
+    gluon_6l3_status before)
 {
     const gluon_6l3_real tolerance = config->tolerance;
     const gluon_6l3_real longest = config->max_step;
     gluon_6l3_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 540000.0f - longest)) && (before != GLUON_6L3_NONFINITE)) {
-        const gluon_6l3_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 540000.0f - longest))
+        && (before != GLUON_6L3_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const gluon_6l3_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? GLUON_6L3_OUT_OF_RANGE : GLUON_6L3_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static GLUON_6L3_SHARED uint8_t gluon_6l3_first_beyond(const gluon_6l3_real joints[6])
 {
     uint8_t joint = 0U;
@@ -101,7 +111,8 @@ static gluon_6l3_status gluon_6l3_check_limits(const gluon_6l3_real joints[6])
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and
+ * slides. */
 static void gluon_6l3_forward(const gluon_6l3_real q[6], gluon_6l3_real x[7])
 {
     const gluon_6l3_real t0 = cosf(q[0]);
@@ -111,177 +122,171 @@ static void gluon_6l3_forward(const gluon_6l3_real q[6], gluon_6l3_real x[7])
     const gluon_6l3_real t4 = cosf(q[4]);
     const gluon_6l3_real t5 = sinf(q[5]);
     const gluon_6l3_real t6 = 9.849899e-15f * t5;
-    const gluon_6l3_real t7 = -8.199316e-14f + t6;
-    const gluon_6l3_real t8 = t7 - (-5.684342e-14f);
-    const gluon_6l3_real t9 = t4 * t8;
-    const gluon_6l3_real t10 = sinf(q[4]);
-    const gluon_6l3_real t11 = cosf(q[5]);
-    const gluon_6l3_real t12 = -44.36f * t11;
-    const gluon_6l3_real t13 = 1.0f - t11;
-    const gluon_6l3_real t14 = 44.36f * t13;
-    const gluon_6l3_real t15 = t12 - t14;
-    const gluon_6l3_real t16 = t10 * t15;
-    const gluon_6l3_real t17 = t9 - t16;
-    const gluon_6l3_real t18 = t3 * t17;
-    const gluon_6l3_real t19 = sinf(q[3]);
-    const gluon_6l3_real t20 = 9.849899e-15f * t13;
-    const gluon_6l3_real t21 = 533.96f + t20;
-    const gluon_6l3_real t22 = t21 - 453.87f;
-    const gluon_6l3_real t23 = t4 * t22;
-    const gluon_6l3_real t24 = 1.0f - t4;
-    const gluon_6l3_real t25 = t24 * t22;
-    const gluon_6l3_real t26 = t23 + t25;
-    const gluon_6l3_real t27 = t19 * t26;
-    const gluon_6l3_real t28 = t18 - t27;
-    const gluon_6l3_real t29 = -5.684342e-14f + t28;
-    const gluon_6l3_real t30 = t29 - (-2.842171e-14f);
-    const gluon_6l3_real t31 = t2 * t30;
-    const gluon_6l3_real t32 = sinf(q[2]);
-    const gluon_6l3_real t33 = t3 * t26;
-    const gluon_6l3_real t34 = t19 * t17;
-    const gluon_6l3_real t35 = t33 + t34;
-    const gluon_6l3_real t36 = 453.87f + t35;
-    const gluon_6l3_real t37 = t36 - 279.45f;
-    const gluon_6l3_real t38 = t32 * t37;
-    const gluon_6l3_real t39 = t31 - t38;
-    const gluon_6l3_real t40 = -2.842171e-14f + t39;
-    const gluon_6l3_real t41 = t1 * t40;
-    const gluon_6l3_real t42 = sinf(q[1]);
-    const gluon_6l3_real t43 = t2 * t37;
-    const gluon_6l3_real t44 = t32 * t30;
-    const gluon_6l3_real t45 = t43 + t44;
-    const gluon_6l3_real t46 = 279.45f + t45;
-    const gluon_6l3_real t47 = t46 - 105.03f;
-    const gluon_6l3_real t48 = t42 * t47;
-    const gluon_6l3_real t49 = t41 - t48;
-    const gluon_6l3_real t50 = t0 * t49;
-    const gluon_6l3_real t51 = sinf(q[0]);
-    const gluon_6l3_real t52 = t4 * t15;
-    const gluon_6l3_real t53 = t10 * t8;
-    const gluon_6l3_real t54 = t52 + t53;
-    const gluon_6l3_real t55 = -75.66f + t54;
-    const gluon_6l3_real t56 = t55 - 5.684342e-14f;
-    const gluon_6l3_real t57 = t3 * t56;
-    const gluon_6l3_real t58 = 1.0f - t3;
-    const gluon_6l3_real t59 = t58 * t56;
-    const gluon_6l3_real t60 = t57 + t59;
-    const gluon_6l3_real t61 = 5.684342e-14f + t60;
-    const gluon_6l3_real t62 = t61 - 2.842171e-14f;
-    const gluon_6l3_real t63 = t2 * t62;
-    const gluon_6l3_real t64 = 1.0f - t2;
-    const gluon_6l3_real t65 = t64 * t62;
-    const gluon_6l3_real t66 = t63 + t65;
-    const gluon_6l3_real t67 = 2.842171e-14f + t66;
-    const gluon_6l3_real t68 = t1 * t67;
-    const gluon_6l3_real t69 = 1.0f - t1;
-    const gluon_6l3_real t70 = t69 * t67;
-    const gluon_6l3_real t71 = t68 + t70;
-    const gluon_6l3_real t72 = t51 * t71;
-    const gluon_6l3_real t73 = t50 - t72;
-    const gluon_6l3_real t74 = t0 * t71;
-    const gluon_6l3_real t75 = t51 * t49;
-    const gluon_6l3_real t76 = t74 + t75;
-    const gluon_6l3_real t77 = t1 * t47;
-    const gluon_6l3_real t78 = t42 * t40;
-    const gluon_6l3_real t79 = t77 + t78;
-    const gluon_6l3_real t80 = 105.03f + t79;
-    const gluon_6l3_real t81 = t0 * t80;
-    const gluon_6l3_real t82 = 1.0f - t0;
-    const gluon_6l3_real t83 = t82 * t80;
-    const gluon_6l3_real t84 = t81 + t83;
-    const gluon_6l3_real t85 = 0.5f * q[0];
-    const gluon_6l3_real t86 = sinf(t85);
-    const gluon_6l3_real t87 = 0.5f * q[1];
-    const gluon_6l3_real t88 = sinf(t87);
-    const gluon_6l3_real t89 = t86 * t88;
-    const gluon_6l3_real t90 = 0.5f * q[2];
-    const gluon_6l3_real t91 = cosf(t90);
-    const gluon_6l3_real t92 = t89 * t91;
-    const gluon_6l3_real t93 = cosf(t87);
-    const gluon_6l3_real t94 = t86 * t93;
-    const gluon_6l3_real t95 = sinf(t90);
-    const gluon_6l3_real t96 = t94 * t95;
-    const gluon_6l3_real t97 = t92 + t96;
-    const gluon_6l3_real t98 = 0.5f * q[3];
-    const gluon_6l3_real t99 = cosf(t98);
-    const gluon_6l3_real t100 = t97 * t99;
-    const gluon_6l3_real t101 = t94 * t91;
-    const gluon_6l3_real t102 = t89 * t95;
-    const gluon_6l3_real t103 = t101 - t102;
-    const gluon_6l3_real t104 = sinf(t98);
-    const gluon_6l3_real t105 = t103 * t104;
-    const gluon_6l3_real t106 = t100 + t105;
-    const gluon_6l3_real t107 = 0.5f * q[4];
-    const gluon_6l3_real t108 = sinf(t107);
-    const gluon_6l3_real t109 = t106 * t108;
-    const gluon_6l3_real t110 = cosf(t85);
-    const gluon_6l3_real t111 = t110 * t93;
-    const gluon_6l3_real t112 = t111 * t91;
-    const gluon_6l3_real t113 = t110 * t88;
-    const gluon_6l3_real t114 = t113 * t95;
-    const gluon_6l3_real t115 = t112 - t114;
-    const gluon_6l3_real t116 = t115 * t104;
-    const gluon_6l3_real t117 = t111 * t95;
-    const gluon_6l3_real t118 = t113 * t91;
-    const gluon_6l3_real t119 = t117 + t118;
-    const gluon_6l3_real t120 = t119 * t99;
-    const gluon_6l3_real t121 = t116 + t120;
-    const gluon_6l3_real t122 = cosf(t107);
-    const gluon_6l3_real t123 = t121 * t122;
-    const gluon_6l3_real t124 = t109 + t123;
-    const gluon_6l3_real t125 = 0.5f * q[5];
-    const gluon_6l3_real t126 = cosf(t125);
-    const gluon_6l3_real t127 = t124 * t126;
-    const gluon_6l3_real t128 = t115 * t99;
-    const gluon_6l3_real t129 = t119 * t104;
-    const gluon_6l3_real t130 = t128 - t129;
-    const gluon_6l3_real t131 = t130 * t122;
-    const gluon_6l3_real t132 = t103 * t99;
-    const gluon_6l3_real t133 = t97 * t104;
-    const gluon_6l3_real t134 = t132 - t133;
-    const gluon_6l3_real t135 = t134 * t108;
-    const gluon_6l3_real t136 = t131 - t135;
-    const gluon_6l3_real t137 = sinf(t125);
-    const gluon_6l3_real t138 = t136 * t137;
-    const gluon_6l3_real t139 = t127 + t138;
-    const gluon_6l3_real t140 = 0.70710677f * t139;
-    const gluon_6l3_real t141 = t130 * t108;
-    const gluon_6l3_real t142 = t134 * t122;
-    const gluon_6l3_real t143 = t141 + t142;
-    const gluon_6l3_real t144 = t143 * t126;
-    const gluon_6l3_real t145 = t106 * t122;
-    const gluon_6l3_real t146 = t121 * t108;
-    const gluon_6l3_real t147 = t145 - t146;
-    const gluon_6l3_real t148 = t147 * t137;
-    const gluon_6l3_real t149 = t144 - t148;
-    const gluon_6l3_real t150 = -0.70710677f * t149;
-    const gluon_6l3_real t151 = t140 - t150;
-    const gluon_6l3_real t152 = -0.70710677f * t139;
-    const gluon_6l3_real t153 = 0.70710677f * t149;
-    const gluon_6l3_real t154 = t152 + t153;
-    const gluon_6l3_real t155 = -t154;
-    const gluon_6l3_real t156 = t136 * t126;
-    const gluon_6l3_real t157 = t124 * t137;
-    const gluon_6l3_real t158 = t156 - t157;
-    const gluon_6l3_real t159 = 0.70710677f * t158;
-    const gluon_6l3_real t160 = t147 * t126;
-    const gluon_6l3_real t161 = t143 * t137;
-    const gluon_6l3_real t162 = t160 + t161;
-    const gluon_6l3_real t163 = -0.70710677f * t162;
-    const gluon_6l3_real t164 = t159 - t163;
-    const gluon_6l3_real t165 = -0.70710677f * t158;
-    const gluon_6l3_real t166 = 0.70710677f * t162;
-    const gluon_6l3_real t167 = t165 + t166;
-    x[0] = t73;
-    x[1] = t76;
-    x[2] = t84;
-    x[3] = t151;
-    x[4] = t155;
-    x[5] = t164;
-    x[6] = t167;
+    const gluon_6l3_real t7 = t6 - 2.5149741e-14f;
+    const gluon_6l3_real t8 = t4 * t7;
+    const gluon_6l3_real t9 = sinf(q[4]);
+    const gluon_6l3_real t10 = cosf(q[5]);
+    const gluon_6l3_real t11 = -44.36f * t10;
+    const gluon_6l3_real t12 = 1.0f - t10;
+    const gluon_6l3_real t13 = 44.36f * t12;
+    const gluon_6l3_real t14 = t11 - t13;
+    const gluon_6l3_real t15 = t9 * t14;
+    const gluon_6l3_real t16 = t8 - t15;
+    const gluon_6l3_real t17 = t3 * t16;
+    const gluon_6l3_real t18 = sinf(q[3]);
+    const gluon_6l3_real t19 = 9.849899e-15f * t12;
+    const gluon_6l3_real t20 = t19 + 80.09f;
+    const gluon_6l3_real t21 = t4 * t20;
+    const gluon_6l3_real t22 = 1.0f - t4;
+    const gluon_6l3_real t23 = t22 * t20;
+    const gluon_6l3_real t24 = t21 + t23;
+    const gluon_6l3_real t25 = t18 * t24;
+    const gluon_6l3_real t26 = t17 - t25;
+    const gluon_6l3_real t27 = t26 - 2.842171e-14f;
+    const gluon_6l3_real t28 = t2 * t27;
+    const gluon_6l3_real t29 = sinf(q[2]);
+    const gluon_6l3_real t30 = t3 * t24;
+    const gluon_6l3_real t31 = t18 * t16;
+    const gluon_6l3_real t32 = t30 + t31;
+    const gluon_6l3_real t33 = t32 + 174.42f;
+    const gluon_6l3_real t34 = t29 * t33;
+    const gluon_6l3_real t35 = t28 - t34;
+    const gluon_6l3_real t36 = t35 - 2.842171e-14f;
+    const gluon_6l3_real t37 = t1 * t36;
+    const gluon_6l3_real t38 = sinf(q[1]);
+    const gluon_6l3_real t39 = t2 * t33;
+    const gluon_6l3_real t40 = t29 * t27;
+    const gluon_6l3_real t41 = t39 + t40;
+    const gluon_6l3_real t42 = t41 + 174.42f;
+    const gluon_6l3_real t43 = t38 * t42;
+    const gluon_6l3_real t44 = t37 - t43;
+    const gluon_6l3_real t45 = t0 * t44;
+    const gluon_6l3_real t46 = sinf(q[0]);
+    const gluon_6l3_real t47 = t4 * t14;
+    const gluon_6l3_real t48 = t9 * t7;
+    const gluon_6l3_real t49 = t47 + t48;
+    const gluon_6l3_real t50 = t49 - 75.66f;
+    const gluon_6l3_real t51 = t3 * t50;
+    const gluon_6l3_real t52 = 1.0f - t3;
+    const gluon_6l3_real t53 = t52 * t50;
+    const gluon_6l3_real t54 = t51 + t53;
+    const gluon_6l3_real t55 = t54 + 2.842171e-14f;
+    const gluon_6l3_real t56 = t2 * t55;
+    const gluon_6l3_real t57 = 1.0f - t2;
+    const gluon_6l3_real t58 = t57 * t55;
+    const gluon_6l3_real t59 = t56 + t58;
+    const gluon_6l3_real t60 = t59 + 2.842171e-14f;
+    const gluon_6l3_real t61 = t1 * t60;
+    const gluon_6l3_real t62 = 1.0f - t1;
+    const gluon_6l3_real t63 = t62 * t60;
+    const gluon_6l3_real t64 = t61 + t63;
+    const gluon_6l3_real t65 = t46 * t64;
+    const gluon_6l3_real t66 = t45 - t65;
+    const gluon_6l3_real t67 = t0 * t64;
+    const gluon_6l3_real t68 = t46 * t44;
+    const gluon_6l3_real t69 = t67 + t68;
+    const gluon_6l3_real t70 = t1 * t42;
+    const gluon_6l3_real t71 = t38 * t36;
+    const gluon_6l3_real t72 = t70 + t71;
+    const gluon_6l3_real t73 = t72 + 105.03f;
+    const gluon_6l3_real t74 = t0 * t73;
+    const gluon_6l3_real t75 = 1.0f - t0;
+    const gluon_6l3_real t76 = t75 * t73;
+    const gluon_6l3_real t77 = t74 + t76;
+    const gluon_6l3_real t78 = 0.5f * q[0];
+    const gluon_6l3_real t79 = sinf(t78);
+    const gluon_6l3_real t80 = 0.5f * q[1];
+    const gluon_6l3_real t81 = sinf(t80);
+    const gluon_6l3_real t82 = t79 * t81;
+    const gluon_6l3_real t83 = 0.5f * q[2];
+    const gluon_6l3_real t84 = cosf(t83);
+    const gluon_6l3_real t85 = t82 * t84;
+    const gluon_6l3_real t86 = cosf(t80);
+    const gluon_6l3_real t87 = t79 * t86;
+    const gluon_6l3_real t88 = sinf(t83);
+    const gluon_6l3_real t89 = t87 * t88;
+    const gluon_6l3_real t90 = t85 + t89;
+    const gluon_6l3_real t91 = 0.5f * q[3];
+    const gluon_6l3_real t92 = cosf(t91);
+    const gluon_6l3_real t93 = t90 * t92;
+    const gluon_6l3_real t94 = t87 * t84;
+    const gluon_6l3_real t95 = t82 * t88;
+    const gluon_6l3_real t96 = t94 - t95;
+    const gluon_6l3_real t97 = sinf(t91);
+    const gluon_6l3_real t98 = t96 * t97;
+    const gluon_6l3_real t99 = t93 + t98;
+    const gluon_6l3_real t100 = 0.5f * q[4];
+    const gluon_6l3_real t101 = sinf(t100);
+    const gluon_6l3_real t102 = t99 * t101;
+    const gluon_6l3_real t103 = cosf(t78);
+    const gluon_6l3_real t104 = t103 * t86;
+    const gluon_6l3_real t105 = t104 * t84;
+    const gluon_6l3_real t106 = t103 * t81;
+    const gluon_6l3_real t107 = t106 * t88;
+    const gluon_6l3_real t108 = t105 - t107;
+    const gluon_6l3_real t109 = t108 * t97;
+    const gluon_6l3_real t110 = t104 * t88;
+    const gluon_6l3_real t111 = t106 * t84;
+    const gluon_6l3_real t112 = t110 + t111;
+    const gluon_6l3_real t113 = t112 * t92;
+    const gluon_6l3_real t114 = t109 + t113;
+    const gluon_6l3_real t115 = cosf(t100);
+    const gluon_6l3_real t116 = t114 * t115;
+    const gluon_6l3_real t117 = t102 + t116;
+    const gluon_6l3_real t118 = 0.5f * q[5];
+    const gluon_6l3_real t119 = cosf(t118);
+    const gluon_6l3_real t120 = t117 * t119;
+    const gluon_6l3_real t121 = t108 * t92;
+    const gluon_6l3_real t122 = t112 * t97;
+    const gluon_6l3_real t123 = t121 - t122;
+    const gluon_6l3_real t124 = t123 * t115;
+    const gluon_6l3_real t125 = t96 * t92;
+    const gluon_6l3_real t126 = t90 * t97;
+    const gluon_6l3_real t127 = t125 - t126;
+    const gluon_6l3_real t128 = t127 * t101;
+    const gluon_6l3_real t129 = t124 - t128;
+    const gluon_6l3_real t130 = sinf(t118);
+    const gluon_6l3_real t131 = t129 * t130;
+    const gluon_6l3_real t132 = t120 + t131;
+    const gluon_6l3_real t133 = 0.70710677f * t132;
+    const gluon_6l3_real t134 = t123 * t101;
+    const gluon_6l3_real t135 = t127 * t115;
+    const gluon_6l3_real t136 = t134 + t135;
+    const gluon_6l3_real t137 = t136 * t119;
+    const gluon_6l3_real t138 = t99 * t115;
+    const gluon_6l3_real t139 = t114 * t101;
+    const gluon_6l3_real t140 = t138 - t139;
+    const gluon_6l3_real t141 = t140 * t130;
+    const gluon_6l3_real t142 = t137 - t141;
+    const gluon_6l3_real t143 = -0.70710677f * t142;
+    const gluon_6l3_real t144 = t133 - t143;
+    const gluon_6l3_real t145 = -0.70710677f * t132;
+    const gluon_6l3_real t146 = 0.70710677f * t142;
+    const gluon_6l3_real t147 = t145 + t146;
+    const gluon_6l3_real t148 = -t147;
+    const gluon_6l3_real t149 = t129 * t119;
+    const gluon_6l3_real t150 = t117 * t130;
+    const gluon_6l3_real t151 = t149 - t150;
+    const gluon_6l3_real t152 = 0.70710677f * t151;
+    const gluon_6l3_real t153 = t140 * t119;
+    const gluon_6l3_real t154 = t136 * t130;
+    const gluon_6l3_real t155 = t153 + t154;
+    const gluon_6l3_real t156 = -0.70710677f * t155;
+    const gluon_6l3_real t157 = t152 - t156;
+    const gluon_6l3_real t158 = -0.70710677f * t151;
+    const gluon_6l3_real t159 = 0.70710677f * t155;
+    const gluon_6l3_real t160 = t158 + t159;
+    x[0] = t66;
+    x[1] = t69;
+    x[2] = t77;
+    x[3] = t144;
+    x[4] = t148;
+    x[5] = t157;
+    x[6] = t160;
 }
 
-/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of least error for atan up to 1. */
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
 static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
 {
     const gluon_6l3_real x = fabsf(c);
@@ -289,7 +294,9 @@ static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
     const bool steep = y > x;
     const gluon_6l3_real ratio = steep ? (x / y) : (y / x);
     const gluon_6l3_real square = ratio * ratio;
-    gluon_6l3_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    gluon_6l3_real angle = ratio * (0.99999934f + square * (-0.3332986f + square * (0.19946563f
+        + square * (-0.13908619f + square * (0.096421696f + square * (-0.05591193f
+        + square * (0.02186267f + square * -0.004054485f)))))));
     if (steep) {
         angle = 1.5707964f - angle;
     }
@@ -299,13 +306,15 @@ static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
     return (s < 0.0f) ? -angle : angle;
 }
 
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
 static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
 {
     const gluon_6l3_real number = angle * 0.15915494f;
     gluon_6l3_real sine = 0.0f;
     if (fabsf(number) < 10000.0f) {
-        gluon_6l3_real x = angle - 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        gluon_6l3_real x = angle - 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f)
+            ? -0.5f : 0.5f));
         if (x > 1.5707964f) {
             x = 3.1415927f - x;
         } else if (x < -1.5707964f) {
@@ -314,16 +323,19 @@ static gluon_6l3_real gluon_6l3_sine(gluon_6l3_real angle)
             /* within a quarter turn */
         }
         const gluon_6l3_real square = x * x;
-        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f + square * -0.00018363616f)));
+        sine = x * (0.9999966f + square * (-0.16664828f + square * (0.008306324f
+            + square * -0.00018363616f)));
     }
     return sine;
 }
 
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
- * meet. */
-static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6], unsigned int wanted, gluon_6l3_real found[][6], bool *undecided,
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real near[6],
+    unsigned int wanted, gluon_6l3_real found[][6], bool *undecided,
     gluon_6l3_real margin[6])
 {
     int count = 0;
@@ -428,7 +440,8 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                     margin[2] = t90;
                                     const gluon_6l3_real t93 = -t87;
                                     const gluon_6l3_real t94 = gluon_6l3_angle(t93, t76);
-                                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+                                    /* a point of the axis of q4: its distance from the axis of q2
+                                     * tells q3 */
                                     const gluon_6l3_real t95 = 1.0f / t90;
                                     const gluon_6l3_real t96 = t87 * t95;
                                     const gluon_6l3_real t97 = 80.09f * t96;
@@ -438,138 +451,141 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                     const gluon_6l3_real t101 = t97 - t100;
                                     const gluon_6l3_real t102 = t73 * t101;
                                     const gluon_6l3_real t103 = -80.09f * t98;
-                                    const gluon_6l3_real t104 = 533.96f + t103;
+                                    const gluon_6l3_real t104 = t103 + 533.96f;
                                     const gluon_6l3_real t105 = t96 * t99;
                                     const gluon_6l3_real t106 = t104 - t105;
                                     const gluon_6l3_real t107 = t106 - 533.96f;
                                     const gluon_6l3_real t108 = t84 * t107;
                                     const gluon_6l3_real t109 = t102 + t108;
                                     const gluon_6l3_real t110 = 75.66f * t48;
-                                    const gluon_6l3_real t111 = -75.66f + t110;
-                                    const gluon_6l3_real t112 = t111 - (-120.02f);
-                                    const gluon_6l3_real t113 = t46 * t112;
-                                    const gluon_6l3_real t114 = t109 + t113;
-                                    const gluon_6l3_real t115 = x[1] - t114;
-                                    const gluon_6l3_real t116 = t37 * t115;
-                                    const gluon_6l3_real t117 = t68 * t101;
-                                    const gluon_6l3_real t118 = t79 * t107;
-                                    const gluon_6l3_real t119 = t117 + t118;
-                                    const gluon_6l3_real t120 = t44 * t112;
-                                    const gluon_6l3_real t121 = t119 + t120;
-                                    const gluon_6l3_real t122 = x[0] - t121;
-                                    const gluon_6l3_real t123 = t41 * t122;
-                                    const gluon_6l3_real t124 = t116 - t123;
-                                    const gluon_6l3_real t125 = t124 * t124;
-                                    const gluon_6l3_real t126 = t41 * t115;
-                                    const gluon_6l3_real t127 = t37 * t122;
-                                    const gluon_6l3_real t128 = t126 + t127;
-                                    const gluon_6l3_real t129 = t128 * t128;
-                                    const gluon_6l3_real t130 = t125 + t129;
-                                    const gluon_6l3_real t131 = t6 - t7;
-                                    const gluon_6l3_real t132 = t131 + t131;
-                                    const gluon_6l3_real t133 = t132 * t101;
-                                    const gluon_6l3_real t134 = t0 + t1;
-                                    const gluon_6l3_real t135 = t134 + t134;
-                                    const gluon_6l3_real t136 = t135 * t107;
-                                    const gluon_6l3_real t137 = t133 + t136;
-                                    const gluon_6l3_real t138 = t81 + t64;
-                                    const gluon_6l3_real t139 = t138 + t138;
-                                    const gluon_6l3_real t140 = 1.0f - t139;
-                                    const gluon_6l3_real t141 = t140 * t112;
-                                    const gluon_6l3_real t142 = t137 + t141;
-                                    const gluon_6l3_real t143 = x[2] - t142;
-                                    const gluon_6l3_real t144 = t143 - 105.03f;
-                                    const gluon_6l3_real t145 = t144 * t144;
-                                    const gluon_6l3_real t146 = t130 + t145;
-                                    const gluon_6l3_real t147 = t146 - 30422.336f;
-                                    const gluon_6l3_real t148 = t147 - 30422.336f;
-                                    const gluon_6l3_real t149 = 0.5f * t148;
-                                    const gluon_6l3_real t150 = t149 * t149;
-                                    const gluon_6l3_real t151 = 9.255185e+08f - t150;
-                                    const gluon_6l3_real t152 = t151 * 1.1822206e-11f;
-                                    if (t152 > 1.5258789e-05f) {
-                                        margin[3] = t152;
-                                        const gluon_6l3_real t155 = 30422.336f * near[5];
+                                    const gluon_6l3_real t111 = t110 + 44.36f;
+                                    const gluon_6l3_real t112 = t46 * t111;
+                                    const gluon_6l3_real t113 = t109 + t112;
+                                    const gluon_6l3_real t114 = x[1] - t113;
+                                    const gluon_6l3_real t115 = t37 * t114;
+                                    const gluon_6l3_real t116 = t68 * t101;
+                                    const gluon_6l3_real t117 = t79 * t107;
+                                    const gluon_6l3_real t118 = t116 + t117;
+                                    const gluon_6l3_real t119 = t44 * t111;
+                                    const gluon_6l3_real t120 = t118 + t119;
+                                    const gluon_6l3_real t121 = x[0] - t120;
+                                    const gluon_6l3_real t122 = t41 * t121;
+                                    const gluon_6l3_real t123 = t115 - t122;
+                                    const gluon_6l3_real t124 = t123 * t123;
+                                    const gluon_6l3_real t125 = t41 * t114;
+                                    const gluon_6l3_real t126 = t37 * t121;
+                                    const gluon_6l3_real t127 = t125 + t126;
+                                    const gluon_6l3_real t128 = t127 * t127;
+                                    const gluon_6l3_real t129 = t124 + t128;
+                                    const gluon_6l3_real t130 = t6 - t7;
+                                    const gluon_6l3_real t131 = t130 + t130;
+                                    const gluon_6l3_real t132 = t131 * t101;
+                                    const gluon_6l3_real t133 = t0 + t1;
+                                    const gluon_6l3_real t134 = t133 + t133;
+                                    const gluon_6l3_real t135 = t134 * t107;
+                                    const gluon_6l3_real t136 = t132 + t135;
+                                    const gluon_6l3_real t137 = t81 + t64;
+                                    const gluon_6l3_real t138 = t137 + t137;
+                                    const gluon_6l3_real t139 = 1.0f - t138;
+                                    const gluon_6l3_real t140 = t139 * t111;
+                                    const gluon_6l3_real t141 = t136 + t140;
+                                    const gluon_6l3_real t142 = x[2] - t141;
+                                    const gluon_6l3_real t143 = t142 - 105.03f;
+                                    const gluon_6l3_real t144 = t143 * t143;
+                                    const gluon_6l3_real t145 = t129 + t144;
+                                    const gluon_6l3_real t146 = t145 - 60844.67f;
+                                    const gluon_6l3_real t147 = 0.5f * t146;
+                                    const gluon_6l3_real t148 = t147 * t147;
+                                    const gluon_6l3_real t149 = 9.255185e+08f - t148;
+                                    const gluon_6l3_real t150 = t149 * 1.1822206e-11f;
+                                    if (t150 > 1.5258789e-05f) {
+                                        margin[3] = t150;
+                                        const gluon_6l3_real t153 = 30422.336f * near[5];
                                         const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t155 < 0.0f) ? 2U : 1U;
+                                        const unsigned int side2 = (t153 < 0.0f) ? 2U : 1U;
                                         for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                             if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
-                                                const gluon_6l3_real sign2 = (k2 == 1U) ? 1.0f : -1.0f;
-                                                const gluon_6l3_real t161 = fabsf(t151);
-                                                const gluon_6l3_real t162 = t151 + t161;
-                                                const gluon_6l3_real t163 = 0.5f * t162;
-                                                const gluon_6l3_real t164 = sqrtf(t163);
-                                                const gluon_6l3_real t165 = sign2 * t164;
-                                                const gluon_6l3_real t166 = 1.6435293e-05f * t148;
-                                                const gluon_6l3_real t167 = 3.2870586e-05f * t165;
-                                                const gluon_6l3_real t168 = gluon_6l3_angle(t167, t166);
-                                                /* q2 turns a point of the axis of q4 to where it must be */
-                                                const gluon_6l3_real t169 = -0.0057332874f * t165;
-                                                const gluon_6l3_real t170 = t169 * t124;
-                                                const gluon_6l3_real t171 = 0.0028666437f * t148;
-                                                const gluon_6l3_real t172 = 279.45f + t171;
-                                                const gluon_6l3_real t173 = t172 - 105.03f;
-                                                const gluon_6l3_real t174 = t173 * t144;
-                                                const gluon_6l3_real t175 = t170 + t174;
-                                                const gluon_6l3_real t176 = t175 * t175;
-                                                const gluon_6l3_real t177 = t173 * t124;
-                                                const gluon_6l3_real t178 = t169 * t144;
-                                                const gluon_6l3_real t179 = t177 - t178;
-                                                const gluon_6l3_real t180 = t179 * t179;
-                                                const gluon_6l3_real t181 = t176 + t180;
-                                                const gluon_6l3_real t182 = sqrtf(t181);
-                                                const gluon_6l3_real t183 = t182 * 3.4383436e-06f;
-                                                if (t183 > 1.5258789e-05f) {
-                                                    margin[4] = t183;
-                                                    const gluon_6l3_real t186 = -t179;
-                                                    const gluon_6l3_real t187 = gluon_6l3_angle(t186, t175);
-                                                    /* q4 turns a direction of the tool to where it must be */
-                                                    const gluon_6l3_real t188 = 1.0f / t182;
-                                                    const gluon_6l3_real t189 = t175 * t188;
-                                                    const gluon_6l3_real t190 = t46 * t62;
-                                                    const gluon_6l3_real t191 = t98 * t48;
-                                                    const gluon_6l3_real t192 = t73 * t191;
-                                                    const gluon_6l3_real t193 = t96 * t48;
-                                                    const gluon_6l3_real t194 = t84 * t193;
-                                                    const gluon_6l3_real t195 = t192 + t194;
-                                                    const gluon_6l3_real t196 = t190 - t195;
-                                                    const gluon_6l3_real t197 = t37 * t196;
-                                                    const gluon_6l3_real t198 = t44 * t62;
-                                                    const gluon_6l3_real t199 = t68 * t191;
-                                                    const gluon_6l3_real t200 = t79 * t193;
-                                                    const gluon_6l3_real t201 = t199 + t200;
-                                                    const gluon_6l3_real t202 = t198 - t201;
-                                                    const gluon_6l3_real t203 = t41 * t202;
-                                                    const gluon_6l3_real t204 = t197 - t203;
-                                                    const gluon_6l3_real t205 = t189 * t204;
-                                                    const gluon_6l3_real t206 = t179 * t188;
-                                                    const gluon_6l3_real t207 = t140 * t62;
-                                                    const gluon_6l3_real t208 = t132 * t191;
-                                                    const gluon_6l3_real t209 = t135 * t193;
-                                                    const gluon_6l3_real t210 = t208 + t209;
-                                                    const gluon_6l3_real t211 = t207 - t210;
-                                                    const gluon_6l3_real t212 = t206 * t211;
-                                                    const gluon_6l3_real t213 = t205 - t212;
-                                                    const gluon_6l3_real t214 = t166 * t213;
-                                                    const gluon_6l3_real t215 = t189 * t211;
-                                                    const gluon_6l3_real t216 = t206 * t204;
-                                                    const gluon_6l3_real t217 = t215 + t216;
-                                                    const gluon_6l3_real t218 = t167 * t217;
-                                                    const gluon_6l3_real t219 = t214 + t218;
-                                                    const gluon_6l3_real t220 = t219 * t219;
-                                                    const gluon_6l3_real t221 = t166 * t217;
-                                                    const gluon_6l3_real t222 = t167 * t213;
-                                                    const gluon_6l3_real t223 = t221 - t222;
-                                                    const gluon_6l3_real t224 = t223 * t223;
-                                                    const gluon_6l3_real t225 = t220 + t224;
-                                                    const gluon_6l3_real t226 = sqrtf(t225);
-                                                    if (t226 > 1.5258789e-05f) {
-                                                        margin[5] = t226;
-                                                        const gluon_6l3_real t229 = gluon_6l3_angle(t223, t219);
+                                                const gluon_6l3_real sign2 = (k2 == 1U)
+                                                    ? 1.0f : -1.0f;
+                                                const gluon_6l3_real t159 = fabsf(t149);
+                                                const gluon_6l3_real t160 = t149 + t159;
+                                                const gluon_6l3_real t161 = 0.5f * t160;
+                                                const gluon_6l3_real t162 = sqrtf(t161);
+                                                const gluon_6l3_real t163 = sign2 * t162;
+                                                const gluon_6l3_real t164 = 1.6435293e-05f * t146;
+                                                const gluon_6l3_real t165 = 3.2870586e-05f * t163;
+                                                const gluon_6l3_real t166 = gluon_6l3_angle(t165,
+                                                    t164);
+                                                /* q2 turns a point of the axis of q4 to where it
+                                                 * must be */
+                                                const gluon_6l3_real t167 = -0.0057332874f * t163;
+                                                const gluon_6l3_real t168 = t167 * t123;
+                                                const gluon_6l3_real t169 = 0.0028666437f * t146;
+                                                const gluon_6l3_real t170 = t169 + 174.42f;
+                                                const gluon_6l3_real t171 = t170 * t143;
+                                                const gluon_6l3_real t172 = t168 + t171;
+                                                const gluon_6l3_real t173 = t172 * t172;
+                                                const gluon_6l3_real t174 = t170 * t123;
+                                                const gluon_6l3_real t175 = t167 * t143;
+                                                const gluon_6l3_real t176 = t174 - t175;
+                                                const gluon_6l3_real t177 = t176 * t176;
+                                                const gluon_6l3_real t178 = t173 + t177;
+                                                const gluon_6l3_real t179 = sqrtf(t178);
+                                                const gluon_6l3_real t180 = t179 * 3.4383436e-06f;
+                                                if (t180 > 1.5258789e-05f) {
+                                                    margin[4] = t180;
+                                                    const gluon_6l3_real t183 = -t176;
+                                                    const gluon_6l3_real t184 =
+                                                        gluon_6l3_angle(t183, t172);
+                                                    /* q4 turns a direction of the tool to where it
+                                                     * must be */
+                                                    const gluon_6l3_real t185 = 1.0f / t179;
+                                                    const gluon_6l3_real t186 = t172 * t185;
+                                                    const gluon_6l3_real t187 = t46 * t62;
+                                                    const gluon_6l3_real t188 = t98 * t48;
+                                                    const gluon_6l3_real t189 = t73 * t188;
+                                                    const gluon_6l3_real t190 = t96 * t48;
+                                                    const gluon_6l3_real t191 = t84 * t190;
+                                                    const gluon_6l3_real t192 = t189 + t191;
+                                                    const gluon_6l3_real t193 = t187 - t192;
+                                                    const gluon_6l3_real t194 = t37 * t193;
+                                                    const gluon_6l3_real t195 = t44 * t62;
+                                                    const gluon_6l3_real t196 = t68 * t188;
+                                                    const gluon_6l3_real t197 = t79 * t190;
+                                                    const gluon_6l3_real t198 = t196 + t197;
+                                                    const gluon_6l3_real t199 = t195 - t198;
+                                                    const gluon_6l3_real t200 = t41 * t199;
+                                                    const gluon_6l3_real t201 = t194 - t200;
+                                                    const gluon_6l3_real t202 = t186 * t201;
+                                                    const gluon_6l3_real t203 = t176 * t185;
+                                                    const gluon_6l3_real t204 = t139 * t62;
+                                                    const gluon_6l3_real t205 = t131 * t188;
+                                                    const gluon_6l3_real t206 = t134 * t190;
+                                                    const gluon_6l3_real t207 = t205 + t206;
+                                                    const gluon_6l3_real t208 = t204 - t207;
+                                                    const gluon_6l3_real t209 = t203 * t208;
+                                                    const gluon_6l3_real t210 = t202 - t209;
+                                                    const gluon_6l3_real t211 = t164 * t210;
+                                                    const gluon_6l3_real t212 = t186 * t208;
+                                                    const gluon_6l3_real t213 = t203 * t201;
+                                                    const gluon_6l3_real t214 = t212 + t213;
+                                                    const gluon_6l3_real t215 = t165 * t214;
+                                                    const gluon_6l3_real t216 = t211 + t215;
+                                                    const gluon_6l3_real t217 = t216 * t216;
+                                                    const gluon_6l3_real t218 = t164 * t214;
+                                                    const gluon_6l3_real t219 = t165 * t210;
+                                                    const gluon_6l3_real t220 = t218 - t219;
+                                                    const gluon_6l3_real t221 = t220 * t220;
+                                                    const gluon_6l3_real t222 = t217 + t221;
+                                                    const gluon_6l3_real t223 = sqrtf(t222);
+                                                    if (t223 > 1.5258789e-05f) {
+                                                        margin[5] = t223;
+                                                        const gluon_6l3_real t226 =
+                                                            gluon_6l3_angle(t220, t216);
                                                         found[count][0] = t43;
-                                                        found[count][1] = t187;
-                                                        found[count][2] = t168;
-                                                        found[count][3] = t229;
+                                                        found[count][1] = t184;
+                                                        found[count][2] = t166;
+                                                        found[count][3] = t226;
                                                         found[count][4] = t63;
                                                         found[count][5] = t94;
                                                         ++count;
@@ -581,7 +597,7 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
                                                 }
                                             }
                                         }
-                                    } else if (t152 > -1.5258789e-05f) {
+                                    } else if (t150 > -1.5258789e-05f) {
                                         *undecided = true;
                                     } else {
                                         /* out of reach */
@@ -609,7 +625,8 @@ static int gluon_6l3_branches(const gluon_6l3_real x[7], const gluon_6l3_real ne
     return count;
 }
 
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
 static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon_6l3_real joints[6])
 {
     static const bool angular[6] = { true, true, true, true, true, true };
@@ -630,7 +647,9 @@ static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon
 }
 
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose, const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6], gluon_6l3_real joints[6])
+static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose,
+    const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6],
+    gluon_6l3_real joints[6])
 {
     gluon_6l3_real x[7];
     gluon_6l3_real found[1][6];
@@ -677,7 +696,8 @@ int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6
 }
 
 /* The branch named by the choices' bits. */
-gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch, gluon_6l3_real joints[6])
+gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch,
+    gluon_6l3_real joints[6])
 {
     static const gluon_6l3_real near[6] = { 0.0f };
     static const gluon_6l3_real middle[6] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
@@ -693,7 +713,8 @@ gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned i
 }
 
 /* The branch nearest to the guess, choice by choice. */
-gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
+gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
+    const gluon_6l3_real guess[6], gluon_6l3_real joints[6])
 {
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, GLUON_6L3_OK);
     if (status == GLUON_6L3_OK) {
@@ -707,17 +728,21 @@ gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const glu
     return status;
 }
 
-/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next quarter. */
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
 static void gluon_6l3_cosine_and_sine(gluon_6l3_real angle, gluon_6l3_real u[2])
 {
     const gluon_6l3_real number = angle * 0.63661975f;
     const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-    /* the quarter turn in three parts, the first of which have few digits, so that their products are exact */
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
     const gluon_6l3_real k = (gluon_6l3_real)quarter;
     const gluon_6l3_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
     const gluon_6l3_real square = x * x;
-    const gluon_6l3_real s = x + x * square * (-0.16666651f + square * (0.008331973f + square * -0.00019494935f));
-    const gluon_6l3_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const gluon_6l3_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const gluon_6l3_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
     const bool odd = (((unsigned int)quarter) & 1U) != 0U;
     const gluon_6l3_real cosine = odd ? s : c;
     const gluon_6l3_real sine = odd ? c : s;
@@ -725,9 +750,10 @@ static void gluon_6l3_cosine_and_sine(gluon_6l3_real angle, gluon_6l3_real u[2])
     u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
- * bits of the branch on which they lie. */
-static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_6l3_real x[7], gluon_6l3_real margin[6])
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
+static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_6l3_real x[7],
+    gluon_6l3_real margin[6])
 {
     gluon_6l3_real u[12];
     unsigned int wanted = 0U;
@@ -762,7 +788,7 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     const gluon_6l3_real t21 = u[4] + u[4];
     const gluon_6l3_real t22 = t21 * u[5];
     const gluon_6l3_real t23 = 80.09f * t11;
-    const gluon_6l3_real t24 = 453.87f + t23;
+    const gluon_6l3_real t24 = t23 + 453.87f;
     const gluon_6l3_real t25 = t17 * t14;
     const gluon_6l3_real t26 = t24 + t25;
     const gluon_6l3_real t27 = t26 - 279.45f;
@@ -772,7 +798,7 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     const gluon_6l3_real t31 = u[2] + u[2];
     const gluon_6l3_real t32 = t31 * u[3];
     const gluon_6l3_real t33 = t8 * t27;
-    const gluon_6l3_real t34 = 279.45f + t33;
+    const gluon_6l3_real t34 = t33 + 279.45f;
     const gluon_6l3_real t35 = t22 * t19;
     const gluon_6l3_real t36 = t34 + t35;
     const gluon_6l3_real t37 = t36 - 105.03f;
@@ -785,7 +811,7 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     const gluon_6l3_real t44 = u[9] * u[9];
     const gluon_6l3_real t45 = t43 - t44;
     const gluon_6l3_real t46 = -44.36f * t45;
-    const gluon_6l3_real t47 = -75.66f + t46;
+    const gluon_6l3_real t47 = t46 - 75.66f;
     const gluon_6l3_real t48 = t42 * t47;
     const gluon_6l3_real t49 = t40 - t48;
     x[0] = t49;
@@ -794,7 +820,7 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     const gluon_6l3_real t53 = t51 + t52;
     x[1] = t53;
     const gluon_6l3_real t55 = t5 * t37;
-    const gluon_6l3_real t56 = 105.03f + t55;
+    const gluon_6l3_real t56 = t55 + 105.03f;
     const gluon_6l3_real t57 = t32 * t29;
     const gluon_6l3_real t58 = t56 + t57;
     x[2] = t58;
@@ -936,7 +962,7 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     const gluon_6l3_real t190 = t186 + t189;
     const gluon_6l3_real t191 = t152 * t190;
     const gluon_6l3_real t192 = -80.09f * t184;
-    const gluon_6l3_real t193 = 533.96f + t192;
+    const gluon_6l3_real t193 = t192 + 533.96f;
     const gluon_6l3_real t194 = t188 * t185;
     const gluon_6l3_real t195 = t193 + t194;
     const gluon_6l3_real t196 = t195 - 533.96f;
@@ -944,96 +970,96 @@ static unsigned int gluon_6l3_read_joints(const gluon_6l3_real joints[6], gluon_
     const gluon_6l3_real t198 = t191 - t197;
     const gluon_6l3_real t199 = t137 + t137;
     const gluon_6l3_real t200 = 75.66f * t45;
-    const gluon_6l3_real t201 = -75.66f + t200;
-    const gluon_6l3_real t202 = t201 - (-120.02f);
-    const gluon_6l3_real t203 = t199 * t202;
-    const gluon_6l3_real t204 = t198 - t203;
-    const gluon_6l3_real t205 = t204 + t49;
-    const gluon_6l3_real t206 = t2 * t205;
-    const gluon_6l3_real t207 = t157 * t190;
-    const gluon_6l3_real t208 = t169 * t196;
-    const gluon_6l3_real t209 = t207 - t208;
-    const gluon_6l3_real t210 = t131 + t131;
-    const gluon_6l3_real t211 = t210 * t202;
-    const gluon_6l3_real t212 = t209 - t211;
-    const gluon_6l3_real t213 = t212 + t53;
-    const gluon_6l3_real t214 = t42 * t213;
-    const gluon_6l3_real t215 = t206 + t214;
-    const gluon_6l3_real t216 = t181 * t215;
-    const gluon_6l3_real t217 = 174.42f * t8;
-    const gluon_6l3_real t218 = 279.45f + t217;
-    const gluon_6l3_real t219 = t218 - 105.03f;
-    const gluon_6l3_real t220 = t136 + t135;
-    const gluon_6l3_real t221 = -t220;
-    const gluon_6l3_real t222 = t221 + t221;
-    const gluon_6l3_real t223 = t222 * t190;
-    const gluon_6l3_real t224 = t129 - t130;
-    const gluon_6l3_real t225 = t224 + t224;
-    const gluon_6l3_real t226 = t225 * t196;
-    const gluon_6l3_real t227 = t223 - t226;
-    const gluon_6l3_real t228 = t166 + t148;
-    const gluon_6l3_real t229 = t228 + t228;
-    const gluon_6l3_real t230 = 1.0f - t229;
-    const gluon_6l3_real t231 = t230 * t202;
-    const gluon_6l3_real t232 = t227 - t231;
-    const gluon_6l3_real t233 = t232 + t58;
-    const gluon_6l3_real t234 = t233 - 105.03f;
-    const gluon_6l3_real t235 = t219 * t234;
-    const gluon_6l3_real t236 = t216 + t235;
-    const gluon_6l3_real t237 = t236 * t236;
-    const gluon_6l3_real t238 = t219 * t215;
-    const gluon_6l3_real t239 = t181 * t234;
-    const gluon_6l3_real t240 = t238 - t239;
-    const gluon_6l3_real t241 = t240 * t240;
-    const gluon_6l3_real t242 = t237 + t241;
-    const gluon_6l3_real t243 = sqrtf(t242);
-    const gluon_6l3_real t244 = t243 * 3.4383436e-06f;
-    margin[4] = t244;
+    const gluon_6l3_real t201 = t200 + 44.36f;
+    const gluon_6l3_real t202 = t199 * t201;
+    const gluon_6l3_real t203 = t198 - t202;
+    const gluon_6l3_real t204 = t203 + t49;
+    const gluon_6l3_real t205 = t2 * t204;
+    const gluon_6l3_real t206 = t157 * t190;
+    const gluon_6l3_real t207 = t169 * t196;
+    const gluon_6l3_real t208 = t206 - t207;
+    const gluon_6l3_real t209 = t131 + t131;
+    const gluon_6l3_real t210 = t209 * t201;
+    const gluon_6l3_real t211 = t208 - t210;
+    const gluon_6l3_real t212 = t211 + t53;
+    const gluon_6l3_real t213 = t42 * t212;
+    const gluon_6l3_real t214 = t205 + t213;
+    const gluon_6l3_real t215 = t181 * t214;
+    const gluon_6l3_real t216 = 174.42f * t8;
+    const gluon_6l3_real t217 = t216 + 174.42f;
+    const gluon_6l3_real t218 = t136 + t135;
+    const gluon_6l3_real t219 = -t218;
+    const gluon_6l3_real t220 = t219 + t219;
+    const gluon_6l3_real t221 = t220 * t190;
+    const gluon_6l3_real t222 = t129 - t130;
+    const gluon_6l3_real t223 = t222 + t222;
+    const gluon_6l3_real t224 = t223 * t196;
+    const gluon_6l3_real t225 = t221 - t224;
+    const gluon_6l3_real t226 = t166 + t148;
+    const gluon_6l3_real t227 = t226 + t226;
+    const gluon_6l3_real t228 = 1.0f - t227;
+    const gluon_6l3_real t229 = t228 * t201;
+    const gluon_6l3_real t230 = t225 - t229;
+    const gluon_6l3_real t231 = t230 + t58;
+    const gluon_6l3_real t232 = t231 - 105.03f;
+    const gluon_6l3_real t233 = t217 * t232;
+    const gluon_6l3_real t234 = t215 + t233;
+    const gluon_6l3_real t235 = t234 * t234;
+    const gluon_6l3_real t236 = t217 * t214;
+    const gluon_6l3_real t237 = t181 * t232;
+    const gluon_6l3_real t238 = t236 - t237;
+    const gluon_6l3_real t239 = t238 * t238;
+    const gluon_6l3_real t240 = t235 + t239;
+    const gluon_6l3_real t241 = sqrtf(t240);
+    const gluon_6l3_real t242 = t241 * 3.4383436e-06f;
+    margin[4] = t242;
     /* q4 turns a direction of the tool to where it must be */
-    const gluon_6l3_real t246 = t188 * t45;
-    const gluon_6l3_real t247 = t164 * t246;
-    const gluon_6l3_real t248 = t184 * t45;
-    const gluon_6l3_real t249 = t152 * t248;
-    const gluon_6l3_real t250 = t247 - t249;
-    const gluon_6l3_real t251 = t199 * t13;
-    const gluon_6l3_real t252 = t250 + t251;
-    const gluon_6l3_real t253 = t2 * t252;
-    const gluon_6l3_real t254 = t169 * t246;
-    const gluon_6l3_real t255 = t157 * t248;
-    const gluon_6l3_real t256 = t254 - t255;
-    const gluon_6l3_real t257 = t210 * t13;
-    const gluon_6l3_real t258 = t256 + t257;
-    const gluon_6l3_real t259 = t42 * t258;
-    const gluon_6l3_real t260 = t253 + t259;
-    const gluon_6l3_real t261 = t5 * t260;
-    const gluon_6l3_real t262 = t225 * t246;
-    const gluon_6l3_real t263 = t222 * t248;
-    const gluon_6l3_real t264 = t262 - t263;
-    const gluon_6l3_real t265 = t230 * t13;
-    const gluon_6l3_real t266 = t264 + t265;
-    const gluon_6l3_real t267 = t32 * t266;
-    const gluon_6l3_real t268 = t261 + t267;
-    const gluon_6l3_real t269 = t8 * t268;
-    const gluon_6l3_real t270 = t5 * t266;
-    const gluon_6l3_real t271 = t32 * t260;
-    const gluon_6l3_real t272 = t270 - t271;
-    const gluon_6l3_real t273 = t22 * t272;
-    const gluon_6l3_real t274 = t269 + t273;
-    const gluon_6l3_real t275 = t274 * t274;
-    const gluon_6l3_real t276 = t8 * t272;
-    const gluon_6l3_real t277 = t22 * t268;
-    const gluon_6l3_real t278 = t276 - t277;
-    const gluon_6l3_real t279 = t278 * t278;
-    const gluon_6l3_real t280 = t275 + t279;
-    const gluon_6l3_real t281 = sqrtf(t280);
-    margin[5] = t281;
+    const gluon_6l3_real t244 = t188 * t45;
+    const gluon_6l3_real t245 = t164 * t244;
+    const gluon_6l3_real t246 = t184 * t45;
+    const gluon_6l3_real t247 = t152 * t246;
+    const gluon_6l3_real t248 = t245 - t247;
+    const gluon_6l3_real t249 = t199 * t13;
+    const gluon_6l3_real t250 = t248 + t249;
+    const gluon_6l3_real t251 = t2 * t250;
+    const gluon_6l3_real t252 = t169 * t244;
+    const gluon_6l3_real t253 = t157 * t246;
+    const gluon_6l3_real t254 = t252 - t253;
+    const gluon_6l3_real t255 = t209 * t13;
+    const gluon_6l3_real t256 = t254 + t255;
+    const gluon_6l3_real t257 = t42 * t256;
+    const gluon_6l3_real t258 = t251 + t257;
+    const gluon_6l3_real t259 = t5 * t258;
+    const gluon_6l3_real t260 = t223 * t244;
+    const gluon_6l3_real t261 = t220 * t246;
+    const gluon_6l3_real t262 = t260 - t261;
+    const gluon_6l3_real t263 = t228 * t13;
+    const gluon_6l3_real t264 = t262 + t263;
+    const gluon_6l3_real t265 = t32 * t264;
+    const gluon_6l3_real t266 = t259 + t265;
+    const gluon_6l3_real t267 = t8 * t266;
+    const gluon_6l3_real t268 = t5 * t264;
+    const gluon_6l3_real t269 = t32 * t258;
+    const gluon_6l3_real t270 = t268 - t269;
+    const gluon_6l3_real t271 = t22 * t270;
+    const gluon_6l3_real t272 = t267 + t271;
+    const gluon_6l3_real t273 = t272 * t272;
+    const gluon_6l3_real t274 = t8 * t270;
+    const gluon_6l3_real t275 = t22 * t266;
+    const gluon_6l3_real t276 = t274 - t275;
+    const gluon_6l3_real t277 = t276 * t276;
+    const gluon_6l3_real t278 = t273 + t277;
+    const gluon_6l3_real t279 = sqrtf(t278);
+    margin[5] = t279;
     return wanted;
 }
 
-/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
- * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
- * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
-static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluon_6l3_real b[6], gluon_6l3_real place, gluon_6l3_real turn, const gluon_6l3_real moved[6])
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluon_6l3_real b[6],
+    gluon_6l3_real place, gluon_6l3_real turn, const gluon_6l3_real moved[6])
 {
     gluon_6l3_real largest = 0.0f;
     (void)a;
@@ -1057,12 +1083,14 @@ static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluo
     const gluon_6l3_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
     largest = (share2 > largest) ? share2 : largest;
     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-    const gluon_6l3_real bend3 = 1.44f * place + 0.92f * turn + 0.512f * moved[4] + 0.539f * moved[5];
+    const gluon_6l3_real bend3 = 1.44f * place + 0.92f * turn + 0.512f * moved[4]
+        + 0.539f * moved[5];
     const gluon_6l3_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
     const gluon_6l3_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
     largest = (share3 > largest) ? share3 : largest;
     /* q2 turns a point of the axis of q4 to where it must be */
-    const gluon_6l3_real bend4 = 11.0f * place + 3.88f * turn + 4.15f * moved[0] + 1.84f * moved[4] + 2.67f * moved[5];
+    const gluon_6l3_real bend4 = 11.0f * place + 3.88f * turn + 4.15f * moved[0]
+        + 1.84f * moved[4] + 2.67f * moved[5];
     const gluon_6l3_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
     const gluon_6l3_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
     largest = (share4 > largest) ? share4 : largest;
@@ -1074,9 +1102,11 @@ static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluo
     return largest;
 }
 
-/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
- * halved where they are not. Angles go on from part to part, whole turns included. */
-static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7], const gluon_6l3_config *config, gluon_6l3_real joints[6], gluon_6l3_info *info)
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
+    const gluon_6l3_config *config, gluon_6l3_real joints[6], gluon_6l3_info *info)
 {
     static const gluon_6l3_real per_length[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
     static const bool angular[6] = { true, true, true, true, true, true };
@@ -1117,27 +1147,31 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7], cons
             x[i] = (end < 1.0f) ? (at[i] + end * (goal - at[i])) : goal;
         }
         if (end < 1.0f) {
-            const gluon_6l3_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+            const gluon_6l3_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
         }
         if (gluon_6l3_branches(x, near, wanted, found, &undecided, margin) != 1) {
             /* the guess's branch does not reach this point of the line */
-            status = undecided ? GLUON_6L3_SINGULAR : ((end < 1.0f) ? GLUON_6L3_WRONG_BRANCH : GLUON_6L3_OUT_OF_RANGE);
+            status = undecided ? GLUON_6L3_SINGULAR : ((end < 1.0f)
+                ? GLUON_6L3_WRONG_BRANCH : GLUON_6L3_OUT_OF_RANGE);
         } else {
             way2 = 0.0f;
             for (int i = 0; i < 6; ++i) {
                 gluon_6l3_real way = found[0][i] - joints[i];
                 const gluon_6l3_real number = way * 0.15915494f;
                 if (angular[i] && (fabsf(number) > 0.5f)) {
-                    way -= 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+                    way -= 6.2831855f * (gluon_6l3_real)(int)(number + ((number < 0.0f)
+                        ? -0.5f : 0.5f));
                 }
                 found[0][i] = joints[i] + way;
                 moved[i] = (way * per_length[i]) * (way * per_length[i]);
                 way2 += moved[i];
             }
-            const gluon_6l3_real share = gluon_6l3_line_share(left, margin, part * part * place2, part * part * turn2, moved);
+            const gluon_6l3_real share = gluon_6l3_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
             if ((way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f)) {
                 for (int i = 0; i < 6; ++i) {
                     joints[i] = found[0][i];
@@ -1161,7 +1195,8 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7], cons
     for (int k = 0; k < 6; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    gluon_6l3_write_info(info, count, (status == GLUON_6L3_OK) ? 0.00218582f : HUGE_VALF, way2 * 290837.72f, (least > 0.0f) ? (1.0f / least) : 0.0f);
+    gluon_6l3_write_info(info, count, (status == GLUON_6L3_OK) ? 0.00218582f : HUGE_VALF,
+        way2 * 290837.72f, (least > 0.0f) ? (1.0f / least) : 0.0f);
     return status;
 }
 
@@ -1173,7 +1208,8 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose
         gluon_6l3_real x[7];
         gluon_6l3_forward(joints, x);
         const gluon_6l3_real sign = (x[3] < 0.0f) ? -1.0f : 1.0f;
-        const gluon_6l3_real inverse = sign / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        const gluon_6l3_real inverse = sign / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+            + x[6] * x[6]);
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -1186,14 +1222,16 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose
 }
 
 /* The joints by the closed form along the line of tool poses from the guess's to the given one. */
-gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[6], gluon_6l3_real joints[6], gluon_6l3_info *info)
+gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose,
+    const gluon_6l3_real guess[6], gluon_6l3_real joints[6], gluon_6l3_info *info)
 {
-    static const gluon_6l3_config usual = { GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS, GLUON_6L3_MAX_STEP };
+    static const gluon_6l3_config usual = { GLUON_6L3_TOLERANCE, GLUON_6L3_MAX_STEPS,
+        GLUON_6L3_MAX_STEP };
     gluon_6l3_real at[6];
     gluon_6l3_real to[7];
     gluon_6l3_status status = gluon_6l3_check_finite(guess, 6, gluon_6l3_normalise_pose(pose, to));
     gluon_6l3_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-    for (int i = 6 - 1; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i) {
         if (!(fabsf(guess[i]) <= 539293.75f)) {
             status = (status == GLUON_6L3_OK) ? GLUON_6L3_OUT_OF_RANGE : status;
             if (info != NULL) {
@@ -1241,812 +1279,807 @@ gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[6], gluon_6l3_re
         const gluon_6l3_real t3 = cosf(joints[4]);
         const gluon_6l3_real t4 = sinf(joints[5]);
         const gluon_6l3_real t5 = 9.849899e-15f * t4;
-        const gluon_6l3_real t6 = -8.199316e-14f + t5;
-        const gluon_6l3_real t7 = t6 - (-5.684342e-14f);
-        const gluon_6l3_real t8 = t3 * t7;
-        const gluon_6l3_real t9 = sinf(joints[4]);
-        const gluon_6l3_real t10 = cosf(joints[5]);
-        const gluon_6l3_real t11 = -44.36f * t10;
-        const gluon_6l3_real t12 = 1.0f - t10;
-        const gluon_6l3_real t13 = 44.36f * t12;
-        const gluon_6l3_real t14 = t11 - t13;
-        const gluon_6l3_real t15 = t9 * t14;
-        const gluon_6l3_real t16 = t8 - t15;
-        const gluon_6l3_real t17 = t2 * t16;
-        const gluon_6l3_real t18 = sinf(joints[3]);
-        const gluon_6l3_real t19 = 9.849899e-15f * t12;
-        const gluon_6l3_real t20 = 533.96f + t19;
-        const gluon_6l3_real t21 = t20 - 453.87f;
-        const gluon_6l3_real t22 = t3 * t21;
-        const gluon_6l3_real t23 = 1.0f - t3;
-        const gluon_6l3_real t24 = t23 * t21;
-        const gluon_6l3_real t25 = t22 + t24;
-        const gluon_6l3_real t26 = t18 * t25;
-        const gluon_6l3_real t27 = t17 - t26;
-        const gluon_6l3_real t28 = -5.684342e-14f + t27;
-        const gluon_6l3_real t29 = t28 - (-2.842171e-14f);
-        const gluon_6l3_real t30 = t1 * t29;
-        const gluon_6l3_real t31 = sinf(joints[2]);
-        const gluon_6l3_real t32 = t2 * t25;
-        const gluon_6l3_real t33 = t18 * t16;
-        const gluon_6l3_real t34 = t32 + t33;
-        const gluon_6l3_real t35 = 453.87f + t34;
-        const gluon_6l3_real t36 = t35 - 279.45f;
-        const gluon_6l3_real t37 = t31 * t36;
-        const gluon_6l3_real t38 = t30 - t37;
-        const gluon_6l3_real t39 = -2.842171e-14f + t38;
-        const gluon_6l3_real t40 = t0 * t39;
-        const gluon_6l3_real t41 = sinf(joints[1]);
-        const gluon_6l3_real t42 = t1 * t36;
-        const gluon_6l3_real t43 = t31 * t29;
-        const gluon_6l3_real t44 = t42 + t43;
-        const gluon_6l3_real t45 = 279.45f + t44;
-        const gluon_6l3_real t46 = t45 - 105.03f;
-        const gluon_6l3_real t47 = t41 * t46;
-        const gluon_6l3_real t48 = t40 - t47;
-        const gluon_6l3_real t49 = sinf(joints[0]);
-        const gluon_6l3_real t50 = t48 * t49;
-        const gluon_6l3_real t51 = t3 * t14;
-        const gluon_6l3_real t52 = t9 * t7;
-        const gluon_6l3_real t53 = t51 + t52;
-        const gluon_6l3_real t54 = -75.66f + t53;
-        const gluon_6l3_real t55 = t54 - 5.684342e-14f;
-        const gluon_6l3_real t56 = t2 * t55;
-        const gluon_6l3_real t57 = 1.0f - t2;
-        const gluon_6l3_real t58 = t57 * t55;
-        const gluon_6l3_real t59 = t56 + t58;
-        const gluon_6l3_real t60 = 5.684342e-14f + t59;
-        const gluon_6l3_real t61 = t60 - 2.842171e-14f;
-        const gluon_6l3_real t62 = t1 * t61;
-        const gluon_6l3_real t63 = 1.0f - t1;
-        const gluon_6l3_real t64 = t63 * t61;
-        const gluon_6l3_real t65 = t62 + t64;
-        const gluon_6l3_real t66 = 2.842171e-14f + t65;
-        const gluon_6l3_real t67 = t0 * t66;
-        const gluon_6l3_real t68 = 1.0f - t0;
-        const gluon_6l3_real t69 = t68 * t66;
-        const gluon_6l3_real t70 = t67 + t69;
-        const gluon_6l3_real t71 = cosf(joints[0]);
-        const gluon_6l3_real t72 = t70 * t71;
-        const gluon_6l3_real t73 = t50 + t72;
-        const gluon_6l3_real t74 = -t73;
-        const gluon_6l3_real t75 = t39 * t41;
-        const gluon_6l3_real t76 = t46 * t0;
-        const gluon_6l3_real t77 = t75 + t76;
-        const gluon_6l3_real t78 = t71 * t77;
-        const gluon_6l3_real t79 = -t78;
-        const gluon_6l3_real t80 = t29 * t31;
-        const gluon_6l3_real t81 = t36 * t1;
-        const gluon_6l3_real t82 = t80 + t81;
-        const gluon_6l3_real t83 = t0 * t82;
-        const gluon_6l3_real t84 = t29 * t1;
-        const gluon_6l3_real t85 = t36 * t31;
-        const gluon_6l3_real t86 = t84 - t85;
-        const gluon_6l3_real t87 = t41 * t86;
-        const gluon_6l3_real t88 = t83 + t87;
-        const gluon_6l3_real t89 = t71 * t88;
-        const gluon_6l3_real t90 = -t89;
-        const gluon_6l3_real t91 = t16 * t18;
-        const gluon_6l3_real t92 = t25 * t2;
-        const gluon_6l3_real t93 = t91 + t92;
-        const gluon_6l3_real t94 = t1 * t93;
-        const gluon_6l3_real t95 = t16 * t2;
-        const gluon_6l3_real t96 = t25 * t18;
-        const gluon_6l3_real t97 = t95 - t96;
-        const gluon_6l3_real t98 = t31 * t97;
-        const gluon_6l3_real t99 = t94 + t98;
-        const gluon_6l3_real t100 = t0 * t99;
-        const gluon_6l3_real t101 = t1 * t97;
-        const gluon_6l3_real t102 = t31 * t93;
-        const gluon_6l3_real t103 = t101 - t102;
-        const gluon_6l3_real t104 = t41 * t103;
-        const gluon_6l3_real t105 = t100 + t104;
-        const gluon_6l3_real t106 = t71 * t105;
-        const gluon_6l3_real t107 = -t106;
-        const gluon_6l3_real t108 = t7 * t9;
-        const gluon_6l3_real t109 = t14 * t3;
-        const gluon_6l3_real t110 = t108 + t109;
-        const gluon_6l3_real t111 = t18 * t110;
-        const gluon_6l3_real t112 = t31 * t111;
-        const gluon_6l3_real t113 = t2 * t110;
-        const gluon_6l3_real t114 = t1 * t113;
-        const gluon_6l3_real t115 = t112 - t114;
-        const gluon_6l3_real t116 = t0 * t115;
-        const gluon_6l3_real t117 = t1 * t111;
-        const gluon_6l3_real t118 = t31 * t113;
-        const gluon_6l3_real t119 = t117 + t118;
-        const gluon_6l3_real t120 = t41 * t119;
-        const gluon_6l3_real t121 = t116 + t120;
-        const gluon_6l3_real t122 = t71 * t121;
-        const gluon_6l3_real t123 = t7 * t3;
-        const gluon_6l3_real t124 = t14 * t9;
-        const gluon_6l3_real t125 = t123 - t124;
-        const gluon_6l3_real t126 = t2 * t125;
-        const gluon_6l3_real t127 = t57 * t125;
-        const gluon_6l3_real t128 = t126 + t127;
-        const gluon_6l3_real t129 = t1 * t128;
-        const gluon_6l3_real t130 = t63 * t128;
-        const gluon_6l3_real t131 = t129 + t130;
-        const gluon_6l3_real t132 = t0 * t131;
-        const gluon_6l3_real t133 = t68 * t131;
+        const gluon_6l3_real t6 = t5 - 2.5149741e-14f;
+        const gluon_6l3_real t7 = t3 * t6;
+        const gluon_6l3_real t8 = sinf(joints[4]);
+        const gluon_6l3_real t9 = cosf(joints[5]);
+        const gluon_6l3_real t10 = -44.36f * t9;
+        const gluon_6l3_real t11 = 1.0f - t9;
+        const gluon_6l3_real t12 = 44.36f * t11;
+        const gluon_6l3_real t13 = t10 - t12;
+        const gluon_6l3_real t14 = t8 * t13;
+        const gluon_6l3_real t15 = t7 - t14;
+        const gluon_6l3_real t16 = t2 * t15;
+        const gluon_6l3_real t17 = sinf(joints[3]);
+        const gluon_6l3_real t18 = 9.849899e-15f * t11;
+        const gluon_6l3_real t19 = t18 + 80.09f;
+        const gluon_6l3_real t20 = t3 * t19;
+        const gluon_6l3_real t21 = 1.0f - t3;
+        const gluon_6l3_real t22 = t21 * t19;
+        const gluon_6l3_real t23 = t20 + t22;
+        const gluon_6l3_real t24 = t17 * t23;
+        const gluon_6l3_real t25 = t16 - t24;
+        const gluon_6l3_real t26 = t25 - 2.842171e-14f;
+        const gluon_6l3_real t27 = t1 * t26;
+        const gluon_6l3_real t28 = sinf(joints[2]);
+        const gluon_6l3_real t29 = t2 * t23;
+        const gluon_6l3_real t30 = t17 * t15;
+        const gluon_6l3_real t31 = t29 + t30;
+        const gluon_6l3_real t32 = t31 + 174.42f;
+        const gluon_6l3_real t33 = t28 * t32;
+        const gluon_6l3_real t34 = t27 - t33;
+        const gluon_6l3_real t35 = t34 - 2.842171e-14f;
+        const gluon_6l3_real t36 = t0 * t35;
+        const gluon_6l3_real t37 = sinf(joints[1]);
+        const gluon_6l3_real t38 = t1 * t32;
+        const gluon_6l3_real t39 = t28 * t26;
+        const gluon_6l3_real t40 = t38 + t39;
+        const gluon_6l3_real t41 = t40 + 174.42f;
+        const gluon_6l3_real t42 = t37 * t41;
+        const gluon_6l3_real t43 = t36 - t42;
+        const gluon_6l3_real t44 = sinf(joints[0]);
+        const gluon_6l3_real t45 = t43 * t44;
+        const gluon_6l3_real t46 = t3 * t13;
+        const gluon_6l3_real t47 = t8 * t6;
+        const gluon_6l3_real t48 = t46 + t47;
+        const gluon_6l3_real t49 = t48 - 75.66f;
+        const gluon_6l3_real t50 = t2 * t49;
+        const gluon_6l3_real t51 = 1.0f - t2;
+        const gluon_6l3_real t52 = t51 * t49;
+        const gluon_6l3_real t53 = t50 + t52;
+        const gluon_6l3_real t54 = t53 + 2.842171e-14f;
+        const gluon_6l3_real t55 = t1 * t54;
+        const gluon_6l3_real t56 = 1.0f - t1;
+        const gluon_6l3_real t57 = t56 * t54;
+        const gluon_6l3_real t58 = t55 + t57;
+        const gluon_6l3_real t59 = t58 + 2.842171e-14f;
+        const gluon_6l3_real t60 = t0 * t59;
+        const gluon_6l3_real t61 = 1.0f - t0;
+        const gluon_6l3_real t62 = t61 * t59;
+        const gluon_6l3_real t63 = t60 + t62;
+        const gluon_6l3_real t64 = cosf(joints[0]);
+        const gluon_6l3_real t65 = t63 * t64;
+        const gluon_6l3_real t66 = t45 + t65;
+        const gluon_6l3_real t67 = -t66;
+        const gluon_6l3_real t68 = t35 * t37;
+        const gluon_6l3_real t69 = t41 * t0;
+        const gluon_6l3_real t70 = t68 + t69;
+        const gluon_6l3_real t71 = t64 * t70;
+        const gluon_6l3_real t72 = -t71;
+        const gluon_6l3_real t73 = t26 * t28;
+        const gluon_6l3_real t74 = t32 * t1;
+        const gluon_6l3_real t75 = t73 + t74;
+        const gluon_6l3_real t76 = t0 * t75;
+        const gluon_6l3_real t77 = t26 * t1;
+        const gluon_6l3_real t78 = t32 * t28;
+        const gluon_6l3_real t79 = t77 - t78;
+        const gluon_6l3_real t80 = t37 * t79;
+        const gluon_6l3_real t81 = t76 + t80;
+        const gluon_6l3_real t82 = t64 * t81;
+        const gluon_6l3_real t83 = -t82;
+        const gluon_6l3_real t84 = t15 * t17;
+        const gluon_6l3_real t85 = t23 * t2;
+        const gluon_6l3_real t86 = t84 + t85;
+        const gluon_6l3_real t87 = t1 * t86;
+        const gluon_6l3_real t88 = t15 * t2;
+        const gluon_6l3_real t89 = t23 * t17;
+        const gluon_6l3_real t90 = t88 - t89;
+        const gluon_6l3_real t91 = t28 * t90;
+        const gluon_6l3_real t92 = t87 + t91;
+        const gluon_6l3_real t93 = t0 * t92;
+        const gluon_6l3_real t94 = t1 * t90;
+        const gluon_6l3_real t95 = t28 * t86;
+        const gluon_6l3_real t96 = t94 - t95;
+        const gluon_6l3_real t97 = t37 * t96;
+        const gluon_6l3_real t98 = t93 + t97;
+        const gluon_6l3_real t99 = t64 * t98;
+        const gluon_6l3_real t100 = -t99;
+        const gluon_6l3_real t101 = t6 * t8;
+        const gluon_6l3_real t102 = t13 * t3;
+        const gluon_6l3_real t103 = t101 + t102;
+        const gluon_6l3_real t104 = t17 * t103;
+        const gluon_6l3_real t105 = t28 * t104;
+        const gluon_6l3_real t106 = t2 * t103;
+        const gluon_6l3_real t107 = t1 * t106;
+        const gluon_6l3_real t108 = t105 - t107;
+        const gluon_6l3_real t109 = t0 * t108;
+        const gluon_6l3_real t110 = t1 * t104;
+        const gluon_6l3_real t111 = t28 * t106;
+        const gluon_6l3_real t112 = t110 + t111;
+        const gluon_6l3_real t113 = t37 * t112;
+        const gluon_6l3_real t114 = t109 + t113;
+        const gluon_6l3_real t115 = t64 * t114;
+        const gluon_6l3_real t116 = t6 * t3;
+        const gluon_6l3_real t117 = t13 * t8;
+        const gluon_6l3_real t118 = t116 - t117;
+        const gluon_6l3_real t119 = t2 * t118;
+        const gluon_6l3_real t120 = t51 * t118;
+        const gluon_6l3_real t121 = t119 + t120;
+        const gluon_6l3_real t122 = t1 * t121;
+        const gluon_6l3_real t123 = t56 * t121;
+        const gluon_6l3_real t124 = t122 + t123;
+        const gluon_6l3_real t125 = t0 * t124;
+        const gluon_6l3_real t126 = t61 * t124;
+        const gluon_6l3_real t127 = t125 + t126;
+        const gluon_6l3_real t128 = t44 * t127;
+        const gluon_6l3_real t129 = t115 - t128;
+        const gluon_6l3_real t130 = 9.849899e-15f * t9;
+        const gluon_6l3_real t131 = t3 * t130;
+        const gluon_6l3_real t132 = -44.36f * t4;
+        const gluon_6l3_real t133 = 44.36f * t4;
         const gluon_6l3_real t134 = t132 + t133;
-        const gluon_6l3_real t135 = t49 * t134;
-        const gluon_6l3_real t136 = t122 - t135;
-        const gluon_6l3_real t137 = 9.849899e-15f * t10;
-        const gluon_6l3_real t138 = t3 * t137;
-        const gluon_6l3_real t139 = -44.36f * t4;
-        const gluon_6l3_real t140 = 44.36f * t4;
-        const gluon_6l3_real t141 = t139 + t140;
-        const gluon_6l3_real t142 = t9 * t141;
-        const gluon_6l3_real t143 = t138 + t142;
-        const gluon_6l3_real t144 = t2 * t143;
-        const gluon_6l3_real t145 = t3 * t5;
-        const gluon_6l3_real t146 = t23 * t5;
-        const gluon_6l3_real t147 = t145 + t146;
-        const gluon_6l3_real t148 = t18 * t147;
-        const gluon_6l3_real t149 = t144 - t148;
-        const gluon_6l3_real t150 = t1 * t149;
-        const gluon_6l3_real t151 = t2 * t147;
-        const gluon_6l3_real t152 = t18 * t143;
-        const gluon_6l3_real t153 = t151 + t152;
-        const gluon_6l3_real t154 = t31 * t153;
-        const gluon_6l3_real t155 = t150 - t154;
-        const gluon_6l3_real t156 = t0 * t155;
-        const gluon_6l3_real t157 = t1 * t153;
-        const gluon_6l3_real t158 = t31 * t149;
-        const gluon_6l3_real t159 = t157 + t158;
-        const gluon_6l3_real t160 = t41 * t159;
-        const gluon_6l3_real t161 = t156 - t160;
-        const gluon_6l3_real t162 = t71 * t161;
-        const gluon_6l3_real t163 = t9 * t137;
-        const gluon_6l3_real t164 = t3 * t141;
-        const gluon_6l3_real t165 = t163 - t164;
-        const gluon_6l3_real t166 = t2 * t165;
-        const gluon_6l3_real t167 = t57 * t165;
-        const gluon_6l3_real t168 = t166 + t167;
-        const gluon_6l3_real t169 = t1 * t168;
-        const gluon_6l3_real t170 = t63 * t168;
-        const gluon_6l3_real t171 = t169 + t170;
-        const gluon_6l3_real t172 = t0 * t171;
-        const gluon_6l3_real t173 = t68 * t171;
-        const gluon_6l3_real t174 = t172 + t173;
-        const gluon_6l3_real t175 = t49 * t174;
-        const gluon_6l3_real t176 = t162 - t175;
-        const gluon_6l3_real t177 = t48 * t71;
-        const gluon_6l3_real t178 = t70 * t49;
-        const gluon_6l3_real t179 = t177 - t178;
-        const gluon_6l3_real t180 = t49 * t77;
-        const gluon_6l3_real t181 = -t180;
-        const gluon_6l3_real t182 = t49 * t88;
-        const gluon_6l3_real t183 = -t182;
-        const gluon_6l3_real t184 = t49 * t105;
-        const gluon_6l3_real t185 = -t184;
-        const gluon_6l3_real t186 = t71 * t134;
-        const gluon_6l3_real t187 = t49 * t121;
-        const gluon_6l3_real t188 = t186 + t187;
-        const gluon_6l3_real t189 = t71 * t174;
-        const gluon_6l3_real t190 = t49 * t161;
-        const gluon_6l3_real t191 = t189 + t190;
-        const gluon_6l3_real t192 = t39 * t0;
-        const gluon_6l3_real t193 = t46 * t41;
+        const gluon_6l3_real t135 = t8 * t134;
+        const gluon_6l3_real t136 = t131 + t135;
+        const gluon_6l3_real t137 = t2 * t136;
+        const gluon_6l3_real t138 = t3 * t5;
+        const gluon_6l3_real t139 = t21 * t5;
+        const gluon_6l3_real t140 = t138 + t139;
+        const gluon_6l3_real t141 = t17 * t140;
+        const gluon_6l3_real t142 = t137 - t141;
+        const gluon_6l3_real t143 = t1 * t142;
+        const gluon_6l3_real t144 = t2 * t140;
+        const gluon_6l3_real t145 = t17 * t136;
+        const gluon_6l3_real t146 = t144 + t145;
+        const gluon_6l3_real t147 = t28 * t146;
+        const gluon_6l3_real t148 = t143 - t147;
+        const gluon_6l3_real t149 = t0 * t148;
+        const gluon_6l3_real t150 = t1 * t146;
+        const gluon_6l3_real t151 = t28 * t142;
+        const gluon_6l3_real t152 = t150 + t151;
+        const gluon_6l3_real t153 = t37 * t152;
+        const gluon_6l3_real t154 = t149 - t153;
+        const gluon_6l3_real t155 = t64 * t154;
+        const gluon_6l3_real t156 = t8 * t130;
+        const gluon_6l3_real t157 = t3 * t134;
+        const gluon_6l3_real t158 = t156 - t157;
+        const gluon_6l3_real t159 = t2 * t158;
+        const gluon_6l3_real t160 = t51 * t158;
+        const gluon_6l3_real t161 = t159 + t160;
+        const gluon_6l3_real t162 = t1 * t161;
+        const gluon_6l3_real t163 = t56 * t161;
+        const gluon_6l3_real t164 = t162 + t163;
+        const gluon_6l3_real t165 = t0 * t164;
+        const gluon_6l3_real t166 = t61 * t164;
+        const gluon_6l3_real t167 = t165 + t166;
+        const gluon_6l3_real t168 = t44 * t167;
+        const gluon_6l3_real t169 = t155 - t168;
+        const gluon_6l3_real t170 = t43 * t64;
+        const gluon_6l3_real t171 = t63 * t44;
+        const gluon_6l3_real t172 = t170 - t171;
+        const gluon_6l3_real t173 = t44 * t70;
+        const gluon_6l3_real t174 = -t173;
+        const gluon_6l3_real t175 = t44 * t81;
+        const gluon_6l3_real t176 = -t175;
+        const gluon_6l3_real t177 = t44 * t98;
+        const gluon_6l3_real t178 = -t177;
+        const gluon_6l3_real t179 = t64 * t127;
+        const gluon_6l3_real t180 = t44 * t114;
+        const gluon_6l3_real t181 = t179 + t180;
+        const gluon_6l3_real t182 = t64 * t167;
+        const gluon_6l3_real t183 = t44 * t154;
+        const gluon_6l3_real t184 = t182 + t183;
+        const gluon_6l3_real t185 = t35 * t0;
+        const gluon_6l3_real t186 = t41 * t37;
+        const gluon_6l3_real t187 = t185 - t186;
+        const gluon_6l3_real t188 = t64 * t187;
+        const gluon_6l3_real t189 = 1.0f - t64;
+        const gluon_6l3_real t190 = t189 * t187;
+        const gluon_6l3_real t191 = t188 + t190;
+        const gluon_6l3_real t192 = t0 * t79;
+        const gluon_6l3_real t193 = t37 * t75;
         const gluon_6l3_real t194 = t192 - t193;
-        const gluon_6l3_real t195 = t71 * t194;
-        const gluon_6l3_real t196 = 1.0f - t71;
-        const gluon_6l3_real t197 = t196 * t194;
-        const gluon_6l3_real t198 = t195 + t197;
-        const gluon_6l3_real t199 = t0 * t86;
-        const gluon_6l3_real t200 = t41 * t82;
-        const gluon_6l3_real t201 = t199 - t200;
-        const gluon_6l3_real t202 = t71 * t201;
-        const gluon_6l3_real t203 = t196 * t201;
-        const gluon_6l3_real t204 = t202 + t203;
-        const gluon_6l3_real t205 = t0 * t103;
-        const gluon_6l3_real t206 = t41 * t99;
-        const gluon_6l3_real t207 = t205 - t206;
-        const gluon_6l3_real t208 = t71 * t207;
-        const gluon_6l3_real t209 = t196 * t207;
-        const gluon_6l3_real t210 = t208 + t209;
-        const gluon_6l3_real t211 = t41 * t115;
-        const gluon_6l3_real t212 = t0 * t119;
-        const gluon_6l3_real t213 = t211 - t212;
-        const gluon_6l3_real t214 = t71 * t213;
-        const gluon_6l3_real t215 = t196 * t213;
-        const gluon_6l3_real t216 = t214 + t215;
-        const gluon_6l3_real t217 = t0 * t159;
-        const gluon_6l3_real t218 = t41 * t155;
-        const gluon_6l3_real t219 = t217 + t218;
-        const gluon_6l3_real t220 = t71 * t219;
-        const gluon_6l3_real t221 = t196 * t219;
-        const gluon_6l3_real t222 = t220 + t221;
-        const gluon_6l3_real t223 = 0.5f * joints[5];
-        const gluon_6l3_real t224 = cosf(t223);
-        const gluon_6l3_real t225 = 0.5f * joints[4];
-        const gluon_6l3_real t226 = sinf(t225);
-        const gluon_6l3_real t227 = 0.5f * joints[3];
-        const gluon_6l3_real t228 = cosf(t227);
-        const gluon_6l3_real t229 = 0.5f * joints[2];
-        const gluon_6l3_real t230 = cosf(t229);
-        const gluon_6l3_real t231 = 0.5f * joints[1];
-        const gluon_6l3_real t232 = sinf(t231);
-        const gluon_6l3_real t233 = 0.5f * joints[0];
-        const gluon_6l3_real t234 = cosf(t233);
-        const gluon_6l3_real t235 = 0.5f * t234;
-        const gluon_6l3_real t236 = t232 * t235;
-        const gluon_6l3_real t237 = t230 * t236;
-        const gluon_6l3_real t238 = sinf(t229);
-        const gluon_6l3_real t239 = cosf(t231);
-        const gluon_6l3_real t240 = t239 * t235;
-        const gluon_6l3_real t241 = t238 * t240;
-        const gluon_6l3_real t242 = t237 + t241;
-        const gluon_6l3_real t243 = t228 * t242;
-        const gluon_6l3_real t244 = sinf(t227);
-        const gluon_6l3_real t245 = t230 * t240;
-        const gluon_6l3_real t246 = t238 * t236;
-        const gluon_6l3_real t247 = t245 - t246;
-        const gluon_6l3_real t248 = t244 * t247;
-        const gluon_6l3_real t249 = t243 + t248;
-        const gluon_6l3_real t250 = t226 * t249;
-        const gluon_6l3_real t251 = cosf(t225);
-        const gluon_6l3_real t252 = sinf(t233);
-        const gluon_6l3_real t253 = 0.5f * t252;
-        const gluon_6l3_real t254 = t232 * t253;
-        const gluon_6l3_real t255 = t238 * t254;
-        const gluon_6l3_real t256 = t239 * t253;
-        const gluon_6l3_real t257 = t230 * t256;
-        const gluon_6l3_real t258 = t255 - t257;
-        const gluon_6l3_real t259 = t244 * t258;
-        const gluon_6l3_real t260 = t238 * t256;
-        const gluon_6l3_real t261 = t230 * t254;
-        const gluon_6l3_real t262 = t260 + t261;
-        const gluon_6l3_real t263 = t228 * t262;
-        const gluon_6l3_real t264 = t259 - t263;
-        const gluon_6l3_real t265 = t251 * t264;
-        const gluon_6l3_real t266 = t250 + t265;
-        const gluon_6l3_real t267 = t224 * t266;
-        const gluon_6l3_real t268 = sinf(t223);
-        const gluon_6l3_real t269 = t228 * t258;
-        const gluon_6l3_real t270 = t244 * t262;
-        const gluon_6l3_real t271 = t269 + t270;
-        const gluon_6l3_real t272 = t251 * t271;
-        const gluon_6l3_real t273 = t228 * t247;
-        const gluon_6l3_real t274 = t244 * t242;
-        const gluon_6l3_real t275 = t273 - t274;
-        const gluon_6l3_real t276 = t226 * t275;
-        const gluon_6l3_real t277 = t272 - t276;
-        const gluon_6l3_real t278 = t268 * t277;
-        const gluon_6l3_real t279 = t267 + t278;
-        const gluon_6l3_real t280 = 0.70710677f * t279;
-        const gluon_6l3_real t281 = t226 * t271;
-        const gluon_6l3_real t282 = t251 * t275;
-        const gluon_6l3_real t283 = t281 + t282;
-        const gluon_6l3_real t284 = t224 * t283;
-        const gluon_6l3_real t285 = t251 * t249;
-        const gluon_6l3_real t286 = t226 * t264;
-        const gluon_6l3_real t287 = t285 - t286;
-        const gluon_6l3_real t288 = t268 * t287;
-        const gluon_6l3_real t289 = t284 - t288;
-        const gluon_6l3_real t290 = -0.70710677f * t289;
-        const gluon_6l3_real t291 = t280 - t290;
-        const gluon_6l3_real t292 = t291 + t291;
-        const gluon_6l3_real t293 = t252 * t232;
-        const gluon_6l3_real t294 = t293 * t230;
-        const gluon_6l3_real t295 = t252 * t239;
-        const gluon_6l3_real t296 = t295 * t238;
-        const gluon_6l3_real t297 = t294 + t296;
-        const gluon_6l3_real t298 = t297 * t228;
-        const gluon_6l3_real t299 = t295 * t230;
-        const gluon_6l3_real t300 = t293 * t238;
-        const gluon_6l3_real t301 = t299 - t300;
-        const gluon_6l3_real t302 = t301 * t244;
-        const gluon_6l3_real t303 = t298 + t302;
-        const gluon_6l3_real t304 = t303 * t226;
-        const gluon_6l3_real t305 = t234 * t239;
-        const gluon_6l3_real t306 = t305 * t230;
-        const gluon_6l3_real t307 = t234 * t232;
-        const gluon_6l3_real t308 = t307 * t238;
-        const gluon_6l3_real t309 = t306 - t308;
-        const gluon_6l3_real t310 = t309 * t244;
-        const gluon_6l3_real t311 = t305 * t238;
-        const gluon_6l3_real t312 = t307 * t230;
-        const gluon_6l3_real t313 = t311 + t312;
-        const gluon_6l3_real t314 = t313 * t228;
-        const gluon_6l3_real t315 = t310 + t314;
-        const gluon_6l3_real t316 = t315 * t251;
-        const gluon_6l3_real t317 = t304 + t316;
-        const gluon_6l3_real t318 = t317 * t224;
-        const gluon_6l3_real t319 = t309 * t228;
-        const gluon_6l3_real t320 = t313 * t244;
-        const gluon_6l3_real t321 = t319 - t320;
-        const gluon_6l3_real t322 = t321 * t251;
-        const gluon_6l3_real t323 = t301 * t228;
-        const gluon_6l3_real t324 = t297 * t244;
-        const gluon_6l3_real t325 = t323 - t324;
-        const gluon_6l3_real t326 = t325 * t226;
-        const gluon_6l3_real t327 = t322 - t326;
-        const gluon_6l3_real t328 = t327 * t268;
-        const gluon_6l3_real t329 = t318 + t328;
-        const gluon_6l3_real t330 = -0.70710677f * t329;
-        const gluon_6l3_real t331 = t321 * t226;
-        const gluon_6l3_real t332 = t325 * t251;
-        const gluon_6l3_real t333 = t331 + t332;
-        const gluon_6l3_real t334 = t333 * t224;
-        const gluon_6l3_real t335 = t303 * t251;
-        const gluon_6l3_real t336 = t315 * t226;
-        const gluon_6l3_real t337 = t335 - t336;
-        const gluon_6l3_real t338 = t337 * t268;
-        const gluon_6l3_real t339 = t334 - t338;
-        const gluon_6l3_real t340 = 0.70710677f * t339;
-        const gluon_6l3_real t341 = t330 + t340;
-        const gluon_6l3_real t342 = t292 * t341;
-        const gluon_6l3_real t343 = -0.70710677f * t279;
-        const gluon_6l3_real t344 = 0.70710677f * t289;
-        const gluon_6l3_real t345 = t343 + t344;
-        const gluon_6l3_real t346 = -t345;
-        const gluon_6l3_real t347 = t346 + t346;
-        const gluon_6l3_real t348 = 0.70710677f * t329;
-        const gluon_6l3_real t349 = -0.70710677f * t339;
-        const gluon_6l3_real t350 = t348 - t349;
-        const gluon_6l3_real t351 = t347 * t350;
-        const gluon_6l3_real t352 = t342 + t351;
-        const gluon_6l3_real t353 = t224 * t277;
-        const gluon_6l3_real t354 = t268 * t266;
-        const gluon_6l3_real t355 = t353 - t354;
-        const gluon_6l3_real t356 = 0.70710677f * t355;
-        const gluon_6l3_real t357 = t224 * t287;
-        const gluon_6l3_real t358 = t268 * t283;
-        const gluon_6l3_real t359 = t357 + t358;
-        const gluon_6l3_real t360 = -0.70710677f * t359;
-        const gluon_6l3_real t361 = t356 - t360;
-        const gluon_6l3_real t362 = t361 + t361;
-        const gluon_6l3_real t363 = t327 * t224;
-        const gluon_6l3_real t364 = t317 * t268;
-        const gluon_6l3_real t365 = t363 - t364;
-        const gluon_6l3_real t366 = -0.70710677f * t365;
-        const gluon_6l3_real t367 = t337 * t224;
-        const gluon_6l3_real t368 = t333 * t268;
+        const gluon_6l3_real t195 = t64 * t194;
+        const gluon_6l3_real t196 = t189 * t194;
+        const gluon_6l3_real t197 = t195 + t196;
+        const gluon_6l3_real t198 = t0 * t96;
+        const gluon_6l3_real t199 = t37 * t92;
+        const gluon_6l3_real t200 = t198 - t199;
+        const gluon_6l3_real t201 = t64 * t200;
+        const gluon_6l3_real t202 = t189 * t200;
+        const gluon_6l3_real t203 = t201 + t202;
+        const gluon_6l3_real t204 = t37 * t108;
+        const gluon_6l3_real t205 = t0 * t112;
+        const gluon_6l3_real t206 = t204 - t205;
+        const gluon_6l3_real t207 = t64 * t206;
+        const gluon_6l3_real t208 = t189 * t206;
+        const gluon_6l3_real t209 = t207 + t208;
+        const gluon_6l3_real t210 = t0 * t152;
+        const gluon_6l3_real t211 = t37 * t148;
+        const gluon_6l3_real t212 = t210 + t211;
+        const gluon_6l3_real t213 = t64 * t212;
+        const gluon_6l3_real t214 = t189 * t212;
+        const gluon_6l3_real t215 = t213 + t214;
+        const gluon_6l3_real t216 = 0.5f * joints[5];
+        const gluon_6l3_real t217 = cosf(t216);
+        const gluon_6l3_real t218 = 0.5f * joints[4];
+        const gluon_6l3_real t219 = sinf(t218);
+        const gluon_6l3_real t220 = 0.5f * joints[3];
+        const gluon_6l3_real t221 = cosf(t220);
+        const gluon_6l3_real t222 = 0.5f * joints[2];
+        const gluon_6l3_real t223 = cosf(t222);
+        const gluon_6l3_real t224 = 0.5f * joints[1];
+        const gluon_6l3_real t225 = sinf(t224);
+        const gluon_6l3_real t226 = 0.5f * joints[0];
+        const gluon_6l3_real t227 = cosf(t226);
+        const gluon_6l3_real t228 = 0.5f * t227;
+        const gluon_6l3_real t229 = t225 * t228;
+        const gluon_6l3_real t230 = t223 * t229;
+        const gluon_6l3_real t231 = sinf(t222);
+        const gluon_6l3_real t232 = cosf(t224);
+        const gluon_6l3_real t233 = t232 * t228;
+        const gluon_6l3_real t234 = t231 * t233;
+        const gluon_6l3_real t235 = t230 + t234;
+        const gluon_6l3_real t236 = t221 * t235;
+        const gluon_6l3_real t237 = sinf(t220);
+        const gluon_6l3_real t238 = t223 * t233;
+        const gluon_6l3_real t239 = t231 * t229;
+        const gluon_6l3_real t240 = t238 - t239;
+        const gluon_6l3_real t241 = t237 * t240;
+        const gluon_6l3_real t242 = t236 + t241;
+        const gluon_6l3_real t243 = t219 * t242;
+        const gluon_6l3_real t244 = cosf(t218);
+        const gluon_6l3_real t245 = sinf(t226);
+        const gluon_6l3_real t246 = 0.5f * t245;
+        const gluon_6l3_real t247 = t225 * t246;
+        const gluon_6l3_real t248 = t231 * t247;
+        const gluon_6l3_real t249 = t232 * t246;
+        const gluon_6l3_real t250 = t223 * t249;
+        const gluon_6l3_real t251 = t248 - t250;
+        const gluon_6l3_real t252 = t237 * t251;
+        const gluon_6l3_real t253 = t231 * t249;
+        const gluon_6l3_real t254 = t223 * t247;
+        const gluon_6l3_real t255 = t253 + t254;
+        const gluon_6l3_real t256 = t221 * t255;
+        const gluon_6l3_real t257 = t252 - t256;
+        const gluon_6l3_real t258 = t244 * t257;
+        const gluon_6l3_real t259 = t243 + t258;
+        const gluon_6l3_real t260 = t217 * t259;
+        const gluon_6l3_real t261 = sinf(t216);
+        const gluon_6l3_real t262 = t221 * t251;
+        const gluon_6l3_real t263 = t237 * t255;
+        const gluon_6l3_real t264 = t262 + t263;
+        const gluon_6l3_real t265 = t244 * t264;
+        const gluon_6l3_real t266 = t221 * t240;
+        const gluon_6l3_real t267 = t237 * t235;
+        const gluon_6l3_real t268 = t266 - t267;
+        const gluon_6l3_real t269 = t219 * t268;
+        const gluon_6l3_real t270 = t265 - t269;
+        const gluon_6l3_real t271 = t261 * t270;
+        const gluon_6l3_real t272 = t260 + t271;
+        const gluon_6l3_real t273 = 0.70710677f * t272;
+        const gluon_6l3_real t274 = t219 * t264;
+        const gluon_6l3_real t275 = t244 * t268;
+        const gluon_6l3_real t276 = t274 + t275;
+        const gluon_6l3_real t277 = t217 * t276;
+        const gluon_6l3_real t278 = t244 * t242;
+        const gluon_6l3_real t279 = t219 * t257;
+        const gluon_6l3_real t280 = t278 - t279;
+        const gluon_6l3_real t281 = t261 * t280;
+        const gluon_6l3_real t282 = t277 - t281;
+        const gluon_6l3_real t283 = -0.70710677f * t282;
+        const gluon_6l3_real t284 = t273 - t283;
+        const gluon_6l3_real t285 = t284 + t284;
+        const gluon_6l3_real t286 = t245 * t225;
+        const gluon_6l3_real t287 = t286 * t223;
+        const gluon_6l3_real t288 = t245 * t232;
+        const gluon_6l3_real t289 = t288 * t231;
+        const gluon_6l3_real t290 = t287 + t289;
+        const gluon_6l3_real t291 = t290 * t221;
+        const gluon_6l3_real t292 = t288 * t223;
+        const gluon_6l3_real t293 = t286 * t231;
+        const gluon_6l3_real t294 = t292 - t293;
+        const gluon_6l3_real t295 = t294 * t237;
+        const gluon_6l3_real t296 = t291 + t295;
+        const gluon_6l3_real t297 = t296 * t219;
+        const gluon_6l3_real t298 = t227 * t232;
+        const gluon_6l3_real t299 = t298 * t223;
+        const gluon_6l3_real t300 = t227 * t225;
+        const gluon_6l3_real t301 = t300 * t231;
+        const gluon_6l3_real t302 = t299 - t301;
+        const gluon_6l3_real t303 = t302 * t237;
+        const gluon_6l3_real t304 = t298 * t231;
+        const gluon_6l3_real t305 = t300 * t223;
+        const gluon_6l3_real t306 = t304 + t305;
+        const gluon_6l3_real t307 = t306 * t221;
+        const gluon_6l3_real t308 = t303 + t307;
+        const gluon_6l3_real t309 = t308 * t244;
+        const gluon_6l3_real t310 = t297 + t309;
+        const gluon_6l3_real t311 = t310 * t217;
+        const gluon_6l3_real t312 = t302 * t221;
+        const gluon_6l3_real t313 = t306 * t237;
+        const gluon_6l3_real t314 = t312 - t313;
+        const gluon_6l3_real t315 = t314 * t244;
+        const gluon_6l3_real t316 = t294 * t221;
+        const gluon_6l3_real t317 = t290 * t237;
+        const gluon_6l3_real t318 = t316 - t317;
+        const gluon_6l3_real t319 = t318 * t219;
+        const gluon_6l3_real t320 = t315 - t319;
+        const gluon_6l3_real t321 = t320 * t261;
+        const gluon_6l3_real t322 = t311 + t321;
+        const gluon_6l3_real t323 = -0.70710677f * t322;
+        const gluon_6l3_real t324 = t314 * t219;
+        const gluon_6l3_real t325 = t318 * t244;
+        const gluon_6l3_real t326 = t324 + t325;
+        const gluon_6l3_real t327 = t326 * t217;
+        const gluon_6l3_real t328 = t296 * t244;
+        const gluon_6l3_real t329 = t308 * t219;
+        const gluon_6l3_real t330 = t328 - t329;
+        const gluon_6l3_real t331 = t330 * t261;
+        const gluon_6l3_real t332 = t327 - t331;
+        const gluon_6l3_real t333 = 0.70710677f * t332;
+        const gluon_6l3_real t334 = t323 + t333;
+        const gluon_6l3_real t335 = t285 * t334;
+        const gluon_6l3_real t336 = -0.70710677f * t272;
+        const gluon_6l3_real t337 = 0.70710677f * t282;
+        const gluon_6l3_real t338 = t336 + t337;
+        const gluon_6l3_real t339 = -t338;
+        const gluon_6l3_real t340 = t339 + t339;
+        const gluon_6l3_real t341 = 0.70710677f * t322;
+        const gluon_6l3_real t342 = -0.70710677f * t332;
+        const gluon_6l3_real t343 = t341 - t342;
+        const gluon_6l3_real t344 = t340 * t343;
+        const gluon_6l3_real t345 = t335 + t344;
+        const gluon_6l3_real t346 = t217 * t270;
+        const gluon_6l3_real t347 = t261 * t259;
+        const gluon_6l3_real t348 = t346 - t347;
+        const gluon_6l3_real t349 = 0.70710677f * t348;
+        const gluon_6l3_real t350 = t217 * t280;
+        const gluon_6l3_real t351 = t261 * t276;
+        const gluon_6l3_real t352 = t350 + t351;
+        const gluon_6l3_real t353 = -0.70710677f * t352;
+        const gluon_6l3_real t354 = t349 - t353;
+        const gluon_6l3_real t355 = t354 + t354;
+        const gluon_6l3_real t356 = t320 * t217;
+        const gluon_6l3_real t357 = t310 * t261;
+        const gluon_6l3_real t358 = t356 - t357;
+        const gluon_6l3_real t359 = -0.70710677f * t358;
+        const gluon_6l3_real t360 = t330 * t217;
+        const gluon_6l3_real t361 = t326 * t261;
+        const gluon_6l3_real t362 = t360 + t361;
+        const gluon_6l3_real t363 = 0.70710677f * t362;
+        const gluon_6l3_real t364 = t359 + t363;
+        const gluon_6l3_real t365 = t355 * t364;
+        const gluon_6l3_real t366 = t345 - t365;
+        const gluon_6l3_real t367 = -0.70710677f * t348;
+        const gluon_6l3_real t368 = 0.70710677f * t352;
         const gluon_6l3_real t369 = t367 + t368;
-        const gluon_6l3_real t370 = 0.70710677f * t369;
-        const gluon_6l3_real t371 = t366 + t370;
-        const gluon_6l3_real t372 = t362 * t371;
-        const gluon_6l3_real t373 = t352 - t372;
-        const gluon_6l3_real t374 = -0.70710677f * t355;
-        const gluon_6l3_real t375 = 0.70710677f * t359;
-        const gluon_6l3_real t376 = t374 + t375;
-        const gluon_6l3_real t377 = t376 + t376;
-        const gluon_6l3_real t378 = 0.70710677f * t365;
-        const gluon_6l3_real t379 = -0.70710677f * t369;
-        const gluon_6l3_real t380 = t378 - t379;
-        const gluon_6l3_real t381 = t377 * t380;
-        const gluon_6l3_real t382 = t373 + t381;
-        const gluon_6l3_real t383 = 0.5f * t239;
-        const gluon_6l3_real t384 = t252 * t383;
-        const gluon_6l3_real t385 = t230 * t384;
-        const gluon_6l3_real t386 = 0.5f * t232;
-        const gluon_6l3_real t387 = t252 * t386;
-        const gluon_6l3_real t388 = t238 * t387;
-        const gluon_6l3_real t389 = t385 - t388;
-        const gluon_6l3_real t390 = t228 * t389;
-        const gluon_6l3_real t391 = t230 * t387;
-        const gluon_6l3_real t392 = t238 * t384;
-        const gluon_6l3_real t393 = t391 + t392;
-        const gluon_6l3_real t394 = t244 * t393;
-        const gluon_6l3_real t395 = t390 - t394;
-        const gluon_6l3_real t396 = t226 * t395;
-        const gluon_6l3_real t397 = t234 * t383;
-        const gluon_6l3_real t398 = t230 * t397;
-        const gluon_6l3_real t399 = t234 * t386;
-        const gluon_6l3_real t400 = t238 * t399;
-        const gluon_6l3_real t401 = t398 - t400;
-        const gluon_6l3_real t402 = t228 * t401;
-        const gluon_6l3_real t403 = t230 * t399;
-        const gluon_6l3_real t404 = t238 * t397;
-        const gluon_6l3_real t405 = t403 + t404;
-        const gluon_6l3_real t406 = t244 * t405;
-        const gluon_6l3_real t407 = t402 - t406;
-        const gluon_6l3_real t408 = t251 * t407;
-        const gluon_6l3_real t409 = t396 + t408;
-        const gluon_6l3_real t410 = t224 * t409;
-        const gluon_6l3_real t411 = t228 * t393;
-        const gluon_6l3_real t412 = t244 * t389;
-        const gluon_6l3_real t413 = t411 + t412;
-        const gluon_6l3_real t414 = t226 * t413;
-        const gluon_6l3_real t415 = t228 * t405;
-        const gluon_6l3_real t416 = t244 * t401;
-        const gluon_6l3_real t417 = t415 + t416;
-        const gluon_6l3_real t418 = t251 * t417;
-        const gluon_6l3_real t419 = t414 - t418;
-        const gluon_6l3_real t420 = t268 * t419;
-        const gluon_6l3_real t421 = t410 + t420;
-        const gluon_6l3_real t422 = 0.70710677f * t421;
-        const gluon_6l3_real t423 = t226 * t417;
-        const gluon_6l3_real t424 = t251 * t413;
-        const gluon_6l3_real t425 = t423 + t424;
-        const gluon_6l3_real t426 = t224 * t425;
-        const gluon_6l3_real t427 = t251 * t395;
-        const gluon_6l3_real t428 = t226 * t407;
-        const gluon_6l3_real t429 = t427 - t428;
-        const gluon_6l3_real t430 = t268 * t429;
-        const gluon_6l3_real t431 = t426 + t430;
-        const gluon_6l3_real t432 = -0.70710677f * t431;
-        const gluon_6l3_real t433 = t422 + t432;
-        const gluon_6l3_real t434 = t433 + t433;
-        const gluon_6l3_real t435 = t434 * t341;
-        const gluon_6l3_real t436 = -0.70710677f * t421;
-        const gluon_6l3_real t437 = 0.70710677f * t431;
+        const gluon_6l3_real t370 = t369 + t369;
+        const gluon_6l3_real t371 = 0.70710677f * t358;
+        const gluon_6l3_real t372 = -0.70710677f * t362;
+        const gluon_6l3_real t373 = t371 - t372;
+        const gluon_6l3_real t374 = t370 * t373;
+        const gluon_6l3_real t375 = t366 + t374;
+        const gluon_6l3_real t376 = 0.5f * t232;
+        const gluon_6l3_real t377 = t245 * t376;
+        const gluon_6l3_real t378 = t223 * t377;
+        const gluon_6l3_real t379 = 0.5f * t225;
+        const gluon_6l3_real t380 = t245 * t379;
+        const gluon_6l3_real t381 = t231 * t380;
+        const gluon_6l3_real t382 = t378 - t381;
+        const gluon_6l3_real t383 = t221 * t382;
+        const gluon_6l3_real t384 = t223 * t380;
+        const gluon_6l3_real t385 = t231 * t377;
+        const gluon_6l3_real t386 = t384 + t385;
+        const gluon_6l3_real t387 = t237 * t386;
+        const gluon_6l3_real t388 = t383 - t387;
+        const gluon_6l3_real t389 = t219 * t388;
+        const gluon_6l3_real t390 = t227 * t376;
+        const gluon_6l3_real t391 = t223 * t390;
+        const gluon_6l3_real t392 = t227 * t379;
+        const gluon_6l3_real t393 = t231 * t392;
+        const gluon_6l3_real t394 = t391 - t393;
+        const gluon_6l3_real t395 = t221 * t394;
+        const gluon_6l3_real t396 = t223 * t392;
+        const gluon_6l3_real t397 = t231 * t390;
+        const gluon_6l3_real t398 = t396 + t397;
+        const gluon_6l3_real t399 = t237 * t398;
+        const gluon_6l3_real t400 = t395 - t399;
+        const gluon_6l3_real t401 = t244 * t400;
+        const gluon_6l3_real t402 = t389 + t401;
+        const gluon_6l3_real t403 = t217 * t402;
+        const gluon_6l3_real t404 = t221 * t386;
+        const gluon_6l3_real t405 = t237 * t382;
+        const gluon_6l3_real t406 = t404 + t405;
+        const gluon_6l3_real t407 = t219 * t406;
+        const gluon_6l3_real t408 = t221 * t398;
+        const gluon_6l3_real t409 = t237 * t394;
+        const gluon_6l3_real t410 = t408 + t409;
+        const gluon_6l3_real t411 = t244 * t410;
+        const gluon_6l3_real t412 = t407 - t411;
+        const gluon_6l3_real t413 = t261 * t412;
+        const gluon_6l3_real t414 = t403 + t413;
+        const gluon_6l3_real t415 = 0.70710677f * t414;
+        const gluon_6l3_real t416 = t219 * t410;
+        const gluon_6l3_real t417 = t244 * t406;
+        const gluon_6l3_real t418 = t416 + t417;
+        const gluon_6l3_real t419 = t217 * t418;
+        const gluon_6l3_real t420 = t244 * t388;
+        const gluon_6l3_real t421 = t219 * t400;
+        const gluon_6l3_real t422 = t420 - t421;
+        const gluon_6l3_real t423 = t261 * t422;
+        const gluon_6l3_real t424 = t419 + t423;
+        const gluon_6l3_real t425 = -0.70710677f * t424;
+        const gluon_6l3_real t426 = t415 + t425;
+        const gluon_6l3_real t427 = t426 + t426;
+        const gluon_6l3_real t428 = t427 * t334;
+        const gluon_6l3_real t429 = -0.70710677f * t414;
+        const gluon_6l3_real t430 = 0.70710677f * t424;
+        const gluon_6l3_real t431 = t429 - t430;
+        const gluon_6l3_real t432 = -t431;
+        const gluon_6l3_real t433 = t432 + t432;
+        const gluon_6l3_real t434 = t433 * t343;
+        const gluon_6l3_real t435 = t428 + t434;
+        const gluon_6l3_real t436 = t217 * t412;
+        const gluon_6l3_real t437 = t261 * t402;
         const gluon_6l3_real t438 = t436 - t437;
-        const gluon_6l3_real t439 = -t438;
-        const gluon_6l3_real t440 = t439 + t439;
-        const gluon_6l3_real t441 = t440 * t350;
-        const gluon_6l3_real t442 = t435 + t441;
-        const gluon_6l3_real t443 = t224 * t419;
-        const gluon_6l3_real t444 = t268 * t409;
-        const gluon_6l3_real t445 = t443 - t444;
-        const gluon_6l3_real t446 = 0.70710677f * t445;
-        const gluon_6l3_real t447 = t224 * t429;
-        const gluon_6l3_real t448 = t268 * t425;
-        const gluon_6l3_real t449 = t447 - t448;
-        const gluon_6l3_real t450 = -0.70710677f * t449;
-        const gluon_6l3_real t451 = t446 - t450;
-        const gluon_6l3_real t452 = t451 + t451;
-        const gluon_6l3_real t453 = t452 * t371;
-        const gluon_6l3_real t454 = t442 - t453;
-        const gluon_6l3_real t455 = -0.70710677f * t445;
-        const gluon_6l3_real t456 = 0.70710677f * t449;
-        const gluon_6l3_real t457 = t455 + t456;
-        const gluon_6l3_real t458 = t457 + t457;
-        const gluon_6l3_real t459 = t458 * t380;
-        const gluon_6l3_real t460 = t454 + t459;
-        const gluon_6l3_real t461 = 0.5f * t230;
-        const gluon_6l3_real t462 = t295 * t461;
-        const gluon_6l3_real t463 = 0.5f * t238;
-        const gluon_6l3_real t464 = t293 * t463;
-        const gluon_6l3_real t465 = t462 - t464;
-        const gluon_6l3_real t466 = t228 * t465;
-        const gluon_6l3_real t467 = t295 * t463;
-        const gluon_6l3_real t468 = t293 * t461;
-        const gluon_6l3_real t469 = t467 + t468;
-        const gluon_6l3_real t470 = t244 * t469;
-        const gluon_6l3_real t471 = t466 - t470;
-        const gluon_6l3_real t472 = t226 * t471;
-        const gluon_6l3_real t473 = t305 * t461;
-        const gluon_6l3_real t474 = t307 * t463;
-        const gluon_6l3_real t475 = t473 - t474;
-        const gluon_6l3_real t476 = t228 * t475;
-        const gluon_6l3_real t477 = t305 * t463;
-        const gluon_6l3_real t478 = t307 * t461;
-        const gluon_6l3_real t479 = t477 + t478;
-        const gluon_6l3_real t480 = t244 * t479;
-        const gluon_6l3_real t481 = t476 - t480;
-        const gluon_6l3_real t482 = t251 * t481;
-        const gluon_6l3_real t483 = t472 + t482;
-        const gluon_6l3_real t484 = t224 * t483;
-        const gluon_6l3_real t485 = t228 * t469;
-        const gluon_6l3_real t486 = t244 * t465;
-        const gluon_6l3_real t487 = t485 + t486;
-        const gluon_6l3_real t488 = t226 * t487;
-        const gluon_6l3_real t489 = t228 * t479;
-        const gluon_6l3_real t490 = t244 * t475;
-        const gluon_6l3_real t491 = t489 + t490;
-        const gluon_6l3_real t492 = t251 * t491;
-        const gluon_6l3_real t493 = t488 - t492;
-        const gluon_6l3_real t494 = t268 * t493;
-        const gluon_6l3_real t495 = t484 + t494;
-        const gluon_6l3_real t496 = 0.70710677f * t495;
-        const gluon_6l3_real t497 = t226 * t491;
-        const gluon_6l3_real t498 = t251 * t487;
-        const gluon_6l3_real t499 = t497 + t498;
-        const gluon_6l3_real t500 = t224 * t499;
-        const gluon_6l3_real t501 = t251 * t471;
-        const gluon_6l3_real t502 = t226 * t481;
-        const gluon_6l3_real t503 = t501 - t502;
-        const gluon_6l3_real t504 = t268 * t503;
-        const gluon_6l3_real t505 = t500 + t504;
-        const gluon_6l3_real t506 = -0.70710677f * t505;
-        const gluon_6l3_real t507 = t496 + t506;
-        const gluon_6l3_real t508 = t507 + t507;
-        const gluon_6l3_real t509 = t508 * t341;
-        const gluon_6l3_real t510 = -0.70710677f * t495;
-        const gluon_6l3_real t511 = 0.70710677f * t505;
+        const gluon_6l3_real t439 = 0.70710677f * t438;
+        const gluon_6l3_real t440 = t217 * t422;
+        const gluon_6l3_real t441 = t261 * t418;
+        const gluon_6l3_real t442 = t440 - t441;
+        const gluon_6l3_real t443 = -0.70710677f * t442;
+        const gluon_6l3_real t444 = t439 - t443;
+        const gluon_6l3_real t445 = t444 + t444;
+        const gluon_6l3_real t446 = t445 * t364;
+        const gluon_6l3_real t447 = t435 - t446;
+        const gluon_6l3_real t448 = -0.70710677f * t438;
+        const gluon_6l3_real t449 = 0.70710677f * t442;
+        const gluon_6l3_real t450 = t448 + t449;
+        const gluon_6l3_real t451 = t450 + t450;
+        const gluon_6l3_real t452 = t451 * t373;
+        const gluon_6l3_real t453 = t447 + t452;
+        const gluon_6l3_real t454 = 0.5f * t223;
+        const gluon_6l3_real t455 = t288 * t454;
+        const gluon_6l3_real t456 = 0.5f * t231;
+        const gluon_6l3_real t457 = t286 * t456;
+        const gluon_6l3_real t458 = t455 - t457;
+        const gluon_6l3_real t459 = t221 * t458;
+        const gluon_6l3_real t460 = t288 * t456;
+        const gluon_6l3_real t461 = t286 * t454;
+        const gluon_6l3_real t462 = t460 + t461;
+        const gluon_6l3_real t463 = t237 * t462;
+        const gluon_6l3_real t464 = t459 - t463;
+        const gluon_6l3_real t465 = t219 * t464;
+        const gluon_6l3_real t466 = t298 * t454;
+        const gluon_6l3_real t467 = t300 * t456;
+        const gluon_6l3_real t468 = t466 - t467;
+        const gluon_6l3_real t469 = t221 * t468;
+        const gluon_6l3_real t470 = t298 * t456;
+        const gluon_6l3_real t471 = t300 * t454;
+        const gluon_6l3_real t472 = t470 + t471;
+        const gluon_6l3_real t473 = t237 * t472;
+        const gluon_6l3_real t474 = t469 - t473;
+        const gluon_6l3_real t475 = t244 * t474;
+        const gluon_6l3_real t476 = t465 + t475;
+        const gluon_6l3_real t477 = t217 * t476;
+        const gluon_6l3_real t478 = t221 * t462;
+        const gluon_6l3_real t479 = t237 * t458;
+        const gluon_6l3_real t480 = t478 + t479;
+        const gluon_6l3_real t481 = t219 * t480;
+        const gluon_6l3_real t482 = t221 * t472;
+        const gluon_6l3_real t483 = t237 * t468;
+        const gluon_6l3_real t484 = t482 + t483;
+        const gluon_6l3_real t485 = t244 * t484;
+        const gluon_6l3_real t486 = t481 - t485;
+        const gluon_6l3_real t487 = t261 * t486;
+        const gluon_6l3_real t488 = t477 + t487;
+        const gluon_6l3_real t489 = 0.70710677f * t488;
+        const gluon_6l3_real t490 = t219 * t484;
+        const gluon_6l3_real t491 = t244 * t480;
+        const gluon_6l3_real t492 = t490 + t491;
+        const gluon_6l3_real t493 = t217 * t492;
+        const gluon_6l3_real t494 = t244 * t464;
+        const gluon_6l3_real t495 = t219 * t474;
+        const gluon_6l3_real t496 = t494 - t495;
+        const gluon_6l3_real t497 = t261 * t496;
+        const gluon_6l3_real t498 = t493 + t497;
+        const gluon_6l3_real t499 = -0.70710677f * t498;
+        const gluon_6l3_real t500 = t489 + t499;
+        const gluon_6l3_real t501 = t500 + t500;
+        const gluon_6l3_real t502 = t501 * t334;
+        const gluon_6l3_real t503 = -0.70710677f * t488;
+        const gluon_6l3_real t504 = 0.70710677f * t498;
+        const gluon_6l3_real t505 = t503 - t504;
+        const gluon_6l3_real t506 = -t505;
+        const gluon_6l3_real t507 = t506 + t506;
+        const gluon_6l3_real t508 = t507 * t343;
+        const gluon_6l3_real t509 = t502 + t508;
+        const gluon_6l3_real t510 = t217 * t486;
+        const gluon_6l3_real t511 = t261 * t476;
         const gluon_6l3_real t512 = t510 - t511;
-        const gluon_6l3_real t513 = -t512;
-        const gluon_6l3_real t514 = t513 + t513;
-        const gluon_6l3_real t515 = t514 * t350;
-        const gluon_6l3_real t516 = t509 + t515;
-        const gluon_6l3_real t517 = t224 * t493;
-        const gluon_6l3_real t518 = t268 * t483;
-        const gluon_6l3_real t519 = t517 - t518;
-        const gluon_6l3_real t520 = 0.70710677f * t519;
-        const gluon_6l3_real t521 = t224 * t503;
-        const gluon_6l3_real t522 = t268 * t499;
-        const gluon_6l3_real t523 = t521 - t522;
-        const gluon_6l3_real t524 = -0.70710677f * t523;
-        const gluon_6l3_real t525 = t520 - t524;
-        const gluon_6l3_real t526 = t525 + t525;
-        const gluon_6l3_real t527 = t526 * t371;
-        const gluon_6l3_real t528 = t516 - t527;
-        const gluon_6l3_real t529 = -0.70710677f * t519;
-        const gluon_6l3_real t530 = 0.70710677f * t523;
-        const gluon_6l3_real t531 = t529 + t530;
-        const gluon_6l3_real t532 = t531 + t531;
-        const gluon_6l3_real t533 = t532 * t380;
-        const gluon_6l3_real t534 = t528 + t533;
-        const gluon_6l3_real t535 = 0.5f * t228;
-        const gluon_6l3_real t536 = t301 * t535;
-        const gluon_6l3_real t537 = 0.5f * t244;
-        const gluon_6l3_real t538 = t297 * t537;
-        const gluon_6l3_real t539 = t536 - t538;
-        const gluon_6l3_real t540 = t226 * t539;
-        const gluon_6l3_real t541 = t309 * t535;
-        const gluon_6l3_real t542 = t313 * t537;
-        const gluon_6l3_real t543 = t541 - t542;
-        const gluon_6l3_real t544 = t251 * t543;
-        const gluon_6l3_real t545 = t540 + t544;
-        const gluon_6l3_real t546 = t224 * t545;
-        const gluon_6l3_real t547 = t301 * t537;
-        const gluon_6l3_real t548 = t297 * t535;
-        const gluon_6l3_real t549 = t547 + t548;
-        const gluon_6l3_real t550 = t226 * t549;
-        const gluon_6l3_real t551 = t309 * t537;
-        const gluon_6l3_real t552 = t313 * t535;
-        const gluon_6l3_real t553 = t551 + t552;
-        const gluon_6l3_real t554 = t251 * t553;
-        const gluon_6l3_real t555 = t550 - t554;
-        const gluon_6l3_real t556 = t268 * t555;
-        const gluon_6l3_real t557 = t546 + t556;
-        const gluon_6l3_real t558 = 0.70710677f * t557;
-        const gluon_6l3_real t559 = t226 * t553;
-        const gluon_6l3_real t560 = t251 * t549;
-        const gluon_6l3_real t561 = t559 + t560;
-        const gluon_6l3_real t562 = t224 * t561;
-        const gluon_6l3_real t563 = t251 * t539;
-        const gluon_6l3_real t564 = t226 * t543;
-        const gluon_6l3_real t565 = t563 - t564;
-        const gluon_6l3_real t566 = t268 * t565;
-        const gluon_6l3_real t567 = t562 + t566;
-        const gluon_6l3_real t568 = -0.70710677f * t567;
-        const gluon_6l3_real t569 = t558 + t568;
-        const gluon_6l3_real t570 = t569 + t569;
-        const gluon_6l3_real t571 = t570 * t341;
-        const gluon_6l3_real t572 = -0.70710677f * t557;
-        const gluon_6l3_real t573 = 0.70710677f * t567;
+        const gluon_6l3_real t513 = 0.70710677f * t512;
+        const gluon_6l3_real t514 = t217 * t496;
+        const gluon_6l3_real t515 = t261 * t492;
+        const gluon_6l3_real t516 = t514 - t515;
+        const gluon_6l3_real t517 = -0.70710677f * t516;
+        const gluon_6l3_real t518 = t513 - t517;
+        const gluon_6l3_real t519 = t518 + t518;
+        const gluon_6l3_real t520 = t519 * t364;
+        const gluon_6l3_real t521 = t509 - t520;
+        const gluon_6l3_real t522 = -0.70710677f * t512;
+        const gluon_6l3_real t523 = 0.70710677f * t516;
+        const gluon_6l3_real t524 = t522 + t523;
+        const gluon_6l3_real t525 = t524 + t524;
+        const gluon_6l3_real t526 = t525 * t373;
+        const gluon_6l3_real t527 = t521 + t526;
+        const gluon_6l3_real t528 = 0.5f * t221;
+        const gluon_6l3_real t529 = t294 * t528;
+        const gluon_6l3_real t530 = 0.5f * t237;
+        const gluon_6l3_real t531 = t290 * t530;
+        const gluon_6l3_real t532 = t529 - t531;
+        const gluon_6l3_real t533 = t219 * t532;
+        const gluon_6l3_real t534 = t302 * t528;
+        const gluon_6l3_real t535 = t306 * t530;
+        const gluon_6l3_real t536 = t534 - t535;
+        const gluon_6l3_real t537 = t244 * t536;
+        const gluon_6l3_real t538 = t533 + t537;
+        const gluon_6l3_real t539 = t217 * t538;
+        const gluon_6l3_real t540 = t294 * t530;
+        const gluon_6l3_real t541 = t290 * t528;
+        const gluon_6l3_real t542 = t540 + t541;
+        const gluon_6l3_real t543 = t219 * t542;
+        const gluon_6l3_real t544 = t302 * t530;
+        const gluon_6l3_real t545 = t306 * t528;
+        const gluon_6l3_real t546 = t544 + t545;
+        const gluon_6l3_real t547 = t244 * t546;
+        const gluon_6l3_real t548 = t543 - t547;
+        const gluon_6l3_real t549 = t261 * t548;
+        const gluon_6l3_real t550 = t539 + t549;
+        const gluon_6l3_real t551 = 0.70710677f * t550;
+        const gluon_6l3_real t552 = t219 * t546;
+        const gluon_6l3_real t553 = t244 * t542;
+        const gluon_6l3_real t554 = t552 + t553;
+        const gluon_6l3_real t555 = t217 * t554;
+        const gluon_6l3_real t556 = t244 * t532;
+        const gluon_6l3_real t557 = t219 * t536;
+        const gluon_6l3_real t558 = t556 - t557;
+        const gluon_6l3_real t559 = t261 * t558;
+        const gluon_6l3_real t560 = t555 + t559;
+        const gluon_6l3_real t561 = -0.70710677f * t560;
+        const gluon_6l3_real t562 = t551 + t561;
+        const gluon_6l3_real t563 = t562 + t562;
+        const gluon_6l3_real t564 = t563 * t334;
+        const gluon_6l3_real t565 = -0.70710677f * t550;
+        const gluon_6l3_real t566 = 0.70710677f * t560;
+        const gluon_6l3_real t567 = t565 - t566;
+        const gluon_6l3_real t568 = -t567;
+        const gluon_6l3_real t569 = t568 + t568;
+        const gluon_6l3_real t570 = t569 * t343;
+        const gluon_6l3_real t571 = t564 + t570;
+        const gluon_6l3_real t572 = t217 * t548;
+        const gluon_6l3_real t573 = t261 * t538;
         const gluon_6l3_real t574 = t572 - t573;
-        const gluon_6l3_real t575 = -t574;
-        const gluon_6l3_real t576 = t575 + t575;
-        const gluon_6l3_real t577 = t576 * t350;
-        const gluon_6l3_real t578 = t571 + t577;
-        const gluon_6l3_real t579 = t224 * t555;
-        const gluon_6l3_real t580 = t268 * t545;
-        const gluon_6l3_real t581 = t579 - t580;
-        const gluon_6l3_real t582 = 0.70710677f * t581;
-        const gluon_6l3_real t583 = t224 * t565;
-        const gluon_6l3_real t584 = t268 * t561;
-        const gluon_6l3_real t585 = t583 - t584;
-        const gluon_6l3_real t586 = -0.70710677f * t585;
-        const gluon_6l3_real t587 = t582 - t586;
-        const gluon_6l3_real t588 = t587 + t587;
-        const gluon_6l3_real t589 = t588 * t371;
-        const gluon_6l3_real t590 = t578 - t589;
-        const gluon_6l3_real t591 = -0.70710677f * t581;
-        const gluon_6l3_real t592 = 0.70710677f * t585;
-        const gluon_6l3_real t593 = t591 + t592;
-        const gluon_6l3_real t594 = t593 + t593;
-        const gluon_6l3_real t595 = t594 * t380;
-        const gluon_6l3_real t596 = t590 + t595;
-        const gluon_6l3_real t597 = 0.5f * t251;
-        const gluon_6l3_real t598 = t303 * t597;
-        const gluon_6l3_real t599 = 0.5f * t226;
-        const gluon_6l3_real t600 = t315 * t599;
-        const gluon_6l3_real t601 = t598 - t600;
-        const gluon_6l3_real t602 = t224 * t601;
-        const gluon_6l3_real t603 = t321 * t599;
-        const gluon_6l3_real t604 = t325 * t597;
-        const gluon_6l3_real t605 = t603 + t604;
-        const gluon_6l3_real t606 = t268 * t605;
-        const gluon_6l3_real t607 = t602 - t606;
-        const gluon_6l3_real t608 = 0.70710677f * t607;
-        const gluon_6l3_real t609 = t321 * t597;
-        const gluon_6l3_real t610 = t325 * t599;
-        const gluon_6l3_real t611 = t609 - t610;
-        const gluon_6l3_real t612 = t224 * t611;
-        const gluon_6l3_real t613 = t303 * t599;
-        const gluon_6l3_real t614 = t315 * t597;
-        const gluon_6l3_real t615 = t613 + t614;
-        const gluon_6l3_real t616 = t268 * t615;
-        const gluon_6l3_real t617 = t612 + t616;
-        const gluon_6l3_real t618 = -0.70710677f * t617;
-        const gluon_6l3_real t619 = t608 - t618;
-        const gluon_6l3_real t620 = t619 + t619;
-        const gluon_6l3_real t621 = t620 * t341;
-        const gluon_6l3_real t622 = -0.70710677f * t607;
-        const gluon_6l3_real t623 = 0.70710677f * t617;
+        const gluon_6l3_real t575 = 0.70710677f * t574;
+        const gluon_6l3_real t576 = t217 * t558;
+        const gluon_6l3_real t577 = t261 * t554;
+        const gluon_6l3_real t578 = t576 - t577;
+        const gluon_6l3_real t579 = -0.70710677f * t578;
+        const gluon_6l3_real t580 = t575 - t579;
+        const gluon_6l3_real t581 = t580 + t580;
+        const gluon_6l3_real t582 = t581 * t364;
+        const gluon_6l3_real t583 = t571 - t582;
+        const gluon_6l3_real t584 = -0.70710677f * t574;
+        const gluon_6l3_real t585 = 0.70710677f * t578;
+        const gluon_6l3_real t586 = t584 + t585;
+        const gluon_6l3_real t587 = t586 + t586;
+        const gluon_6l3_real t588 = t587 * t373;
+        const gluon_6l3_real t589 = t583 + t588;
+        const gluon_6l3_real t590 = 0.5f * t244;
+        const gluon_6l3_real t591 = t296 * t590;
+        const gluon_6l3_real t592 = 0.5f * t219;
+        const gluon_6l3_real t593 = t308 * t592;
+        const gluon_6l3_real t594 = t591 - t593;
+        const gluon_6l3_real t595 = t217 * t594;
+        const gluon_6l3_real t596 = t314 * t592;
+        const gluon_6l3_real t597 = t318 * t590;
+        const gluon_6l3_real t598 = t596 + t597;
+        const gluon_6l3_real t599 = t261 * t598;
+        const gluon_6l3_real t600 = t595 - t599;
+        const gluon_6l3_real t601 = 0.70710677f * t600;
+        const gluon_6l3_real t602 = t314 * t590;
+        const gluon_6l3_real t603 = t318 * t592;
+        const gluon_6l3_real t604 = t602 - t603;
+        const gluon_6l3_real t605 = t217 * t604;
+        const gluon_6l3_real t606 = t296 * t592;
+        const gluon_6l3_real t607 = t308 * t590;
+        const gluon_6l3_real t608 = t606 + t607;
+        const gluon_6l3_real t609 = t261 * t608;
+        const gluon_6l3_real t610 = t605 + t609;
+        const gluon_6l3_real t611 = -0.70710677f * t610;
+        const gluon_6l3_real t612 = t601 - t611;
+        const gluon_6l3_real t613 = t612 + t612;
+        const gluon_6l3_real t614 = t613 * t334;
+        const gluon_6l3_real t615 = -0.70710677f * t600;
+        const gluon_6l3_real t616 = 0.70710677f * t610;
+        const gluon_6l3_real t617 = t615 + t616;
+        const gluon_6l3_real t618 = -t617;
+        const gluon_6l3_real t619 = t618 + t618;
+        const gluon_6l3_real t620 = t619 * t343;
+        const gluon_6l3_real t621 = t614 + t620;
+        const gluon_6l3_real t622 = t217 * t598;
+        const gluon_6l3_real t623 = t261 * t594;
         const gluon_6l3_real t624 = t622 + t623;
-        const gluon_6l3_real t625 = -t624;
-        const gluon_6l3_real t626 = t625 + t625;
-        const gluon_6l3_real t627 = t626 * t350;
-        const gluon_6l3_real t628 = t621 + t627;
-        const gluon_6l3_real t629 = t224 * t605;
-        const gluon_6l3_real t630 = t268 * t601;
-        const gluon_6l3_real t631 = t629 + t630;
-        const gluon_6l3_real t632 = 0.70710677f * t631;
-        const gluon_6l3_real t633 = t268 * t611;
-        const gluon_6l3_real t634 = t224 * t615;
-        const gluon_6l3_real t635 = t633 - t634;
-        const gluon_6l3_real t636 = -0.70710677f * t635;
-        const gluon_6l3_real t637 = t632 + t636;
-        const gluon_6l3_real t638 = -t637;
-        const gluon_6l3_real t639 = t638 + t638;
-        const gluon_6l3_real t640 = t639 * t371;
-        const gluon_6l3_real t641 = t628 - t640;
-        const gluon_6l3_real t642 = 0.70710677f * t635;
-        const gluon_6l3_real t643 = -0.70710677f * t631;
-        const gluon_6l3_real t644 = t642 - t643;
-        const gluon_6l3_real t645 = t644 + t644;
-        const gluon_6l3_real t646 = t645 * t380;
-        const gluon_6l3_real t647 = t641 + t646;
-        const gluon_6l3_real t648 = 0.5f * t224;
-        const gluon_6l3_real t649 = t327 * t648;
-        const gluon_6l3_real t650 = 0.5f * t268;
-        const gluon_6l3_real t651 = t317 * t650;
-        const gluon_6l3_real t652 = t649 - t651;
-        const gluon_6l3_real t653 = 0.70710677f * t652;
-        const gluon_6l3_real t654 = t333 * t650;
-        const gluon_6l3_real t655 = t337 * t648;
-        const gluon_6l3_real t656 = t654 + t655;
-        const gluon_6l3_real t657 = -0.70710677f * t656;
-        const gluon_6l3_real t658 = t653 + t657;
-        const gluon_6l3_real t659 = t658 + t658;
-        const gluon_6l3_real t660 = t659 * t341;
-        const gluon_6l3_real t661 = -0.70710677f * t652;
-        const gluon_6l3_real t662 = 0.70710677f * t656;
-        const gluon_6l3_real t663 = t661 - t662;
-        const gluon_6l3_real t664 = -t663;
-        const gluon_6l3_real t665 = t664 + t664;
-        const gluon_6l3_real t666 = t665 * t350;
-        const gluon_6l3_real t667 = t660 + t666;
-        const gluon_6l3_real t668 = t327 * t650;
-        const gluon_6l3_real t669 = t317 * t648;
-        const gluon_6l3_real t670 = t668 + t669;
-        const gluon_6l3_real t671 = 0.70710677f * t670;
-        const gluon_6l3_real t672 = t333 * t648;
-        const gluon_6l3_real t673 = t337 * t650;
-        const gluon_6l3_real t674 = t672 - t673;
-        const gluon_6l3_real t675 = -0.70710677f * t674;
-        const gluon_6l3_real t676 = t671 + t675;
-        const gluon_6l3_real t677 = -t676;
-        const gluon_6l3_real t678 = t677 + t677;
-        const gluon_6l3_real t679 = t678 * t371;
-        const gluon_6l3_real t680 = t667 - t679;
-        const gluon_6l3_real t681 = 0.70710677f * t674;
-        const gluon_6l3_real t682 = -0.70710677f * t670;
-        const gluon_6l3_real t683 = t681 - t682;
-        const gluon_6l3_real t684 = t683 + t683;
-        const gluon_6l3_real t685 = t684 * t380;
-        const gluon_6l3_real t686 = t680 + t685;
-        const gluon_6l3_real t687 = t347 * t371;
-        const gluon_6l3_real t688 = t292 * t380;
+        const gluon_6l3_real t625 = 0.70710677f * t624;
+        const gluon_6l3_real t626 = t261 * t604;
+        const gluon_6l3_real t627 = t217 * t608;
+        const gluon_6l3_real t628 = t626 - t627;
+        const gluon_6l3_real t629 = -0.70710677f * t628;
+        const gluon_6l3_real t630 = t625 + t629;
+        const gluon_6l3_real t631 = -t630;
+        const gluon_6l3_real t632 = t631 + t631;
+        const gluon_6l3_real t633 = t632 * t364;
+        const gluon_6l3_real t634 = t621 - t633;
+        const gluon_6l3_real t635 = 0.70710677f * t628;
+        const gluon_6l3_real t636 = -0.70710677f * t624;
+        const gluon_6l3_real t637 = t635 - t636;
+        const gluon_6l3_real t638 = t637 + t637;
+        const gluon_6l3_real t639 = t638 * t373;
+        const gluon_6l3_real t640 = t634 + t639;
+        const gluon_6l3_real t641 = 0.5f * t217;
+        const gluon_6l3_real t642 = t320 * t641;
+        const gluon_6l3_real t643 = 0.5f * t261;
+        const gluon_6l3_real t644 = t310 * t643;
+        const gluon_6l3_real t645 = t642 - t644;
+        const gluon_6l3_real t646 = 0.70710677f * t645;
+        const gluon_6l3_real t647 = t326 * t643;
+        const gluon_6l3_real t648 = t330 * t641;
+        const gluon_6l3_real t649 = t647 + t648;
+        const gluon_6l3_real t650 = -0.70710677f * t649;
+        const gluon_6l3_real t651 = t646 + t650;
+        const gluon_6l3_real t652 = t651 + t651;
+        const gluon_6l3_real t653 = t652 * t334;
+        const gluon_6l3_real t654 = -0.70710677f * t645;
+        const gluon_6l3_real t655 = 0.70710677f * t649;
+        const gluon_6l3_real t656 = t654 - t655;
+        const gluon_6l3_real t657 = -t656;
+        const gluon_6l3_real t658 = t657 + t657;
+        const gluon_6l3_real t659 = t658 * t343;
+        const gluon_6l3_real t660 = t653 + t659;
+        const gluon_6l3_real t661 = t320 * t643;
+        const gluon_6l3_real t662 = t310 * t641;
+        const gluon_6l3_real t663 = t661 + t662;
+        const gluon_6l3_real t664 = 0.70710677f * t663;
+        const gluon_6l3_real t665 = t326 * t641;
+        const gluon_6l3_real t666 = t330 * t643;
+        const gluon_6l3_real t667 = t665 - t666;
+        const gluon_6l3_real t668 = -0.70710677f * t667;
+        const gluon_6l3_real t669 = t664 + t668;
+        const gluon_6l3_real t670 = -t669;
+        const gluon_6l3_real t671 = t670 + t670;
+        const gluon_6l3_real t672 = t671 * t364;
+        const gluon_6l3_real t673 = t660 - t672;
+        const gluon_6l3_real t674 = 0.70710677f * t667;
+        const gluon_6l3_real t675 = -0.70710677f * t663;
+        const gluon_6l3_real t676 = t674 - t675;
+        const gluon_6l3_real t677 = t676 + t676;
+        const gluon_6l3_real t678 = t677 * t373;
+        const gluon_6l3_real t679 = t673 + t678;
+        const gluon_6l3_real t680 = t340 * t364;
+        const gluon_6l3_real t681 = t285 * t373;
+        const gluon_6l3_real t682 = t680 - t681;
+        const gluon_6l3_real t683 = t355 * t343;
+        const gluon_6l3_real t684 = t682 + t683;
+        const gluon_6l3_real t685 = t370 * t334;
+        const gluon_6l3_real t686 = t684 + t685;
+        const gluon_6l3_real t687 = t433 * t364;
+        const gluon_6l3_real t688 = t427 * t373;
         const gluon_6l3_real t689 = t687 - t688;
-        const gluon_6l3_real t690 = t362 * t350;
+        const gluon_6l3_real t690 = t445 * t343;
         const gluon_6l3_real t691 = t689 + t690;
-        const gluon_6l3_real t692 = t377 * t341;
+        const gluon_6l3_real t692 = t451 * t334;
         const gluon_6l3_real t693 = t691 + t692;
-        const gluon_6l3_real t694 = t440 * t371;
-        const gluon_6l3_real t695 = t434 * t380;
+        const gluon_6l3_real t694 = t507 * t364;
+        const gluon_6l3_real t695 = t501 * t373;
         const gluon_6l3_real t696 = t694 - t695;
-        const gluon_6l3_real t697 = t452 * t350;
+        const gluon_6l3_real t697 = t519 * t343;
         const gluon_6l3_real t698 = t696 + t697;
-        const gluon_6l3_real t699 = t458 * t341;
+        const gluon_6l3_real t699 = t525 * t334;
         const gluon_6l3_real t700 = t698 + t699;
-        const gluon_6l3_real t701 = t514 * t371;
-        const gluon_6l3_real t702 = t508 * t380;
+        const gluon_6l3_real t701 = t569 * t364;
+        const gluon_6l3_real t702 = t563 * t373;
         const gluon_6l3_real t703 = t701 - t702;
-        const gluon_6l3_real t704 = t526 * t350;
+        const gluon_6l3_real t704 = t581 * t343;
         const gluon_6l3_real t705 = t703 + t704;
-        const gluon_6l3_real t706 = t532 * t341;
+        const gluon_6l3_real t706 = t587 * t334;
         const gluon_6l3_real t707 = t705 + t706;
-        const gluon_6l3_real t708 = t576 * t371;
-        const gluon_6l3_real t709 = t570 * t380;
+        const gluon_6l3_real t708 = t619 * t364;
+        const gluon_6l3_real t709 = t613 * t373;
         const gluon_6l3_real t710 = t708 - t709;
-        const gluon_6l3_real t711 = t588 * t350;
+        const gluon_6l3_real t711 = t632 * t343;
         const gluon_6l3_real t712 = t710 + t711;
-        const gluon_6l3_real t713 = t594 * t341;
+        const gluon_6l3_real t713 = t638 * t334;
         const gluon_6l3_real t714 = t712 + t713;
-        const gluon_6l3_real t715 = t626 * t371;
-        const gluon_6l3_real t716 = t620 * t380;
+        const gluon_6l3_real t715 = t658 * t364;
+        const gluon_6l3_real t716 = t652 * t373;
         const gluon_6l3_real t717 = t715 - t716;
-        const gluon_6l3_real t718 = t639 * t350;
+        const gluon_6l3_real t718 = t671 * t343;
         const gluon_6l3_real t719 = t717 + t718;
-        const gluon_6l3_real t720 = t645 * t341;
+        const gluon_6l3_real t720 = t677 * t334;
         const gluon_6l3_real t721 = t719 + t720;
-        const gluon_6l3_real t722 = t665 * t371;
-        const gluon_6l3_real t723 = t659 * t380;
-        const gluon_6l3_real t724 = t722 - t723;
-        const gluon_6l3_real t725 = t678 * t350;
-        const gluon_6l3_real t726 = t724 + t725;
-        const gluon_6l3_real t727 = t684 * t341;
-        const gluon_6l3_real t728 = t726 + t727;
-        const gluon_6l3_real t729 = t377 * t350;
-        const gluon_6l3_real t730 = t292 * t371;
-        const gluon_6l3_real t731 = t347 * t380;
+        const gluon_6l3_real t722 = t370 * t343;
+        const gluon_6l3_real t723 = t285 * t364;
+        const gluon_6l3_real t724 = t340 * t373;
+        const gluon_6l3_real t725 = t723 + t724;
+        const gluon_6l3_real t726 = t355 * t334;
+        const gluon_6l3_real t727 = t725 + t726;
+        const gluon_6l3_real t728 = t722 - t727;
+        const gluon_6l3_real t729 = t451 * t343;
+        const gluon_6l3_real t730 = t427 * t364;
+        const gluon_6l3_real t731 = t433 * t373;
         const gluon_6l3_real t732 = t730 + t731;
-        const gluon_6l3_real t733 = t362 * t341;
+        const gluon_6l3_real t733 = t445 * t334;
         const gluon_6l3_real t734 = t732 + t733;
         const gluon_6l3_real t735 = t729 - t734;
-        const gluon_6l3_real t736 = t458 * t350;
-        const gluon_6l3_real t737 = t434 * t371;
-        const gluon_6l3_real t738 = t440 * t380;
+        const gluon_6l3_real t736 = t525 * t343;
+        const gluon_6l3_real t737 = t501 * t364;
+        const gluon_6l3_real t738 = t507 * t373;
         const gluon_6l3_real t739 = t737 + t738;
-        const gluon_6l3_real t740 = t452 * t341;
+        const gluon_6l3_real t740 = t519 * t334;
         const gluon_6l3_real t741 = t739 + t740;
         const gluon_6l3_real t742 = t736 - t741;
-        const gluon_6l3_real t743 = t532 * t350;
-        const gluon_6l3_real t744 = t508 * t371;
-        const gluon_6l3_real t745 = t514 * t380;
+        const gluon_6l3_real t743 = t587 * t343;
+        const gluon_6l3_real t744 = t563 * t364;
+        const gluon_6l3_real t745 = t569 * t373;
         const gluon_6l3_real t746 = t744 + t745;
-        const gluon_6l3_real t747 = t526 * t341;
+        const gluon_6l3_real t747 = t581 * t334;
         const gluon_6l3_real t748 = t746 + t747;
         const gluon_6l3_real t749 = t743 - t748;
-        const gluon_6l3_real t750 = t594 * t350;
-        const gluon_6l3_real t751 = t570 * t371;
-        const gluon_6l3_real t752 = t576 * t380;
+        const gluon_6l3_real t750 = t638 * t343;
+        const gluon_6l3_real t751 = t613 * t364;
+        const gluon_6l3_real t752 = t619 * t373;
         const gluon_6l3_real t753 = t751 + t752;
-        const gluon_6l3_real t754 = t588 * t341;
+        const gluon_6l3_real t754 = t632 * t334;
         const gluon_6l3_real t755 = t753 + t754;
         const gluon_6l3_real t756 = t750 - t755;
-        const gluon_6l3_real t757 = t645 * t350;
-        const gluon_6l3_real t758 = t620 * t371;
-        const gluon_6l3_real t759 = t626 * t380;
+        const gluon_6l3_real t757 = t677 * t343;
+        const gluon_6l3_real t758 = t652 * t364;
+        const gluon_6l3_real t759 = t658 * t373;
         const gluon_6l3_real t760 = t758 + t759;
-        const gluon_6l3_real t761 = t639 * t341;
+        const gluon_6l3_real t761 = t671 * t334;
         const gluon_6l3_real t762 = t760 + t761;
         const gluon_6l3_real t763 = t757 - t762;
-        const gluon_6l3_real t764 = t684 * t350;
-        const gluon_6l3_real t765 = t659 * t371;
-        const gluon_6l3_real t766 = t665 * t380;
-        const gluon_6l3_real t767 = t765 + t766;
-        const gluon_6l3_real t768 = t678 * t341;
-        const gluon_6l3_real t769 = t767 + t768;
-        const gluon_6l3_real t770 = t764 - t769;
-        jacobian[0] = t74;
-        jacobian[1] = t79;
-        jacobian[2] = t90;
-        jacobian[3] = t107;
-        jacobian[4] = t136;
-        jacobian[5] = t176;
-        jacobian[6] = t179;
-        jacobian[7] = t181;
-        jacobian[8] = t183;
-        jacobian[9] = t185;
-        jacobian[10] = t188;
-        jacobian[11] = t191;
+        jacobian[0] = t67;
+        jacobian[1] = t72;
+        jacobian[2] = t83;
+        jacobian[3] = t100;
+        jacobian[4] = t129;
+        jacobian[5] = t169;
+        jacobian[6] = t172;
+        jacobian[7] = t174;
+        jacobian[8] = t176;
+        jacobian[9] = t178;
+        jacobian[10] = t181;
+        jacobian[11] = t184;
         jacobian[12] = 0.0f;
-        jacobian[13] = t198;
-        jacobian[14] = t204;
-        jacobian[15] = t210;
-        jacobian[16] = t216;
-        jacobian[17] = t222;
-        jacobian[18] = t382;
-        jacobian[19] = t460;
-        jacobian[20] = t534;
-        jacobian[21] = t596;
-        jacobian[22] = t647;
-        jacobian[23] = t686;
-        jacobian[24] = t693;
-        jacobian[25] = t700;
-        jacobian[26] = t707;
-        jacobian[27] = t714;
-        jacobian[28] = t721;
-        jacobian[29] = t728;
-        jacobian[30] = t735;
-        jacobian[31] = t742;
-        jacobian[32] = t749;
-        jacobian[33] = t756;
-        jacobian[34] = t763;
-        jacobian[35] = t770;
+        jacobian[13] = t191;
+        jacobian[14] = t197;
+        jacobian[15] = t203;
+        jacobian[16] = t209;
+        jacobian[17] = t215;
+        jacobian[18] = t375;
+        jacobian[19] = t453;
+        jacobian[20] = t527;
+        jacobian[21] = t589;
+        jacobian[22] = t640;
+        jacobian[23] = t679;
+        jacobian[24] = t686;
+        jacobian[25] = t693;
+        jacobian[26] = t700;
+        jacobian[27] = t707;
+        jacobian[28] = t714;
+        jacobian[29] = t721;
+        jacobian[30] = t728;
+        jacobian[31] = t735;
+        jacobian[32] = t742;
+        jacobian[33] = t749;
+        jacobian[34] = t756;
+        jacobian[35] = t763;
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static gluon_6l3_status gluon_6l3_check_speeds(const gluon_6l3_real speeds[], int count, gluon_6l3_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static gluon_6l3_status gluon_6l3_check_speeds(const gluon_6l3_real speeds[], int count,
+    gluon_6l3_status status)
 {
     gluon_6l3_status found = gluon_6l3_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -2057,12 +2090,15 @@ static gluon_6l3_status gluon_6l3_check_speeds(const gluon_6l3_real speeds[], in
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and lengths over the size. Solves the
- * 6 normal equations with exchanges on the diagonal; where their smallest pivot is below 0.0004f of the mean, the
- * diagonal is raised, the more the smaller it is. Returns that pivot over the mean. */
-static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36], const gluon_6l3_real e[6], gluon_6l3_real y[6])
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
+    const gluon_6l3_real e[6], gluon_6l3_real y[6])
 {
-    static const gluon_6l3_real row_scale[6] = { 0.0018542771f, 0.0018542771f, 0.0018542771f, 1.0f, 1.0f, 1.0f };
+    static const gluon_6l3_real row_scale[6] = { 0.0018542771f, 0.0018542771f, 0.0018542771f, 1.0f,
+        1.0f, 1.0f };
     static const gluon_6l3_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
     gluon_6l3_real a[6][6];
     gluon_6l3_real g[6][6];
@@ -2158,10 +2194,12 @@ static gluon_6l3_real gluon_6l3_length_of(const gluon_6l3_real e[6])
 }
 
 /* The twist of joint rates: the Jacobian times the rates. */
-gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3_real rates[6], gluon_6l3_real twist[6])
+gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3_real rates[6],
+    gluon_6l3_real twist[6])
 {
     gluon_6l3_real jacobian[36];
-    const gluon_6l3_status status = gluon_6l3_check_speeds(rates, 6, gluon_6l3_jacobian(joints, jacobian));
+    const gluon_6l3_status status = gluon_6l3_check_speeds(rates, 6, gluon_6l3_jacobian(joints,
+        jacobian));
     if (status == GLUON_6L3_OK) {
         for (int i = 0; i < 6; ++i) {
             gluon_6l3_real sum = 0.0f;
@@ -2175,10 +2213,12 @@ gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3
 }
 
 /* Joint rates next to a twist, damped near singularities. */
-gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6], gluon_6l3_real rates[6], gluon_6l3_info *info)
+gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6],
+    gluon_6l3_real rates[6], gluon_6l3_info *info)
 {
     gluon_6l3_real jacobian[36];
-    const gluon_6l3_status status = gluon_6l3_check_speeds(twist, 6, gluon_6l3_jacobian(joints, jacobian));
+    const gluon_6l3_status status = gluon_6l3_check_speeds(twist, 6, gluon_6l3_jacobian(joints,
+        jacobian));
     gluon_6l3_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (status == GLUON_6L3_OK) {
         gluon_6l3_real e[6];
@@ -2198,16 +2238,19 @@ gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[6], const gluon_6l3
         for (int i = 0; i < 6; ++i) {
             rates[i] = found[i];
         }
-        gluon_6l3_write_info(info, 1U, gluon_6l3_length_of(e), 0.0f, (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
+        gluon_6l3_write_info(info, 1U, gluon_6l3_length_of(e), 0.0f,
+            (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
     }
     return status;
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6], const gluon_6l3_real rate_limits[6], gluon_6l3_real *feed)
+gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[6], const gluon_6l3_real twist[6],
+    const gluon_6l3_real rate_limits[6], gluon_6l3_real *feed)
 {
     gluon_6l3_real rates[6];
-    gluon_6l3_status status = gluon_6l3_check_finite(rate_limits, 6, gluon_6l3_rates(joints, twist, rates, NULL));
+    gluon_6l3_status status = gluon_6l3_check_finite(rate_limits, 6, gluon_6l3_rates(joints, twist,
+        rates, NULL));
     gluon_6l3_real most = 1.0f;
     for (int i = 0; (i < 6) && (status == GLUON_6L3_OK); ++i) {
         const gluon_6l3_real rate = fabsf(rates[i]);
@@ -2225,9 +2268,10 @@ gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[6], const gluon_6l3_
     return status;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
- * its length. */
-static gluon_6l3_real gluon_6l3_pose_error(const gluon_6l3_real q[6], const gluon_6l3_real to[7], gluon_6l3_real e[6])
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static gluon_6l3_real gluon_6l3_pose_error(const gluon_6l3_real q[6], const gluon_6l3_real to[7],
+    gluon_6l3_real e[6])
 {
     gluon_6l3_real x[7];
     gluon_6l3_forward(q, x);
@@ -2243,7 +2287,8 @@ static gluon_6l3_real gluon_6l3_pose_error(const gluon_6l3_real q[6], const gluo
 }
 
 /* One damped step towards a pose, shortened where the error would grow. */
-gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real joints[6], gluon_6l3_info *info)
+gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real joints[6],
+    gluon_6l3_info *info)
 {
     static const gluon_6l3_real per_turn[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
     gluon_6l3_real to[7];
@@ -2291,7 +2336,8 @@ gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real join
             }
         }
         status = gluon_6l3_check_limits(moved);
-        gluon_6l3_write_info(info, 1U, after, part * part * size * GLUON_6L3_SIZE * GLUON_6L3_SIZE, (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
+        gluon_6l3_write_info(info, 1U, after, part * part * size * GLUON_6L3_SIZE * GLUON_6L3_SIZE,
+            (pivot > 0.0f) ? (1.0f / pivot) : 0.0f);
         if (status == GLUON_6L3_OK) {
             for (int i = 0; i < 6; ++i) {
                 joints[i] = moved[i];

@@ -10,12 +10,13 @@
  * joints[5] q6: rad, no limits given
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * GLUON_6L3_OK only; `info` always. config and info may be NULL, guess and pose the same object.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with GLUON_6L3_OK only; `info` always. config and info may be NULL, guess and pose the
+ * same object.
  *
- * One step of Newton's method: 382 additions, 24 cos, 6 divisions, 601 multiplications, 24 sin (rows, matrix, factors, step).
- * Predicted error of an answer: GLUON_6L3_TOLERANCE and the rounding of the type, about
- * 0.000257155 mm (angles times the size) where the matrix is well conditioned.
+ * One step of Newton's method: 368 additions, 24 cos, 6 divisions, 601 multiplications, 24 sin
+ * (rows, matrix, factors, step). Predicted error of an answer: GLUON_6L3_TOLERANCE and the rounding
+ * of the type, about 0.000257155 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */
 #ifndef GLUON_6L3_H
@@ -35,8 +36,10 @@ typedef enum {
     GLUON_6L3_MAX_ITERATIONS, /* not settled within the iterations allowed */
     GLUON_6L3_SINGULAR, /* the linear system lost rank on the way */
     GLUON_6L3_NONFINITE, /* NaN or infinity among the inputs */
-    GLUON_6L3_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    GLUON_6L3_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    GLUON_6L3_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    GLUON_6L3_WRONG_BRANCH
 } gluon_6l3_status;
 
 /* Position in mm, unit quaternion (w, x, y, z), both of the tool frame in the base frame. */
@@ -45,26 +48,29 @@ typedef struct {
     gluon_6l3_real quaternion[4];
 } gluon_6l3_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 540000.0f (a thousand sizes), else the status is GLUON_6L3_OUT_OF_RANGE, of NaN and infinity GLUON_6L3_NONFINITE;
- * 0 iterations are GLUON_6L3_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 540000.0f (a thousand sizes), else the status is GLUON_6L3_OUT_OF_RANGE, of NaN
+ * and infinity GLUON_6L3_NONFINITE; 0 iterations are GLUON_6L3_MAX_ITERATIONS. NULL in place of a
+ * config means the values below. */
 typedef struct {
     gluon_6l3_real tolerance;
     uint8_t max_iterations;
     gluon_6l3_real max_step;
 } gluon_6l3_config;
 
-#define GLUON_6L3_SIZE ((gluon_6l3_real)539.2937f) /* largest distance of joint points at the reference, mm */
+/* largest distance of joint points at the reference, mm */
+#define GLUON_6L3_SIZE ((gluon_6l3_real)539.2937f)
 #define GLUON_6L3_TOLERANCE ((gluon_6l3_real)3.214441e-05f) /* mm */
 #define GLUON_6L3_MAX_STEPS (100U)
 #define GLUON_6L3_MAX_STEP ((gluon_6l3_real)539.2937f) /* mm */
 #define GLUON_6L3_JOINTS (6)
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, GLUON_6L3_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+ * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and
+ * columns scaled, 0 near a singularity; joint: the first joint, from 0, whose value is outside its
+ * range or not finite, GLUON_6L3_JOINTS where it is none of them. Written by every call, whatever
+ * its status. */
 typedef struct {
     uint8_t iterations;
     gluon_6l3_real residual;
@@ -74,59 +80,76 @@ typedef struct {
 } gluon_6l3_info;
 
 /* Tool pose of joint values; its quaternion has w >= 0. */
-gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_pose *pose);
+gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    gluon_6l3_pose *pose);
 
-/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
- * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, GLUON_6L3_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
- * as a guess: an error of them moves the beginning of the line by as much.
+/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to
+ * the given one, positions in a straight line and orientations along the shorter arc, without
+ * meeting a singularity; where that is not assured, GLUON_6L3_WRONG_BRANCH. Angles are near the
+ * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
+ * of the line by as much.
  */
-gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS],
+gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6l3_pose *pose,
+    const gluon_6l3_real guess[GLUON_6L3_JOINTS],
     gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 
 
-/* The closed form: joint values by formulas (README.md derives them), without iteration and without a guess. Each choice has two
- * solutions; a branch is a sum of the names below, 0 for the first solution of each. gluon_6l3_inverse_all lists them in this order. */
+/* The closed form: joint values by formulas (README.md derives them), without iteration and without
+ * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
+ * solution of each. gluon_6l3_inverse_all lists them in this order. */
 #define GLUON_6L3_BRANCHES (8)
 #define GLUON_6L3_SHOULDER (4U) /* the other solution of joint q1 */
 #define GLUON_6L3_WRIST (2U) /* the other solution of joint q5 */
 #define GLUON_6L3_ELBOW (1U) /* the other solution of joint q3 */
 
-/* All joint values with the given tool pose that lie within their ranges, angles about the middle of these; returns how many: 0 for
- * a pose that the arm cannot take, that is singular, or that is not finite. */
-int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS]);
+/* All joint values with the given tool pose that lie within their ranges, angles about the middle
+ * of these; returns how many: 0 for a pose that the arm cannot take, that is singular, or that is
+ * not finite. */
+int gluon_6l3_inverse_all(const gluon_6l3_pose *pose,
+    gluon_6l3_real joints[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS]);
 
-/* The joint values of one branch. GLUON_6L3_OUT_OF_RANGE where it has none, GLUON_6L3_SINGULAR where nothing decides a joint. */
-gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch, gluon_6l3_real joints[GLUON_6L3_JOINTS]);
+/* The joint values of one branch. GLUON_6L3_OUT_OF_RANGE where it has none, GLUON_6L3_SINGULAR
+ * where nothing decides a joint. */
+gluon_6l3_status gluon_6l3_inverse_branch(const gluon_6l3_pose *pose, unsigned int branch,
+    gluon_6l3_real joints[GLUON_6L3_JOINTS]);
 
-/* The joint values nearest to the guess, one choice after the other, angles near the guess's. Whether the arm can move there
- * from the guess is not asked: gluon_6l3_inverse does. Statuses as of gluon_6l3_inverse_branch. */
-gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose, const gluon_6l3_real guess[GLUON_6L3_JOINTS], gluon_6l3_real joints[GLUON_6L3_JOINTS]);
+/* The joint values nearest to the guess, one choice after the other, angles near the guess's.
+ * Whether the arm can move there from the guess is not asked: gluon_6l3_inverse does. Statuses as
+ * of gluon_6l3_inverse_branch. */
+gluon_6l3_status gluon_6l3_inverse_nearest(const gluon_6l3_pose *pose,
+    const gluon_6l3_real guess[GLUON_6L3_JOINTS], gluon_6l3_real joints[GLUON_6L3_JOINTS]);
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
-gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS]);
+gluon_6l3_status gluon_6l3_jacobian(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS]);
 
-/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular velocity): of the shortest, and damped
- * where the arm is near a singularity, that is where info->min_pivot is below 0.02. info->residual is how far the twist
- * of these rates is from the given one (mm for each unit of time, angles times the size): a loop that must
- * keep to its path slows down or stops by it. Speeds above 5e+08 are GLUON_6L3_OUT_OF_RANGE. */
-gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[GLUON_6L3_JOINTS], const gluon_6l3_real twist[6], gluon_6l3_real rates[GLUON_6L3_JOINTS],
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 5e+08 are GLUON_6L3_OUT_OF_RANGE. */
+gluon_6l3_status gluon_6l3_rates(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    const gluon_6l3_real twist[6], gluon_6l3_real rates[GLUON_6L3_JOINTS],
     gluon_6l3_info *info);
 
 /* The twist of joint rates. */
-gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[GLUON_6L3_JOINTS], const gluon_6l3_real rates[GLUON_6L3_JOINTS], gluon_6l3_real twist[6]);
+gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    const gluon_6l3_real rates[GLUON_6L3_JOINTS], gluon_6l3_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps the rates of gluon_6l3_rates within their limits (0 or more, in mm or radians
- * for each unit of time). */
-gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[GLUON_6L3_JOINTS], const gluon_6l3_real twist[6], const gluon_6l3_real rate_limits[GLUON_6L3_JOINTS],
+/* The largest factor, 0 to 1, by which a twist keeps the rates of gluon_6l3_rates within their
+ * limits (0 or more, in mm or radians for each unit of time). */
+gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[GLUON_6L3_JOINTS],
+    const gluon_6l3_real twist[6], const gluon_6l3_real rate_limits[GLUON_6L3_JOINTS],
     gluon_6l3_real *feed);
 
-/* For a control loop: one damped step from the last joint values (joints) towards the pose, which becomes the next ones. It goes on
- * through and beside singularities, where the arm cannot follow every pose: GLUON_6L3_OK says that the joint values are
- * within their ranges, and info->residual how far their tool pose is from the given one, as measured (mm, angles times the
- * size). While it is below GLUON_6L3_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to
- * 0.2 rad (slides: of the size). It never makes the error larger. */
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: GLUON_6L3_OK says that the joint values are within their ranges, and info->residual
+ * how far their tool pose is from the given one, as measured (mm, angles times the size). While it
+ * is below GLUON_6L3_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut
+ * to 0.2 rad (slides: of the size). It never makes the error larger. */
 #define GLUON_6L3_TRACK_LIMIT ((gluon_6l3_real)0.034f) /* mm */
-gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose, gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
+gluon_6l3_status gluon_6l3_track(const gluon_6l3_pose *pose,
+    gluon_6l3_real joints[GLUON_6L3_JOINTS], gluon_6l3_info *info);
 #ifdef __cplusplus
 }
 #endif

@@ -1,53 +1,74 @@
-/* How a control loop uses ren2008: from a pose to joint values and back, then tracking.
+/* A control loop with ren2008: where the platform is, cycle after cycle, and what to do when that
+ * is not known.
  * SPDX-License-Identifier: MIT */
 #include "ren2008.h"
 #include "ren2008_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, ren2008_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    ren2008_pose pose; /* the last one that was known */
+    int tracked; /* cycles answered by one step */
+    int recovered; /* cycles answered by the whole line from the last pose */
+    int held; /* cycles without an answer: the machine must not move */
+} loop_state;
+
+/* One cycle: the pose at the joint values that were read. */
+static void cycle(loop_state *state, const ren2008_real joints[REN2008_JOINTS])
 {
-    static const char *const names[] = {
-        "REN2008_OK", "REN2008_MAX_ITERATIONS", "REN2008_SINGULAR", "REN2008_NONFINITE", "REN2008_OUT_OF_RANGE", "REN2008_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    ren2008_pose pose = state->pose;
+    ren2008_info info;
+    if ((ren2008_track(joints, &pose, &info) == REN2008_OK)
+        && (info.residual <= REN2008_TRACK_LIMIT)) {
+        ++state->tracked;
+        state->pose = pose;
+    } else if (ren2008_direct(NULL, joints, &state->pose, &pose, &info) == REN2008_OK) {
+        /* too long a step, as after a gap in the readings */
+        ++state->recovered;
+        state->pose = pose;
+    } else {
+        /* joint info.joint is to blame, if it is below REN2008_JOINTS; the pose stays the last good
+         * one */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
-    ren2008_pose pose;
-    ren2008_real joints[REN2008_JOINTS];
-    ren2008_info info;
-    ren2008_status status;
+    loop_state state = { { { 0.0 }, { 0.0 } }, 0, 0, 0 };
+    ren2008_real begin[REN2008_JOINTS];
     for (int i = 0; i < 3; ++i) {
-        pose.position[i] = ren2008_vector_home[i];
+        state.pose.position[i] = ren2008_vector_home[i];
     }
     for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = ren2008_vector_home[3 + i];
+        state.pose.quaternion[i] = ren2008_vector_home[3 + i];
     }
-    status = ren2008_inverse(&pose, joints);
-    if (status != REN2008_OK) {
-        return stopped("ren2008_inverse", status);
-    }
-    /* Power-up: the machine's joints as they are read, home as the guess. Anything but OK: do not move. */
-    for (int i = 0; i < REN2008_JOINTS; ++i) {
-        joints[i] = ren2008_vector_joints[0][i];
-    }
-    status = ren2008_direct(NULL, joints, &pose, &pose, &info);
-    if (status != REN2008_OK) {
-        return stopped("ren2008_direct", status);
-    }
-    /* Each cycle: one step from the last pose; a predicted error that is too large asks for ren2008_direct. */
-    status = ren2008_track(joints, &pose, &info);
-    if (status != REN2008_OK) {
-        return stopped("ren2008_track", status);
-    }
-    if (info.residual > REN2008_TRACK_LIMIT) {
-        (void)fprintf(stderr, "ren2008_track: predicted error %g; call ren2008_direct\n", (double)info.residual);
+    if (ren2008_inverse(&state.pose, begin) != REN2008_OK) {
+        (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    (void)printf("position %.6f %.6f %.6f\n", (double)pose.position[0], (double)pose.position[1], (double)pose.position[2]);
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
+     * number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const ren2008_real part = (ren2008_real)k / (ren2008_real)CYCLES;
+        ren2008_real joints[REN2008_JOINTS];
+        for (int i = 0; i < REN2008_JOINTS; ++i) {
+            joints[i] = begin[i] + part * (ren2008_vector_joints[0][i] - begin[i]);
+        }
+        if (k == 80) {
+            joints[0] = (ren2008_real)NAN;
+        }
+        if ((k < 40) || (k >= 70)) {
+            cycle(&state, joints);
+        }
+    }
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
+            state.recovered, state.held);
     return 0;
 }

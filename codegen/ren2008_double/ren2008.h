@@ -10,12 +10,13 @@
  * joints[5] leg6: m, [0, 0.55]
  *
  * Joint values in this order; lengths in m, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * REN2008_OK only; `info` always. config and info may be NULL, guess and pose the same object.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with REN2008_OK only; `info` always. config and info may be NULL, guess and pose the same
+ * object.
  *
- * One step of Newton's method: 132 additions, 7 divisions, 152 multiplications, 1 sqrt (rows, matrix, factors, step).
- * Predicted error of an answer: REN2008_TOLERANCE and the rounding of the type, about
- * 1.50117e-15 m (angles times the size) where the matrix is well conditioned.
+ * One step of Newton's method: 132 additions, 7 divisions, 152 multiplications, 1 sqrt (rows,
+ * matrix, factors, step). Predicted error of an answer: REN2008_TOLERANCE and the rounding of the
+ * type, about 1.50117e-15 m (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 9f2e30e7ae7dd83493e6d6b3933b246841b4e4c5cab87d201ec31f4db62108d1
  */
 #ifndef REN2008_H
@@ -35,8 +36,10 @@ typedef enum {
     REN2008_MAX_ITERATIONS, /* not settled within the iterations allowed */
     REN2008_SINGULAR, /* the linear system lost rank on the way */
     REN2008_NONFINITE, /* NaN or infinity among the inputs */
-    REN2008_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    REN2008_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    REN2008_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    REN2008_WRONG_BRANCH
 } ren2008_status;
 
 /* Position in m, unit quaternion (w, x, y, z), both of the platform frame in the base frame. */
@@ -45,26 +48,29 @@ typedef struct {
     ren2008_real quaternion[4];
 } ren2008_pose;
 
-/* tolerance: predicted error of the answer (m, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (m, angles times the size). Both are above 0 and
- * their sum at most 1690.0 (a thousand sizes), else the status is REN2008_OUT_OF_RANGE, of NaN and infinity REN2008_NONFINITE;
- * 0 iterations are REN2008_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (m, angles times the size); max_iterations: steps of any
+ * kind; max_step: longest single step (m, angles times the size). Both are above 0 and
+ * their sum at most 1690.0 (a thousand sizes), else the status is REN2008_OUT_OF_RANGE, of NaN and
+ * infinity REN2008_NONFINITE; 0 iterations are REN2008_MAX_ITERATIONS. NULL in place of a config
+ * means the values below. */
 typedef struct {
     ren2008_real tolerance;
     uint8_t max_iterations;
     ren2008_real max_step;
 } ren2008_config;
 
-#define REN2008_SIZE ((ren2008_real)1.6901663379679528) /* largest distance of joint points at the reference, m */
+/* largest distance of joint points at the reference, m */
+#define REN2008_SIZE ((ren2008_real)1.6901663379679528)
 #define REN2008_TOLERANCE ((ren2008_real)1.876461583858405e-12) /* m */
 #define REN2008_MAX_STEPS (100U)
 #define REN2008_MAX_STEP ((ren2008_real)1.6901663379679528) /* m */
 #define REN2008_JOINTS (6)
 
-/* iterations: steps taken; residual: largest closure error of the answer (ren2008_track: predicted error of the pose), in
- * m; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, REN2008_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+/* iterations: steps taken; residual: largest closure error of the answer (ren2008_track: predicted
+ * error of the pose), in m; step: length of the last step; min_pivot: smallest pivot of the last
+ * matrix with rows and columns scaled, 0 near a singularity; joint: the first joint, from 0, whose
+ * value is outside its range or not finite, REN2008_JOINTS where it is none of them. Written by
+ * every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     ren2008_real residual;
@@ -73,33 +79,43 @@ typedef struct {
     uint8_t joint;
 } ren2008_info;
 
-/* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, REN2008_WRONG_BRANCH. The guess need not fit any
- * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth. */
-ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, ren2008_pose *pose,
+/* The pose that the machine reaches from `guess` when its joints move in a straight line from the
+ * guess's joint values to the given ones without meeting a singularity; where that is not assured,
+ * REN2008_WRONG_BRANCH. The guess need not fit any joint values that were read: an error of it
+ * moves the beginning of the line by as much. The length of its quaternion may be off by a
+ * hundredth. */
+ren2008_status ren2008_direct(const ren2008_config *config,
+    const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, ren2008_pose *pose,
     ren2008_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to REN2008_TRACK_LIMIT another call
- * with the same joints brings it below the tolerance; beyond it, call ren2008_direct. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to
+ * REN2008_TRACK_LIMIT another call with the same joints brings it below the tolerance; beyond it,
+ * call ren2008_direct. */
 #define REN2008_TRACK_LIMIT ((ren2008_real)2e-06) /* m */
-ren2008_status ren2008_track(const ren2008_real joints[REN2008_JOINTS], ren2008_pose *pose, ren2008_info *info);
+ren2008_status ren2008_track(const ren2008_real joints[REN2008_JOINTS], ren2008_pose *pose,
+    ren2008_info *info);
 
 /* Joint values of a pose. */
 ren2008_status ren2008_inverse(const ren2008_pose *pose, ren2008_real joints[REN2008_JOINTS]);
 
-/* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
-ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[REN2008_JOINTS * 6]);
+/* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular
+ * velocity). */
+ren2008_status ren2008_jacobian(const ren2008_pose *pose,
+    ren2008_real jacobian[REN2008_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 2e+06 are
- * REN2008_OUT_OF_RANGE. */
-ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6], ren2008_real rates[REN2008_JOINTS]);
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+ * above 2e+06 are REN2008_OUT_OF_RANGE. */
+ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6],
+    ren2008_real rates[REN2008_JOINTS]);
 
 /* The twist of joint rates at a pose; REN2008_SINGULAR where they do not decide it. */
-ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[REN2008_JOINTS], ren2008_real twist[6]);
+ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[REN2008_JOINTS],
+    ren2008_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in m or radians for each unit
- * of time). */
-ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6], const ren2008_real rate_limits[REN2008_JOINTS], ren2008_real *feed);
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more,
+ * in m or radians for each unit of time). */
+ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6],
+    const ren2008_real rate_limits[REN2008_JOINTS], ren2008_real *feed);
 #ifdef __cplusplus
 }
 #endif

@@ -15,8 +15,10 @@
 #define REN2008_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real values[], int count, ren2008_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real values[], int count,
+    ren2008_status otherwise)
 {
     ren2008_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,8 +30,8 @@ static REN2008_COLD ren2008_status ren2008_check_finite(const ren2008_real value
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_real x[7])
 {
     const ren2008_real *const q = pose->quaternion;
@@ -52,9 +54,10 @@ static ren2008_status ren2008_normalise_pose(const ren2008_pose *pose, ren2008_r
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static REN2008_COLD void ren2008_write_info(ren2008_info *info, unsigned int count, ren2008_real residual, ren2008_real size, ren2008_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static REN2008_COLD void ren2008_write_info(ren2008_info *info, unsigned int count,
+    ren2008_real residual, ren2008_real size, ren2008_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -66,20 +69,24 @@ static REN2008_COLD void ren2008_write_info(ren2008_info *info, unsigned int cou
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static REN2008_COLD ren2008_status ren2008_check_config(const ren2008_config *config, ren2008_status before)
+static REN2008_COLD ren2008_status ren2008_check_config(const ren2008_config *config,
+    ren2008_status before)
 {
     const ren2008_real tolerance = config->tolerance;
     const ren2008_real longest = config->max_step;
     ren2008_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 1690.0f - longest)) && (before != REN2008_NONFINITE)) {
-        const ren2008_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 1690.0f - longest))
+        && (before != REN2008_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const ren2008_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? REN2008_OUT_OF_RANGE : REN2008_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static REN2008_SHARED uint8_t ren2008_first_beyond(const ren2008_real joints[6])
 {
     uint8_t joint = 0U;
@@ -102,18 +109,21 @@ static ren2008_status ren2008_check_limits(const ren2008_real joints[6])
 /* Work space of ren2008_direct_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: position p and unit quaternion q (w, x, y, z) of the platform
  * k: squared rod lengths L_i^2
- * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the platform where the
+ * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the
+ * platform where the
  *    base's origin is, and half its turn h
  * d: rod vectors d_i, from the base point to the platform point
  */
 typedef struct {
     ren2008_real x[7]; /* state */
-    ren2008_real x0[7]; /* state at the part of the line that is done, to which a failed try returns */
+    /* state at the part of the line that is done, to which a failed try returns */
+    ren2008_real x0[7];
     ren2008_real k[6]; /* known values aimed at */
     ren2008_real f[6]; /* rows; the linear solver leaves the step in their place */
     ren2008_real d[18]; /* values that rows and matrix share */
     ren2008_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    ren2008_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    ren2008_real spread;
     const ren2008_pose *guess; /* where the line begins */
     uint8_t order[6]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
@@ -122,7 +132,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void ren2008_direct_rows(ren2008_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const ren2008_real t0 = w->x[0] * w->x[0];
     const ren2008_real t1 = w->x[1] * w->x[1];
     const ren2008_real t2 = t0 + t1;
@@ -133,7 +143,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[0] = w->x[0];
     w->d[1] = w->x[1];
     w->d[2] = w->x[2];
-    /* rod 2 */
+    /* row 2: leg2 */
     const ren2008_real t10 = w->x[5] + w->x[5];
     const ren2008_real t11 = t10 * w->x[5];
     const ren2008_real t12 = w->x[6] + w->x[6];
@@ -164,7 +174,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[3] = t18;
     w->d[4] = t25;
     w->d[5] = t32;
-    /* rod 3 */
+    /* row 3: leg3 */
     const ren2008_real t40 = t21 - t22;
     const ren2008_real t41 = 0.0984f * t40;
     const ren2008_real t42 = w->x[0] + t41;
@@ -196,7 +206,7 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[6] = t45;
     w->d[7] = t54;
     w->d[8] = t63;
-    /* rod 4 */
+    /* row 4: leg4 */
     const ren2008_real t71 = 0.7642f * t40;
     const ren2008_real t72 = w->x[0] + t71;
     const ren2008_real t73 = 0.4412f * t15;
@@ -221,10 +231,10 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[9] = t75;
     w->d[10] = t81;
     w->d[11] = t87;
-    /* rod 5 */
+    /* row 5: leg5 */
     const ren2008_real t95 = 0.3275f * t15;
     const ren2008_real t96 = t72 + t95;
-    const ren2008_real t97 = t96 - (-0.4027f);
+    const ren2008_real t97 = t96 + 0.4027f;
     const ren2008_real t98 = t97 * t97;
     const ren2008_real t99 = 0.3275f * t23;
     const ren2008_real t100 = t78 + t99;
@@ -240,10 +250,10 @@ static void ren2008_direct_rows(ren2008_direct_work *w)
     w->d[12] = t97;
     w->d[13] = t101;
     w->d[14] = t105;
-    /* rod 6 */
+    /* row 6: leg6 */
     const ren2008_real t113 = 0.0568f * t15;
     const ren2008_real t114 = t42 - t113;
-    const ren2008_real t115 = t114 - (-0.4779f);
+    const ren2008_real t115 = t114 + 0.4779f;
     const ren2008_real t116 = t115 * t115;
     const ren2008_real t117 = 0.0568f * t23;
     const ren2008_real t118 = t51 - t117;
@@ -271,8 +281,8 @@ static REN2008_SHARED ren2008_real ren2008_direct_residual(const ren2008_direct_
     return sqrtf(sum) * 0.36463425f;
 }
 
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
+ * turned. Returns the squared length of the step, angles times the size. */
 static ren2008_real ren2008_direct_apply_step(ren2008_direct_work *w)
 {
     const ren2008_real t0 = 4.0f * w->f[4];
@@ -307,7 +317,7 @@ static ren2008_real ren2008_direct_apply_step(ren2008_direct_work *w)
     const ren2008_real t29 = t27 + t28;
     const ren2008_real t30 = w->f[5] * w->f[5];
     const ren2008_real t31 = t29 + t30;
-    const ren2008_real t32 = 1.0f + t31;
+    const ren2008_real t32 = t31 + 1.0f;
     const ren2008_real t33 = sqrtf(t32);
     const ren2008_real t34 = 1.0f / t33;
     const ren2008_real t35 = t26 * t34;
@@ -368,7 +378,8 @@ static REN2008_SHARED void ren2008_rod_values(ren2008_direct_work *w)
 }
 
 /* Sets w->k, the known values aimed at. */
-static REN2008_SHARED void ren2008_direct_set_target(ren2008_direct_work *w, const ren2008_real to[6])
+static REN2008_SHARED void ren2008_direct_set_target(ren2008_direct_work *w,
+    const ren2008_real to[6])
 {
     for (int i = 0; i < 6; ++i) {
         const ren2008_real t0 = to[i] + 1.2f;
@@ -380,7 +391,9 @@ static REN2008_SHARED void ren2008_direct_set_target(ren2008_direct_work *w, con
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ren2008_direct_matrix(ren2008_direct_work *w)
 {
-    static const ren2008_real base[6][2] = { { 0.0f, 0.0f }, { 0.6016f, 0.0f }, { 2.5132f, 3.3112f }, { 2.2124f, 3.832f }, { -1.6108f, 3.832f }, { -1.9116f, 3.3112f } }; /* 4 b */
+    /* 4 b */
+    static const ren2008_real base[6][2] = { { 0.0f, 0.0f }, { 0.6016f, 0.0f }, { 2.5132f,
+        3.3112f }, { 2.2124f, 3.832f }, { -1.6108f, 3.832f }, { -1.9116f, 3.3112f } };
     for (int i = 0; i < 6; ++i) {
         const ren2008_real *const b = base[i];
         const ren2008_real *const d = &w->d[3 * i];
@@ -394,7 +407,8 @@ static void ren2008_direct_matrix(ren2008_direct_work *w)
     }
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
+/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
+ * singular. */
 static REN2008_COLD int ren2008_direct_pivoted(ren2008_direct_work *w)
 {
     static const ren2008_real scale[6] = { 0.545f, 0.549f, 1.38f, 5.05f, 3.28f, 2.3f };
@@ -458,7 +472,7 @@ static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const ren2008_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -467,9 +481,10 @@ static REN2008_COLD void ren2008_direct_pivoted_solve(ren2008_direct_work *w)
     }
 }
 
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ren2008_direct_pivoted. What is added to pivots is below the rounding of any other, and
- * keeps divisions by zero away. */
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
+ * determinant, 0 where a pivot is far below its usual size, which is left to
+ * ren2008_direct_pivoted. What is added to pivots is below the rounding of any other, and keeps
+ * divisions by zero away. */
 static int ren2008_direct_factor(ren2008_direct_work *w)
 {
     ren2008_real det;
@@ -621,7 +636,8 @@ static void ren2008_direct_solve(ren2008_direct_work *w)
     const ren2008_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
     const ren2008_real y3 = w->f[2] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
     const ren2008_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const ren2008_real y5 = w->f[4] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    const ren2008_real y5 = w->f[4] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2
+        - w->a[33] * y3 - w->a[34] * y4;
     /* back substitution */
     const ren2008_real s5 = (y5) * w->a[35];
     const ren2008_real s4 = (y4 - w->a[29] * s5) * w->a[28];
@@ -638,9 +654,11 @@ static void ren2008_direct_solve(ren2008_direct_work *w)
     w->f[3] = s5;
 }
 
-/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
- * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
-static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const ren2008_real to[6], ren2008_real part, ren2008_real done)
+/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the
+ * state back to the part that is done. The guess's joint values are computed again, which takes
+ * less room than to keep them. */
+static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const ren2008_real to[6],
+    ren2008_real part, ren2008_real done)
 {
     const ren2008_real *goal = to;
     if (part < 1.0f) {
@@ -660,14 +678,17 @@ static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const r
     }
 }
 
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
+/* Newton's method along the straight line from the known values of the guess to the given ones
+ * (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6], const ren2008_config *config, ren2008_info *info)
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
+ * first. Where the second step is longer than a quarter of the first, or a later one than three
+ * eighths of the one before, the theorem of Newton and Kantorovich does not tie the point to the
+ * part that is done (README.md says what is proved): the state is put back and a nearer point of
+ * the line is aimed at. Factors are kept for one more step where that is predicted to reach the
+ * tolerance. The answer's rows are evaluated before it is called OK. */
+static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6],
+    const ren2008_config *config, ren2008_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const ren2008_real tolerance2 = config->tolerance * config->tolerance;
@@ -689,7 +710,8 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
+    /* whether the tolerance should be reached: the rows are evaluated once more */
+    bool verify = false;
     w->spread = 0.0f;
     ren2008_direct_set_target(w, to);
     for (;;) {
@@ -724,7 +746,8 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
+         * later 3/8 (README.md) */
         ren2008_direct_solve(w);
         const ren2008_real before = size;
         size = ren2008_direct_apply_step(w);
@@ -760,7 +783,8 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
+                /* accepted at a point of the line: go on from here, by twice the part where
+                 * convergence was quick */
                 const ren2008_real part = aim - done;
                 done = aim;
                 aim += (quick ? (part + part) : part);
@@ -790,8 +814,8 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     ren2008_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static REN2008_COLD void ren2008_write_no_step(ren2008_info *info, const ren2008_real joints[6])
 {
     ren2008_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
@@ -800,8 +824,10 @@ static REN2008_COLD void ren2008_write_no_step(ren2008_info *info, const ren2008
     }
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static REN2008_SHARED ren2008_status ren2008_read_guess(ren2008_direct_work *w, const ren2008_real joints[6], const ren2008_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and
+ * within bounds. */
+static REN2008_SHARED ren2008_status ren2008_read_guess(ren2008_direct_work *w,
+    const ren2008_real joints[6], const ren2008_pose *guess)
 {
     const ren2008_status limits = ren2008_check_limits(joints);
     ren2008_status status;
@@ -823,7 +849,8 @@ static REN2008_SHARED void ren2008_write_pose(const ren2008_direct_work *w, ren2
     pose->quaternion[3] = w->x[6];
 }
 
-ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real joints[6], const ren2008_pose *guess, ren2008_pose *pose, ren2008_info *info)
+ren2008_status ren2008_direct(const ren2008_config *config, const ren2008_real joints[6],
+    const ren2008_pose *guess, ren2008_pose *pose, ren2008_info *info)
 {
     static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
     ren2008_direct_work w;
@@ -974,7 +1001,7 @@ ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[
         const ren2008_real t74 = t68 + t73;
         const ren2008_real t75 = 0.3275f * t10;
         const ren2008_real t76 = t57 + t75;
-        const ren2008_real t77 = t76 - (-0.4027f);
+        const ren2008_real t77 = t76 + 0.4027f;
         const ren2008_real t78 = t77 * t77;
         const ren2008_real t79 = 0.3275f * t18;
         const ren2008_real t80 = t63 + t79;
@@ -987,7 +1014,7 @@ ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[
         const ren2008_real t87 = t83 + t86;
         const ren2008_real t88 = 0.0568f * t10;
         const ren2008_real t89 = t32 - t88;
-        const ren2008_real t90 = t89 - (-0.4779f);
+        const ren2008_real t90 = t89 + 0.4779f;
         const ren2008_real t91 = t90 * t90;
         const ren2008_real t92 = 0.0568f * t18;
         const ren2008_real t93 = t41 - t92;
@@ -1157,8 +1184,10 @@ ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static ren2008_status ren2008_check_speeds(const ren2008_real speeds[], int count, ren2008_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static ren2008_status ren2008_check_speeds(const ren2008_real speeds[], int count,
+    ren2008_status status)
 {
     ren2008_status found = ren2008_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1170,7 +1199,8 @@ static ren2008_status ren2008_check_speeds(const ren2008_real speeds[], int coun
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
-ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6], ren2008_real rates[6])
+ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[6],
+    ren2008_real rates[6])
 {
     ren2008_real jacobian[6 * 6];
     const ren2008_status status = ren2008_check_speeds(twist, 6, ren2008_jacobian(pose, jacobian));
@@ -1187,7 +1217,8 @@ ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6], const ren2008_real rate_limits[6], ren2008_real *feed)
+ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6],
+    const ren2008_real rate_limits[6], ren2008_real *feed)
 {
     ren2008_real rates[6];
     ren2008_status status = ren2008_check_finite(rate_limits, 6, ren2008_rates(pose, twist, rates));
@@ -1208,11 +1239,14 @@ ren2008_status ren2008_feed(const ren2008_pose *pose, const ren2008_real twist[6
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[6], ren2008_real twist[6])
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
+ren2008_status ren2008_twist(const ren2008_pose *pose, const ren2008_real rates[6],
+    ren2008_real twist[6])
 {
     static const ren2008_real row_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
-    static const ren2008_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.59165776f, 0.59165776f, 0.59165776f };
+    static const ren2008_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.59165776f, 0.59165776f,
+        0.59165776f };
     static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
     ren2008_real jacobian[6 * 6];
     ren2008_real a[6][6 + 1];

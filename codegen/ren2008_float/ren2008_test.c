@@ -1,4 +1,5 @@
-/* Test of ren2008.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+/* Test of ren2008.c against vectors from Python. Prints what failed; exit status 0 when nothing
+ * did.
  * SPDX-License-Identifier: MIT */
 #include "ren2008.h"
 #include "ren2008_vectors.h"
@@ -41,7 +42,8 @@ static double difference(const ren2008_pose *a, const ren2008_real b[7])
     }
     for (int i = 0; i < 4; ++i) {
         const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
-        largest = fmax(largest, 2.0 * (double)REN2008_SIZE * fabs((double)a->quaternion[i] - other));
+        largest = fmax(largest, 2.0 * (double)REN2008_SIZE * fabs((double)a->quaternion[i]
+            - other));
     }
     return (cosine == cosine) ? largest : HUGE_VAL;
 }
@@ -59,7 +61,8 @@ static int same_pose(const ren2008_pose *a, const ren2008_pose *b)
 }
 
 /* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static ren2008_status refused(const ren2008_config *config, const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, const char *what)
+static ren2008_status refused(const ren2008_config *config,
+    const ren2008_real joints[REN2008_JOINTS], const ren2008_pose *guess, const char *what)
 {
     const ren2008_real marks[7] = { 1.0f, 2.0f, 4.0f, 1.0f, 2.0f, 4.0f, 1.0f };
     const ren2008_pose untouched = pose_from(marks);
@@ -82,19 +85,22 @@ static void solve_all(void)
         ren2008_pose pose = guess;
         ren2008_info info;
         ren2008_real joints[REN2008_JOINTS];
-        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &pose, &pose, &info) == REN2008_OK, "direct", k);
+        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &pose, &pose, &info) == REN2008_OK,
+            "direct", k);
         expect(difference(&pose, ren2008_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
         expect(info.joint == REN2008_JOINTS, "no joint to blame", k);
         pose = guess;
-        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &guess, &pose, NULL) == REN2008_OK, "direct without info", k);
+        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &guess, &pose, NULL) == REN2008_OK,
+            "direct without info", k);
         expect(ren2008_track(ren2008_vector_joints[k], &pose, &info) == REN2008_OK, "track", k);
         expect(difference(&pose, ren2008_vector_poses[k]) <= bound, "track's pose", k);
         pose = pose_from(ren2008_vector_poses[k]);
         expect(ren2008_inverse(&pose, joints) == REN2008_OK, "inverse", k);
         for (int i = 0; i < REN2008_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)ren2008_vector_inverse[k][i]) <= bound, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)ren2008_vector_inverse[k][i]) <= bound,
+                "inverse's joints", k);
         }
         if (k < REN2008_VECTOR_JACOBIANS) {
             ren2008_real jacobian[REN2008_JOINTS * 6];
@@ -113,9 +119,11 @@ static void refuse_configs(const ren2008_real joints[REN2008_JOINTS], const ren2
     const ren2008_real wrong[4] = { 0.0f, -1.0f, (ren2008_real)NAN, (ren2008_real)INFINITY };
     for (int i = 0; i < 8; ++i) {
         const ren2008_real other = wrong[i % 4];
-        const ren2008_config config = { (i < 4) ? other : REN2008_TOLERANCE, REN2008_MAX_STEPS, (i < 4) ? REN2008_MAX_STEP : other };
+        const ren2008_config config = { (i < 4) ? other : REN2008_TOLERANCE, REN2008_MAX_STEPS,
+            (i < 4) ? REN2008_MAX_STEP : other };
         const ren2008_status wanted = (i % 4 < 2) ? REN2008_OUT_OF_RANGE : REN2008_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+        expect(refused(&config, joints, home, "wrong config") == wanted,
+            "status of a wrong config", i);
     }
 }
 
@@ -132,8 +140,10 @@ static void refuse_all(void)
     for (int i = 0; i < REN2008_JOINTS; ++i) {
         joints[i] = ren2008_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == REN2008_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
-    expect(refused(&none, joints, &home, "no step is not enough") == REN2008_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    expect(refused(&one_step, joints, &home, "one step is not enough") == REN2008_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 0);
+    expect(refused(&none, joints, &home, "no step is not enough") == REN2008_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 1);
     refuse_configs(joints, &home);
     joints[REN2008_JOINTS - 1] = (ren2008_real)NAN;
     (void)ren2008_direct(NULL, joints, &home, &pose, &info);
@@ -150,14 +160,17 @@ static void refuse_all(void)
     joints[0] = (ren2008_real)INFINITY;
     expect(refused(NULL, joints, &home, "infinite joint") == REN2008_NONFINITE, "NONFINITE", 1);
     joints[0] = -16901.664f;
-    expect(refused(NULL, joints, &home, "joint out of range") == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    expect(refused(NULL, joints, &home, "joint out of range") == REN2008_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 0);
     joints[0] = 16901.664f;
     (void)refused(NULL, joints, &home, "joint beyond reach");
     joints[0] = ren2008_vector_joints[0][0];
     wrong.quaternion[0] = 2.0f;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE", 1);
+    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == REN2008_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 1);
     expect(ren2008_inverse(&wrong, joints) == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
-    expect(ren2008_jacobian(&wrong, jacobian) == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
+    expect(ren2008_jacobian(&wrong, jacobian) == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian",
+        0);
     wrong = home;
     wrong.position[1] = (ren2008_real)NAN;
     expect(refused(NULL, joints, &wrong, "NaN guess") == REN2008_NONFINITE, "NONFINITE", 2);
@@ -166,7 +179,8 @@ static void refuse_all(void)
     wrong = pose_from(ren2008_vector_far);
     pose = wrong;
 #if REN2008_VECTOR_FAR > 0
-    expect(ren2008_track(joints, &wrong, &info) == REN2008_WRONG_BRANCH, "WRONG_BRANCH of a long step", 0);
+    expect(ren2008_track(joints, &wrong, &info) == REN2008_WRONG_BRANCH,
+        "WRONG_BRANCH of a long step", 0);
     expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
 #else
     (void)ren2008_track(joints, &pose, &info);
@@ -179,7 +193,8 @@ static void refuse_all(void)
 #endif
 }
 
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
+ * own. */
 static void speeds_of(const ren2008_pose *pose, int k)
 {
     ren2008_real rates[REN2008_JOINTS];
@@ -205,11 +220,13 @@ static void speeds_of(const ren2008_pose *pose, int k)
     for (int i = 0; i < REN2008_JOINTS; ++i) {
         limits[i] = 4.0f;
     }
-    expect((ren2008_feed(pose, twist, limits, &feed) == REN2008_OK) && (feed == 1.0f), "no need for a feed", k);
+    expect((ren2008_feed(pose, twist, limits, &feed) == REN2008_OK)
+        && (feed == 1.0f), "no need for a feed", k);
     limits[0] = -1.0f;
     expect(ren2008_feed(pose, twist, limits, &feed) == REN2008_OUT_OF_RANGE, "a limit below 0", k);
     limits[0] = (ren2008_real)NAN;
-    expect(ren2008_feed(pose, twist, limits, &feed) == REN2008_NONFINITE, "a limit that is not a number", k);
+    expect(ren2008_feed(pose, twist, limits, &feed) == REN2008_NONFINITE,
+        "a limit that is not a number", k);
     twist[5] = (ren2008_real)INFINITY;
     expect(ren2008_rates(pose, twist, again) == REN2008_NONFINITE, "infinite twist", k);
     rates[0] = (ren2008_real)NAN;

@@ -10,12 +10,13 @@
  * joints[5] leg6: m, [0, 0.55]
  *
  * Joint values in this order; lengths in m, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * REN2008_TRUE_OK only; `info` always. config and info may be NULL, guess and pose the same object.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with REN2008_TRUE_OK only; `info` always. config and info may be NULL, guess and pose the
+ * same object.
  *
- * One step of Newton's method: 169 additions, 7 divisions, 181 multiplications, 1 sqrt (rows, matrix, factors, step).
- * Predicted error of an answer: REN2008_TRUE_TOLERANCE and the rounding of the type, about
- * 1.50639e-15 m (angles times the size) where the matrix is well conditioned.
+ * One step of Newton's method: 169 additions, 7 divisions, 181 multiplications, 1 sqrt (rows,
+ * matrix, factors, step). Predicted error of an answer: REN2008_TRUE_TOLERANCE and the rounding of
+ * the type, about 1.50639e-15 m (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 d7a52a7fc51f6358bdd9de8854c0278d74c3d9cc5a56d87283ca8f027bb0f8b3
  */
 #ifndef REN2008_TRUE_H
@@ -35,8 +36,10 @@ typedef enum {
     REN2008_TRUE_MAX_ITERATIONS, /* not settled within the iterations allowed */
     REN2008_TRUE_SINGULAR, /* the linear system lost rank on the way */
     REN2008_TRUE_NONFINITE, /* NaN or infinity among the inputs */
-    REN2008_TRUE_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    REN2008_TRUE_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    REN2008_TRUE_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    REN2008_TRUE_WRONG_BRANCH
 } ren2008_true_status;
 
 /* Position in m, unit quaternion (w, x, y, z), both of the platform frame in the base frame. */
@@ -45,26 +48,29 @@ typedef struct {
     ren2008_true_real quaternion[4];
 } ren2008_true_pose;
 
-/* tolerance: predicted error of the answer (m, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (m, angles times the size). Both are above 0 and
- * their sum at most 1700.0 (a thousand sizes), else the status is REN2008_TRUE_OUT_OF_RANGE, of NaN and infinity REN2008_TRUE_NONFINITE;
- * 0 iterations are REN2008_TRUE_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (m, angles times the size); max_iterations: steps of any
+ * kind; max_step: longest single step (m, angles times the size). Both are above 0 and
+ * their sum at most 1700.0 (a thousand sizes), else the status is REN2008_TRUE_OUT_OF_RANGE, of NaN
+ * and infinity REN2008_TRUE_NONFINITE; 0 iterations are REN2008_TRUE_MAX_ITERATIONS. NULL in place
+ * of a config means the values below. */
 typedef struct {
     ren2008_true_real tolerance;
     uint8_t max_iterations;
     ren2008_true_real max_step;
 } ren2008_true_config;
 
-#define REN2008_TRUE_SIZE ((ren2008_true_real)1.696040143982447) /* largest distance of joint points at the reference, m */
+/* largest distance of joint points at the reference, m */
+#define REN2008_TRUE_SIZE ((ren2008_true_real)1.696040143982447)
 #define REN2008_TRUE_TOLERANCE ((ren2008_true_real)1.882982818537878e-12) /* m */
 #define REN2008_TRUE_MAX_STEPS (100U)
 #define REN2008_TRUE_MAX_STEP ((ren2008_true_real)1.696040143982447) /* m */
 #define REN2008_TRUE_JOINTS (6)
 
-/* iterations: steps taken; residual: largest closure error of the answer (ren2008_true_track: predicted error of the pose), in
- * m; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, REN2008_TRUE_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+/* iterations: steps taken; residual: largest closure error of the answer (ren2008_true_track:
+ * predicted error of the pose), in m; step: length of the last step; min_pivot: smallest pivot of
+ * the last matrix with rows and columns scaled, 0 near a singularity; joint: the first joint, from
+ * 0, whose value is outside its range or not finite, REN2008_TRUE_JOINTS where it is none of them.
+ * Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     ren2008_true_real residual;
@@ -73,33 +79,46 @@ typedef struct {
     uint8_t joint;
 } ren2008_true_info;
 
-/* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, REN2008_TRUE_WRONG_BRANCH. The guess need not fit any
- * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth. */
-ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const ren2008_true_real joints[REN2008_TRUE_JOINTS], const ren2008_true_pose *guess, ren2008_true_pose *pose,
+/* The pose that the machine reaches from `guess` when its joints move in a straight line from the
+ * guess's joint values to the given ones without meeting a singularity; where that is not assured,
+ * REN2008_TRUE_WRONG_BRANCH. The guess need not fit any joint values that were read: an error of it
+ * moves the beginning of the line by as much. The length of its quaternion may be off by a
+ * hundredth. */
+ren2008_true_status ren2008_true_direct(const ren2008_true_config *config,
+    const ren2008_true_real joints[REN2008_TRUE_JOINTS], const ren2008_true_pose *guess,
+    ren2008_true_pose *pose,
     ren2008_true_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to REN2008_TRUE_TRACK_LIMIT another call
- * with the same joints brings it below the tolerance; beyond it, call ren2008_true_direct. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to
+ * REN2008_TRUE_TRACK_LIMIT another call with the same joints brings it below the tolerance; beyond
+ * it, call ren2008_true_direct. */
 #define REN2008_TRUE_TRACK_LIMIT ((ren2008_true_real)2.01e-06) /* m */
-ren2008_true_status ren2008_true_track(const ren2008_true_real joints[REN2008_TRUE_JOINTS], ren2008_true_pose *pose, ren2008_true_info *info);
+ren2008_true_status ren2008_true_track(const ren2008_true_real joints[REN2008_TRUE_JOINTS],
+    ren2008_true_pose *pose, ren2008_true_info *info);
 
 /* Joint values of a pose. */
-ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose, ren2008_true_real joints[REN2008_TRUE_JOINTS]);
+ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose,
+    ren2008_true_real joints[REN2008_TRUE_JOINTS]);
 
-/* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
-ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008_true_real jacobian[REN2008_TRUE_JOINTS * 6]);
+/* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular
+ * velocity). */
+ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose,
+    ren2008_true_real jacobian[REN2008_TRUE_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 2e+06 are
- * REN2008_TRUE_OUT_OF_RANGE. */
-ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose, const ren2008_true_real twist[6], ren2008_true_real rates[REN2008_TRUE_JOINTS]);
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+ * above 2e+06 are REN2008_TRUE_OUT_OF_RANGE. */
+ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose,
+    const ren2008_true_real twist[6], ren2008_true_real rates[REN2008_TRUE_JOINTS]);
 
 /* The twist of joint rates at a pose; REN2008_TRUE_SINGULAR where they do not decide it. */
-ren2008_true_status ren2008_true_twist(const ren2008_true_pose *pose, const ren2008_true_real rates[REN2008_TRUE_JOINTS], ren2008_true_real twist[6]);
+ren2008_true_status ren2008_true_twist(const ren2008_true_pose *pose,
+    const ren2008_true_real rates[REN2008_TRUE_JOINTS], ren2008_true_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in m or radians for each unit
- * of time). */
-ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose, const ren2008_true_real twist[6], const ren2008_true_real rate_limits[REN2008_TRUE_JOINTS], ren2008_true_real *feed);
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more,
+ * in m or radians for each unit of time). */
+ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose,
+    const ren2008_true_real twist[6], const ren2008_true_real rate_limits[REN2008_TRUE_JOINTS],
+    ren2008_true_real *feed);
 #ifdef __cplusplus
 }
 #endif

@@ -1,4 +1,5 @@
-/* Test of ren2008_true.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+/* Test of ren2008_true.c against vectors from Python. Prints what failed; exit status 0 when
+ * nothing did.
  * SPDX-License-Identifier: MIT */
 #include "ren2008_true.h"
 #include "ren2008_true_vectors.h"
@@ -41,7 +42,8 @@ static double difference(const ren2008_true_pose *a, const ren2008_true_real b[7
     }
     for (int i = 0; i < 4; ++i) {
         const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
-        largest = fmax(largest, 2.0 * (double)REN2008_TRUE_SIZE * fabs((double)a->quaternion[i] - other));
+        largest = fmax(largest, 2.0 * (double)REN2008_TRUE_SIZE * fabs((double)a->quaternion[i]
+            - other));
     }
     return (cosine == cosine) ? largest : HUGE_VAL;
 }
@@ -59,7 +61,9 @@ static int same_pose(const ren2008_true_pose *a, const ren2008_true_pose *b)
 }
 
 /* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static ren2008_true_status refused(const ren2008_true_config *config, const ren2008_true_real joints[REN2008_TRUE_JOINTS], const ren2008_true_pose *guess, const char *what)
+static ren2008_true_status refused(const ren2008_true_config *config,
+    const ren2008_true_real joints[REN2008_TRUE_JOINTS], const ren2008_true_pose *guess,
+    const char *what)
 {
     const ren2008_true_real marks[7] = { 1.0, 2.0, 4.0, 1.0, 2.0, 4.0, 1.0 };
     const ren2008_true_pose untouched = pose_from(marks);
@@ -82,19 +86,23 @@ static void solve_all(void)
         ren2008_true_pose pose = guess;
         ren2008_true_info info;
         ren2008_true_real joints[REN2008_TRUE_JOINTS];
-        expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &pose, &pose, &info) == REN2008_TRUE_OK, "direct", k);
+        expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &pose, &pose,
+            &info) == REN2008_TRUE_OK, "direct", k);
         expect(difference(&pose, ren2008_true_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
         expect(info.joint == REN2008_TRUE_JOINTS, "no joint to blame", k);
         pose = guess;
-        expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &guess, &pose, NULL) == REN2008_TRUE_OK, "direct without info", k);
-        expect(ren2008_true_track(ren2008_true_vector_joints[k], &pose, &info) == REN2008_TRUE_OK, "track", k);
+        expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &guess, &pose,
+            NULL) == REN2008_TRUE_OK, "direct without info", k);
+        expect(ren2008_true_track(ren2008_true_vector_joints[k], &pose, &info) == REN2008_TRUE_OK,
+            "track", k);
         expect(difference(&pose, ren2008_true_vector_poses[k]) <= bound, "track's pose", k);
         pose = pose_from(ren2008_true_vector_poses[k]);
         expect(ren2008_true_inverse(&pose, joints) == REN2008_TRUE_OK, "inverse", k);
         for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)ren2008_true_vector_inverse[k][i]) <= bound, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)ren2008_true_vector_inverse[k][i]) <= bound,
+                "inverse's joints", k);
         }
         if (k < REN2008_TRUE_VECTOR_JACOBIANS) {
             ren2008_true_real jacobian[REN2008_TRUE_JOINTS * 6];
@@ -108,14 +116,19 @@ static void solve_all(void)
     }
 }
 
-static void refuse_configs(const ren2008_true_real joints[REN2008_TRUE_JOINTS], const ren2008_true_pose *home)
+static void refuse_configs(const ren2008_true_real joints[REN2008_TRUE_JOINTS],
+    const ren2008_true_pose *home)
 {
-    const ren2008_true_real wrong[4] = { 0.0, -1.0, (ren2008_true_real)NAN, (ren2008_true_real)INFINITY };
+    const ren2008_true_real wrong[4] = { 0.0, -1.0, (ren2008_true_real)NAN,
+        (ren2008_true_real)INFINITY };
     for (int i = 0; i < 8; ++i) {
         const ren2008_true_real other = wrong[i % 4];
-        const ren2008_true_config config = { (i < 4) ? other : REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, (i < 4) ? REN2008_TRUE_MAX_STEP : other };
-        const ren2008_true_status wanted = (i % 4 < 2) ? REN2008_TRUE_OUT_OF_RANGE : REN2008_TRUE_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+        const ren2008_true_config config = { (i < 4) ? other : REN2008_TRUE_TOLERANCE,
+            REN2008_TRUE_MAX_STEPS, (i < 4) ? REN2008_TRUE_MAX_STEP : other };
+        const ren2008_true_status wanted = (i % 4 < 2)
+            ? REN2008_TRUE_OUT_OF_RANGE : REN2008_TRUE_NONFINITE;
+        expect(refused(&config, joints, home, "wrong config") == wanted,
+            "status of a wrong config", i);
     }
 }
 
@@ -132,8 +145,10 @@ static void refuse_all(void)
     for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
         joints[i] = ren2008_true_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == REN2008_TRUE_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
-    expect(refused(&none, joints, &home, "no step is not enough") == REN2008_TRUE_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    expect(refused(&one_step, joints, &home,
+        "one step is not enough") == REN2008_TRUE_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    expect(refused(&none, joints, &home, "no step is not enough") == REN2008_TRUE_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 1);
     refuse_configs(joints, &home);
     joints[REN2008_TRUE_JOINTS - 1] = (ren2008_true_real)NAN;
     (void)ren2008_true_direct(NULL, joints, &home, &pose, &info);
@@ -148,25 +163,33 @@ static void refuse_all(void)
     joints[0] = (ren2008_true_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == REN2008_TRUE_NONFINITE, "NONFINITE", 0);
     joints[0] = (ren2008_true_real)INFINITY;
-    expect(refused(NULL, joints, &home, "infinite joint") == REN2008_TRUE_NONFINITE, "NONFINITE", 1);
+    expect(refused(NULL, joints, &home, "infinite joint") == REN2008_TRUE_NONFINITE, "NONFINITE",
+        1);
     joints[0] = -16960.40143982447;
-    expect(refused(NULL, joints, &home, "joint out of range") == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    expect(refused(NULL, joints, &home, "joint out of range") == REN2008_TRUE_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 0);
     joints[0] = 16960.40143982447;
     (void)refused(NULL, joints, &home, "joint beyond reach");
     joints[0] = ren2008_true_vector_joints[0][0];
     wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE", 1);
-    expect(ren2008_true_inverse(&wrong, joints) == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
-    expect(ren2008_true_jacobian(&wrong, jacobian) == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
+    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == REN2008_TRUE_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 1);
+    expect(ren2008_true_inverse(&wrong, joints) == REN2008_TRUE_OUT_OF_RANGE,
+        "OUT_OF_RANGE of inverse", 0);
+    expect(ren2008_true_jacobian(&wrong, jacobian) == REN2008_TRUE_OUT_OF_RANGE,
+        "OUT_OF_RANGE of jacobian", 0);
     wrong = home;
     wrong.position[1] = (ren2008_true_real)NAN;
     expect(refused(NULL, joints, &wrong, "NaN guess") == REN2008_TRUE_NONFINITE, "NONFINITE", 2);
-    expect(ren2008_true_inverse(&wrong, joints) == REN2008_TRUE_NONFINITE, "NONFINITE of inverse", 0);
-    expect(ren2008_true_track(joints, &wrong, NULL) == REN2008_TRUE_NONFINITE, "NONFINITE of track", 0);
+    expect(ren2008_true_inverse(&wrong, joints) == REN2008_TRUE_NONFINITE, "NONFINITE of inverse",
+        0);
+    expect(ren2008_true_track(joints, &wrong, NULL) == REN2008_TRUE_NONFINITE,
+        "NONFINITE of track", 0);
     wrong = pose_from(ren2008_true_vector_far);
     pose = wrong;
 #if REN2008_TRUE_VECTOR_FAR > 0
-    expect(ren2008_true_track(joints, &wrong, &info) == REN2008_TRUE_WRONG_BRANCH, "WRONG_BRANCH of a long step", 0);
+    expect(ren2008_true_track(joints, &wrong, &info) == REN2008_TRUE_WRONG_BRANCH,
+        "WRONG_BRANCH of a long step", 0);
     expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
 #else
     (void)ren2008_true_track(joints, &pose, &info);
@@ -174,12 +197,14 @@ static void refuse_all(void)
 #if REN2008_TRUE_VECTOR_SINGULAR > 0
     for (int k = 0; k < REN2008_TRUE_VECTOR_SINGULAR; ++k) {
         wrong = pose_from(ren2008_true_vector_singular[k]);
-        expect(refused(NULL, joints, &wrong, "singular start") == REN2008_TRUE_SINGULAR, "SINGULAR", k);
+        expect(refused(NULL, joints, &wrong, "singular start") == REN2008_TRUE_SINGULAR,
+            "SINGULAR", k);
     }
 #endif
 }
 
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
+ * own. */
 static void speeds_of(const ren2008_true_pose *pose, int k)
 {
     ren2008_true_real rates[REN2008_TRUE_JOINTS];
@@ -205,17 +230,21 @@ static void speeds_of(const ren2008_true_pose *pose, int k)
     for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
         limits[i] = 4.0;
     }
-    expect((ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_OK) && (feed == 1.0), "no need for a feed", k);
+    expect((ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_OK)
+        && (feed == 1.0), "no need for a feed", k);
     limits[0] = -1.0;
-    expect(ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_OUT_OF_RANGE, "a limit below 0", k);
+    expect(ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_OUT_OF_RANGE,
+        "a limit below 0", k);
     limits[0] = (ren2008_true_real)NAN;
-    expect(ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_NONFINITE, "a limit that is not a number", k);
+    expect(ren2008_true_feed(pose, twist, limits, &feed) == REN2008_TRUE_NONFINITE,
+        "a limit that is not a number", k);
     twist[5] = (ren2008_true_real)INFINITY;
     expect(ren2008_true_rates(pose, twist, again) == REN2008_TRUE_NONFINITE, "infinite twist", k);
     rates[0] = (ren2008_true_real)NAN;
     expect(ren2008_true_twist(pose, rates, twist) == REN2008_TRUE_NONFINITE, "NaN among rates", k);
     rates[0] = (ren2008_true_real)1e30;
-    expect(ren2008_true_twist(pose, rates, twist) == REN2008_TRUE_OUT_OF_RANGE, "rates beyond all bounds", k);
+    expect(ren2008_true_twist(pose, rates, twist) == REN2008_TRUE_OUT_OF_RANGE,
+        "rates beyond all bounds", k);
 }
 
 int main(void)

@@ -15,12 +15,15 @@
 #define REN2008_TRUE_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_finite(const ren2008_true_real values[], int count, ren2008_true_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_finite(
+    const ren2008_true_real values[], int count, ren2008_true_status otherwise)
 {
     ren2008_true_status status = otherwise;
     for (int i = 0; i < count; ++i) {
-        const ren2008_true_real none = values[i] - values[i]; /* 0, but NaN for NaN and infinities */
+        /* 0, but NaN for NaN and infinities */
+        const ren2008_true_real none = values[i] - values[i];
         if (!(none <= 0.0f)) {
             status = REN2008_TRUE_NONFINITE;
         }
@@ -28,9 +31,10 @@ static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_finite(const ren
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
-static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *pose, ren2008_true_real x[7])
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
+static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *pose,
+    ren2008_true_real x[7])
 {
     const ren2008_true_real *const q = pose->quaternion;
     const ren2008_true_real squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -43,7 +47,8 @@ static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *
         && (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]) <= 1700.0f)) {
         inverse = 1.0f / sqrtf(squared);
     } else {
-        status = ren2008_true_check_finite(q, 4, ren2008_true_check_finite(x, 3, REN2008_TRUE_OUT_OF_RANGE));
+        status = ren2008_true_check_finite(q, 4, ren2008_true_check_finite(x, 3,
+            REN2008_TRUE_OUT_OF_RANGE));
     }
     x[3] = q[0] * inverse;
     x[4] = q[1] * inverse;
@@ -52,9 +57,10 @@ static ren2008_true_status ren2008_true_normalise_pose(const ren2008_true_pose *
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static REN2008_TRUE_COLD void ren2008_true_write_info(ren2008_true_info *info, unsigned int count, ren2008_true_real residual, ren2008_true_real size, ren2008_true_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static REN2008_TRUE_COLD void ren2008_true_write_info(ren2008_true_info *info, unsigned int count,
+    ren2008_true_real residual, ren2008_true_real size, ren2008_true_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -66,20 +72,24 @@ static REN2008_TRUE_COLD void ren2008_true_write_info(ren2008_true_info *info, u
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_config(const ren2008_true_config *config, ren2008_true_status before)
+static REN2008_TRUE_COLD ren2008_true_status ren2008_true_check_config(
+    const ren2008_true_config *config, ren2008_true_status before)
 {
     const ren2008_true_real tolerance = config->tolerance;
     const ren2008_true_real longest = config->max_step;
     ren2008_true_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 1700.0f - longest)) && (before != REN2008_TRUE_NONFINITE)) {
-        const ren2008_true_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 1700.0f - longest))
+        && (before != REN2008_TRUE_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const ren2008_true_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? REN2008_TRUE_OUT_OF_RANGE : REN2008_TRUE_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static REN2008_TRUE_SHARED uint8_t ren2008_true_first_beyond(const ren2008_true_real joints[6])
 {
     uint8_t joint = 0U;
@@ -102,18 +112,21 @@ static ren2008_true_status ren2008_true_check_limits(const ren2008_true_real joi
 /* Work space of ren2008_true_direct_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: position p and unit quaternion q (w, x, y, z) of the platform
  * k: squared rod lengths L_i^2
- * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the platform where the
+ * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the
+ * platform where the
  *    base's origin is, and half its turn h
  * d: rod vectors d_i, from the base point to the platform point
  */
 typedef struct {
     ren2008_true_real x[7]; /* state */
-    ren2008_true_real x0[7]; /* state at the part of the line that is done, to which a failed try returns */
+    /* state at the part of the line that is done, to which a failed try returns */
+    ren2008_true_real x0[7];
     ren2008_true_real k[6]; /* known values aimed at */
     ren2008_true_real f[6]; /* rows; the linear solver leaves the step in their place */
     ren2008_true_real d[18]; /* values that rows and matrix share */
     ren2008_true_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    ren2008_true_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    ren2008_true_real spread;
     const ren2008_true_pose *guess; /* where the line begins */
     uint8_t order[6]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
@@ -122,7 +135,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const ren2008_true_real t0 = w->x[0] * w->x[0];
     const ren2008_true_real t1 = w->x[1] * w->x[1];
     const ren2008_true_real t2 = t0 + t1;
@@ -133,7 +146,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[0] = w->x[0];
     w->d[1] = w->x[1];
     w->d[2] = w->x[2];
-    /* rod 2 */
+    /* row 2: leg2 */
     const ren2008_true_real t10 = w->x[5] + w->x[5];
     const ren2008_true_real t11 = t10 * w->x[5];
     const ren2008_true_real t12 = w->x[6] + w->x[6];
@@ -165,7 +178,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[3] = t18;
     w->d[4] = t25;
     w->d[5] = t33;
-    /* rod 3 */
+    /* row 3: leg3 */
     const ren2008_true_real t41 = 0.8295f * t15;
     const ren2008_true_real t42 = w->x[0] + t41;
     const ren2008_true_real t43 = t21 - t22;
@@ -200,7 +213,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     const ren2008_true_real t72 = 1.0f - t71;
     const ren2008_true_real t73 = 0.002f * t72;
     const ren2008_true_real t74 = t70 + t73;
-    const ren2008_true_real t75 = t74 - (-0.005f);
+    const ren2008_true_real t75 = t74 + 0.005f;
     const ren2008_true_real t76 = t75 * t75;
     const ren2008_true_real t77 = t65 + t76;
     const ren2008_true_real t78 = w->k[2] - t77;
@@ -208,7 +221,7 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[6] = t49;
     w->d[7] = t63;
     w->d[8] = t75;
-    /* rod 4 */
+    /* row 4: leg4 */
     const ren2008_true_real t83 = 0.4436f * t15;
     const ren2008_true_real t84 = w->x[0] + t83;
     const ren2008_true_real t85 = 0.7672f * t43;
@@ -240,14 +253,14 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[9] = t89;
     w->d[10] = t97;
     w->d[11] = t106;
-    /* rod 5 */
+    /* row 5: leg5 */
     const ren2008_true_real t114 = 0.3233f * t15;
     const ren2008_true_real t115 = w->x[0] + t114;
     const ren2008_true_real t116 = 0.7612f * t43;
     const ren2008_true_real t117 = t115 + t116;
     const ren2008_true_real t118 = 0.003f * t46;
     const ren2008_true_real t119 = t117 - t118;
-    const ren2008_true_real t120 = t119 - (-0.4068f);
+    const ren2008_true_real t120 = t119 + 0.4068f;
     const ren2008_true_real t121 = t120 * t120;
     const ren2008_true_real t122 = 0.3233f * t23;
     const ren2008_true_real t123 = w->x[1] + t122;
@@ -272,12 +285,12 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
     w->d[12] = t120;
     w->d[13] = t128;
     w->d[14] = t137;
-    /* rod 6 */
+    /* row 6: leg6 */
     const ren2008_true_real t145 = 0.0587f * t15;
     const ren2008_true_real t146 = w->x[0] - t145;
     const ren2008_true_real t147 = 0.0964f * t43;
     const ren2008_true_real t148 = t146 + t147;
-    const ren2008_true_real t149 = t148 - (-0.4761f);
+    const ren2008_true_real t149 = t148 + 0.4761f;
     const ren2008_true_real t150 = t149 * t149;
     const ren2008_true_real t151 = 0.0587f * t23;
     const ren2008_true_real t152 = w->x[1] - t151;
@@ -301,7 +314,8 @@ static void ren2008_true_direct_rows(ren2008_true_direct_work *w)
 }
 
 /* Norm of the rows in w->f as a length: no row is further from zero. */
-static REN2008_TRUE_SHARED ren2008_true_real ren2008_true_direct_residual(const ren2008_true_direct_work *w)
+static REN2008_TRUE_SHARED ren2008_true_real ren2008_true_direct_residual(
+    const ren2008_true_direct_work *w)
 {
     ren2008_true_real sum = w->f[0] * w->f[0];
     for (int i = 1; i < 6; ++i) {
@@ -310,8 +324,8 @@ static REN2008_TRUE_SHARED ren2008_true_real ren2008_true_direct_residual(const 
     return sqrtf(sum) * 0.36510837f;
 }
 
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
+ * turned. Returns the squared length of the step, angles times the size. */
 static ren2008_true_real ren2008_true_direct_apply_step(ren2008_true_direct_work *w)
 {
     const ren2008_true_real t0 = 4.0f * w->f[4];
@@ -346,7 +360,7 @@ static ren2008_true_real ren2008_true_direct_apply_step(ren2008_true_direct_work
     const ren2008_true_real t29 = t27 + t28;
     const ren2008_true_real t30 = w->f[5] * w->f[5];
     const ren2008_true_real t31 = t29 + t30;
-    const ren2008_true_real t32 = 1.0f + t31;
+    const ren2008_true_real t32 = t31 + 1.0f;
     const ren2008_true_real t33 = sqrtf(t32);
     const ren2008_true_real t34 = 1.0f / t33;
     const ren2008_true_real t35 = t26 * t34;
@@ -425,7 +439,8 @@ static REN2008_TRUE_SHARED void ren2008_true_rod_values(ren2008_true_direct_work
 }
 
 /* Sets w->k, the known values aimed at. */
-static REN2008_TRUE_SHARED void ren2008_true_direct_set_target(ren2008_true_direct_work *w, const ren2008_true_real to[6])
+static REN2008_TRUE_SHARED void ren2008_true_direct_set_target(ren2008_true_direct_work *w,
+    const ren2008_true_real to[6])
 {
     const ren2008_true_real t0_0 = to[0] + 1.2037f;
     const ren2008_true_real t0_1 = t0_0 * t0_0;
@@ -450,7 +465,10 @@ static REN2008_TRUE_SHARED void ren2008_true_direct_set_target(ren2008_true_dire
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void ren2008_true_direct_matrix(ren2008_true_direct_work *w)
 {
-    static const ren2008_true_real base[6][3] = { { 0.0f, 0.0f, 0.0f }, { 0.6172f, 0.0f, 0.01f }, { 2.4932f, 3.3024f, -0.02f }, { 2.2024f, 3.8396f, 0.012f }, { -1.6272f, 3.8196f, 0.0196f }, { -1.9044f, 3.3004f, 0.016f } }; /* 4 b */
+    /* 4 b */
+    static const ren2008_true_real base[6][3] = { { 0.0f, 0.0f, 0.0f }, { 0.6172f, 0.0f, 0.01f },
+        { 2.4932f, 3.3024f, -0.02f }, { 2.2024f, 3.8396f, 0.012f }, { -1.6272f, 3.8196f, 0.0196f },
+        { -1.9044f, 3.3004f, 0.016f } };
     for (int i = 0; i < 6; ++i) {
         const ren2008_true_real *const b = base[i];
         const ren2008_true_real *const d = &w->d[3 * i];
@@ -464,7 +482,8 @@ static void ren2008_true_direct_matrix(ren2008_true_direct_work *w)
     }
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
+/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
+ * singular. */
 static REN2008_TRUE_COLD int ren2008_true_direct_pivoted(ren2008_true_direct_work *w)
 {
     static const ren2008_true_real scale[6] = { 0.544f, 0.548f, 1.38f, 5.06f, 3.27f, 2.3f };
@@ -528,7 +547,7 @@ static REN2008_TRUE_COLD void ren2008_true_direct_pivoted_solve(ren2008_true_dir
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const ren2008_true_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -537,8 +556,9 @@ static REN2008_TRUE_COLD void ren2008_true_direct_pivoted_solve(ren2008_true_dir
     }
 }
 
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to ren2008_true_direct_pivoted. What is added to pivots is below the rounding of any other, and
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
+ * determinant, 0 where a pivot is far below its usual size, which is left to
+ * ren2008_true_direct_pivoted. What is added to pivots is below the rounding of any other, and
  * keeps divisions by zero away. */
 static int ren2008_true_direct_factor(ren2008_true_direct_work *w)
 {
@@ -713,14 +733,17 @@ static void ren2008_true_direct_solve(ren2008_true_direct_work *w)
     const ren2008_true_real y1 = w->f[1] - w->a[6] * y0;
     const ren2008_true_real y2 = w->f[5] - w->a[12] * y0 - w->a[13] * y1;
     const ren2008_true_real y3 = w->f[2] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const ren2008_true_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const ren2008_true_real y5 = w->f[4] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    const ren2008_true_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2
+        - w->a[27] * y3;
+    const ren2008_true_real y5 = w->f[4] - w->a[30] * y0 - w->a[31] * y1 - w->a[32] * y2
+        - w->a[33] * y3 - w->a[34] * y4;
     /* back substitution */
     const ren2008_true_real s5 = (y5) * w->a[35];
     const ren2008_true_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const ren2008_true_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const ren2008_true_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const ren2008_true_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
+    const ren2008_true_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3
+        - w->a[8] * s2) * w->a[7];
     const ren2008_true_real s0 = (y0 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
     /* the step in the order of the unknowns */
     w->f[2] = s0;
@@ -731,9 +754,11 @@ static void ren2008_true_direct_solve(ren2008_true_direct_work *w)
     w->f[3] = s5;
 }
 
-/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
- * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
-static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_work *w, const ren2008_true_real to[6], ren2008_true_real part, ren2008_true_real done)
+/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the
+ * state back to the part that is done. The guess's joint values are computed again, which takes
+ * less room than to keep them. */
+static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_work *w,
+    const ren2008_true_real to[6], ren2008_true_real part, ren2008_true_real done)
 {
     const ren2008_true_real *goal = to;
     if (part < 1.0f) {
@@ -753,14 +778,17 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
     }
 }
 
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
+/* Newton's method along the straight line from the known values of the guess to the given ones
+ * (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *w, const ren2008_true_real to[6], const ren2008_true_config *config, ren2008_true_info *info)
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
+ * first. Where the second step is longer than a quarter of the first, or a later one than three
+ * eighths of the one before, the theorem of Newton and Kantorovich does not tie the point to the
+ * part that is done (README.md says what is proved): the state is put back and a nearer point of
+ * the line is aimed at. Factors are kept for one more step where that is predicted to reach the
+ * tolerance. The answer's rows are evaluated before it is called OK. */
+static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *w,
+    const ren2008_true_real to[6], const ren2008_true_config *config, ren2008_true_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const ren2008_true_real tolerance2 = config->tolerance * config->tolerance;
@@ -782,7 +810,8 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
+    /* whether the tolerance should be reached: the rows are evaluated once more */
+    bool verify = false;
     w->spread = 0.0f;
     ren2008_true_direct_set_target(w, to);
     for (;;) {
@@ -817,7 +846,8 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
+         * later 3/8 (README.md) */
         ren2008_true_direct_solve(w);
         const ren2008_true_real before = size;
         size = ren2008_true_direct_apply_step(w);
@@ -853,7 +883,8 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
+                /* accepted at a point of the line: go on from here, by twice the part where
+                 * convergence was quick */
                 const ren2008_true_real part = aim - done;
                 done = aim;
                 aim += (quick ? (part + part) : part);
@@ -883,9 +914,10 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     ren2008_true_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
-static REN2008_TRUE_COLD void ren2008_true_write_no_step(ren2008_true_info *info, const ren2008_true_real joints[6])
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
+static REN2008_TRUE_COLD void ren2008_true_write_no_step(ren2008_true_info *info,
+    const ren2008_true_real joints[6])
 {
     ren2008_true_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (info != NULL) {
@@ -893,8 +925,10 @@ static REN2008_TRUE_COLD void ren2008_true_write_no_step(ren2008_true_info *info
     }
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_read_guess(ren2008_true_direct_work *w, const ren2008_true_real joints[6], const ren2008_true_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and
+ * within bounds. */
+static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_read_guess(ren2008_true_direct_work *w,
+    const ren2008_true_real joints[6], const ren2008_true_pose *guess)
 {
     const ren2008_true_status limits = ren2008_true_check_limits(joints);
     ren2008_true_status status;
@@ -905,7 +939,8 @@ static REN2008_TRUE_SHARED ren2008_true_status ren2008_true_read_guess(ren2008_t
 }
 
 /* Writes the pose of the state. */
-static REN2008_TRUE_SHARED void ren2008_true_write_pose(const ren2008_true_direct_work *w, ren2008_true_pose *pose)
+static REN2008_TRUE_SHARED void ren2008_true_write_pose(const ren2008_true_direct_work *w,
+    ren2008_true_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -916,9 +951,12 @@ static REN2008_TRUE_SHARED void ren2008_true_write_pose(const ren2008_true_direc
     pose->quaternion[3] = w->x[6];
 }
 
-ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_pose *pose, ren2008_true_info *info)
+ren2008_true_status ren2008_true_direct(const ren2008_true_config *config,
+    const ren2008_true_real joints[6], const ren2008_true_pose *guess, ren2008_true_pose *pose,
+    ren2008_true_info *info)
 {
-    static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS, REN2008_TRUE_MAX_STEP };
+    static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS,
+        REN2008_TRUE_MAX_STEP };
     ren2008_true_direct_work w;
     ren2008_true_status status = ren2008_true_read_guess(&w, joints, guess);
     if (config != NULL) {
@@ -935,7 +973,8 @@ ren2008_true_status ren2008_true_direct(const ren2008_true_config *config, const
     return status;
 }
 
-ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren2008_true_pose *pose, ren2008_true_info *info)
+ren2008_true_status ren2008_true_track(const ren2008_true_real joints[6], ren2008_true_pose *pose,
+    ren2008_true_info *info)
 {
     ren2008_true_direct_work w;
     ren2008_true_status status = ren2008_true_read_guess(&w, joints, pose);
@@ -985,7 +1024,8 @@ ren2008_true_status ren2008_true_inverse(const ren2008_true_pose *pose, ren2008_
 }
 
 /* Rows (u_i, (R a_i) x u_i), u_i the unit vector along rod i: its rate by the platform's twist. */
-ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008_true_real jacobian[36])
+ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose,
+    ren2008_true_real jacobian[36])
 {
     ren2008_true_real x[7];
     ren2008_true_status status = ren2008_true_normalise_pose(pose, x);
@@ -1055,7 +1095,7 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
         const ren2008_true_real t62 = 1.0f - t61;
         const ren2008_true_real t63 = 0.002f * t62;
         const ren2008_true_real t64 = t60 + t63;
-        const ren2008_true_real t65 = t64 - (-0.005f);
+        const ren2008_true_real t65 = t64 + 0.005f;
         const ren2008_true_real t66 = t65 * t65;
         const ren2008_true_real t67 = t55 + t66;
         const ren2008_true_real t68 = 0.4436f * t10;
@@ -1090,7 +1130,7 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
         const ren2008_true_real t97 = t95 + t96;
         const ren2008_true_real t98 = 0.003f * t36;
         const ren2008_true_real t99 = t97 - t98;
-        const ren2008_true_real t100 = t99 - (-0.4068f);
+        const ren2008_true_real t100 = t99 + 0.4068f;
         const ren2008_true_real t101 = t100 * t100;
         const ren2008_true_real t102 = 0.3233f * t18;
         const ren2008_true_real t103 = x[1] + t102;
@@ -1114,7 +1154,7 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
         const ren2008_true_real t121 = x[0] - t120;
         const ren2008_true_real t122 = 0.0964f * t33;
         const ren2008_true_real t123 = t121 + t122;
-        const ren2008_true_real t124 = t123 - (-0.4761f);
+        const ren2008_true_real t124 = t123 + 0.4761f;
         const ren2008_true_real t125 = t124 * t124;
         const ren2008_true_real t126 = 0.0587f * t18;
         const ren2008_true_real t127 = x[1] - t126;
@@ -1298,8 +1338,10 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose, ren2008
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static ren2008_true_status ren2008_true_check_speeds(const ren2008_true_real speeds[], int count, ren2008_true_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static ren2008_true_status ren2008_true_check_speeds(const ren2008_true_real speeds[], int count,
+    ren2008_true_status status)
 {
     ren2008_true_status found = ren2008_true_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1311,10 +1353,12 @@ static ren2008_true_status ren2008_true_check_speeds(const ren2008_true_real spe
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
-ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose, const ren2008_true_real twist[6], ren2008_true_real rates[6])
+ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose,
+    const ren2008_true_real twist[6], ren2008_true_real rates[6])
 {
     ren2008_true_real jacobian[6 * 6];
-    const ren2008_true_status status = ren2008_true_check_speeds(twist, 6, ren2008_true_jacobian(pose, jacobian));
+    const ren2008_true_status status = ren2008_true_check_speeds(twist, 6,
+        ren2008_true_jacobian(pose, jacobian));
     if (status == REN2008_TRUE_OK) {
         for (int i = 0; i < 6; ++i) {
             ren2008_true_real sum = 0.0f;
@@ -1328,10 +1372,13 @@ ren2008_true_status ren2008_true_rates(const ren2008_true_pose *pose, const ren2
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose, const ren2008_true_real twist[6], const ren2008_true_real rate_limits[6], ren2008_true_real *feed)
+ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose,
+    const ren2008_true_real twist[6], const ren2008_true_real rate_limits[6],
+    ren2008_true_real *feed)
 {
     ren2008_true_real rates[6];
-    ren2008_true_status status = ren2008_true_check_finite(rate_limits, 6, ren2008_true_rates(pose, twist, rates));
+    ren2008_true_status status = ren2008_true_check_finite(rate_limits, 6, ren2008_true_rates(pose,
+        twist, rates));
     ren2008_true_real most = 1.0f;
     for (int i = 0; (i < 6) && (status == REN2008_TRUE_OK); ++i) {
         const ren2008_true_real rate = fabsf(rates[i]);
@@ -1349,15 +1396,19 @@ ren2008_true_status ren2008_true_feed(const ren2008_true_pose *pose, const ren20
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-ren2008_true_status ren2008_true_twist(const ren2008_true_pose *pose, const ren2008_true_real rates[6], ren2008_true_real twist[6])
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
+ren2008_true_status ren2008_true_twist(const ren2008_true_pose *pose,
+    const ren2008_true_real rates[6], ren2008_true_real twist[6])
 {
     static const ren2008_true_real row_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
-    static const ren2008_true_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.58960867f, 0.58960867f, 0.58960867f };
+    static const ren2008_true_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.58960867f, 0.58960867f,
+        0.58960867f };
     static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
     ren2008_true_real jacobian[6 * 6];
     ren2008_true_real a[6][6 + 1];
-    ren2008_true_status status = ren2008_true_check_speeds(rates, 6, ren2008_true_jacobian(pose, jacobian));
+    ren2008_true_status status = ren2008_true_check_speeds(rates, 6, ren2008_true_jacobian(pose,
+        jacobian));
     if (status == REN2008_TRUE_OK) {
         for (int i = 0; i < 6; ++i) {
             for (int j = 0; j < 6; ++j) {

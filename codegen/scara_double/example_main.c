@@ -1,35 +1,76 @@
-/* How a control loop uses scara: from joint values to a pose and back from a guess.
+/* A control loop with scara: joint values of poses, cycle after cycle, and what to do when there
+ * are none.
  * SPDX-License-Identifier: MIT */
 #include "scara.h"
 #include "scara_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, scara_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    scara_real joints[SCARA_JOINTS]; /* the last ones that were answered */
+    int moved; /* cycles with an answer */
+    int held; /* cycles without one: the arm must not move */
+} loop_state;
+
+/* One cycle: the joint values of the pose that is wanted, from the last ones. */
+static void cycle(loop_state *state, const scara_pose *pose)
 {
-    static const char *const names[] = {
-        "SCARA_OK", "SCARA_MAX_ITERATIONS", "SCARA_SINGULAR", "SCARA_NONFINITE", "SCARA_OUT_OF_RANGE", "SCARA_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    scara_info info;
+    if (scara_inverse(NULL, pose, state->joints, state->joints, &info) == SCARA_OK) {
+        ++state->moved;
+    } else {
+        /* joint info.joint is to blame, if it is below SCARA_JOINTS; the joint values stay the last
+         * good ones */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
-    scara_pose pose;
-    scara_real joints[SCARA_JOINTS];
-    scara_info info;
-    scara_status status;
-    status = scara_direct(scara_vector_joints[0], &pose);
-    if (status != SCARA_OK) {
-        return stopped("scara_direct", status);
+    loop_state state = { { 0.0 }, 0, 0 };
+    scara_pose from;
+    scara_pose to;
+    for (int i = 0; i < SCARA_JOINTS; ++i) {
+        state.joints[i] = scara_vector_guesses[0][i];
     }
-    /* Anything but OK: joints are untouched, do not move. */
-    status = scara_inverse(NULL, &pose, scara_vector_guesses[0], joints, &info);
-    if (status != SCARA_OK) {
-        return stopped("scara_inverse", status);
+    if ((scara_direct(state.joints, &from) != SCARA_OK)
+        || (scara_direct(scara_vector_joints[0], &to) != SCARA_OK)) {
+        (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
+        return 1;
     }
-    (void)printf("first joint %.6f after %d steps\n", (double)joints[0], (int)info.iterations);
+    /* the tool moves in a straight line; in cycle 80 the pose that is wanted is not a number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const double part = (double)k / CYCLES;
+        double cosine = 0.0;
+        double squared = 0.0;
+        scara_pose pose;
+        for (int i = 0; i < 4; ++i) {
+            cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            const double other = (cosine < 0.0) ? -(double)to.quaternion[i]
+                : (double)to.quaternion[i];
+            const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
+            pose.quaternion[i] = (scara_real)q;
+            squared += q * q;
+        }
+        for (int i = 0; i < 4; ++i) {
+            pose.quaternion[i] = (scara_real)((double)pose.quaternion[i] / sqrt(squared));
+        }
+        for (int i = 0; i < 3; ++i) {
+            pose.position[i] = (scara_real)((1.0 - part) * (double)from.position[i]
+                + part * (double)to.position[i]);
+        }
+        if (k == 80) {
+            pose.position[0] = (scara_real)NAN;
+        }
+        cycle(&state, &pose);
+    }
+    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved,
+        state.held);
     return 0;
 }

@@ -15,8 +15,10 @@
 #define SCARA_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int count, scara_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int count,
+    scara_status otherwise)
 {
     scara_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,14 +30,17 @@ static SCARA_COLD scara_status scara_check_finite(const scara_real values[], int
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static scara_status scara_normalise_pose(const scara_pose *pose, scara_real x[7])
 {
     const scara_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 400000.0) && (fabs(pose->position[1]) <= 400000.0) && (fabs(pose->position[2]) <= 400000.0);
-    const scara_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 400000.0) && (fabs(pose->position[1]) <= 400000.0)
+            && (fabs(pose->position[2]) <= 400000.0);
+    const scara_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     scara_status status = SCARA_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -54,9 +59,10 @@ static scara_status scara_normalise_pose(const scara_pose *pose, scara_real x[7]
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static SCARA_COLD void scara_write_info(scara_info *info, unsigned int count, scara_real residual, scara_real size, scara_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static SCARA_COLD void scara_write_info(scara_info *info, unsigned int count, scara_real residual,
+    scara_real size, scara_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -73,19 +79,24 @@ static SCARA_COLD scara_status scara_check_config(const scara_config *config, sc
     const scara_real tolerance = config->tolerance;
     const scara_real longest = config->max_step;
     scara_status status = before;
-    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 400000.0 - longest)) && (before != SCARA_NONFINITE)) {
-        const scara_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 400000.0 - longest))
+        && (before != SCARA_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const scara_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0) ? SCARA_OUT_OF_RANGE : SCARA_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static SCARA_SHARED uint8_t scara_first_beyond(const scara_real joints[4])
 {
-    static const scara_real low[4] = { -2.303834613632515, -2.460914246312005, -1000.000000001, -150.0000004 };
-    static const scara_real high[4] = { 2.303834613632515, 2.460914246312005, 1000.000000001, 4.0000000000000003e-07 };
+    static const scara_real low[4] = { -2.303834613632515, -2.460914246312005, -1000.000000001,
+        -150.0000004 };
+    static const scara_real high[4] = { 2.303834613632515, 2.460914246312005, 1000.000000001,
+        4.0000000000000003e-07 };
     uint8_t joint = 0U;
     while ((joint < 4U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
         ++joint;
@@ -106,13 +117,14 @@ static SCARA_SHARED scara_status scara_check_limits(const scara_real joints[4])
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and
+ * slides. */
 static void scara_forward(const scara_real q[4], scara_real x[7])
 {
     const scara_real t0 = cos(q[0]);
     const scara_real t1 = cos(q[1]);
     const scara_real t2 = 175.0 * t1;
-    const scara_real t3 = 225.0 + t2;
+    const scara_real t3 = t2 + 225.0;
     const scara_real t4 = t0 * t3;
     const scara_real t5 = sin(q[0]);
     const scara_real t6 = sin(q[1]);
@@ -165,13 +177,15 @@ static void scara_forward(const scara_real q[4], scara_real x[7])
     x[6] = t46;
 }
 
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
 static scara_real scara_sine(scara_real angle)
 {
     const scara_real number = angle * 0.15915494309189535;
     scara_real sine = 0.0;
     if (fabs(number) < 10000.0) {
-        scara_real x = angle - 6.283185307179586 * (scara_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        scara_real x = angle - 6.283185307179586 * (scara_real)(int)(number + ((number < 0.0)
+            ? -0.5 : 0.5));
         if (x > 1.5707963267948966) {
             x = 3.141592653589793 - x;
         } else if (x < -1.5707963267948966) {
@@ -180,23 +194,27 @@ static scara_real scara_sine(scara_real angle)
             /* within a quarter turn */
         }
         const scara_real square = x * x;
-        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243
+            + square * (0.008306323850167805 + square * -0.00018363616794956467)));
     }
     return sine;
 }
 
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
- * meet. */
-static int scara_branches(const scara_real x[7], const scara_real near[2], unsigned int wanted, scara_real found[][4], bool *undecided,
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int scara_branches(const scara_real x[7], const scara_real near[2], unsigned int wanted,
+    scara_real found[][4], bool *undecided,
     scara_real margin[3])
 {
     int count = 0;
     (void)margin;
     (void)near;
     (void)wanted;
-    /* shoulder, elbow, turn have parallel axes: a level along them, which they do not change, tells slide */
+    /* shoulder, elbow, turn have parallel axes: a level along them, which they do not change, tells
+     * slide */
     const scara_real t0 = x[4] * x[6];
     const scara_real t1 = x[3] * x[5];
     const scara_real t2 = t0 - t1;
@@ -225,127 +243,126 @@ static int scara_branches(const scara_real x[7], const scara_real near[2], unsig
     const scara_real t24 = x[2] - t23;
     const scara_real t25 = t24 * t24;
     const scara_real t26 = t17 + t25;
-    const scara_real t27 = t26 - 50625.0;
-    const scara_real t28 = t27 - 30625.0;
-    const scara_real t29 = 0.5 * t28;
-    const scara_real t30 = t29 * t29;
-    const scara_real t31 = 1550390625.0 - t30;
-    const scara_real t32 = t31 * 3.90625e-11;
-    if (t32 > 2.842170943040401e-14) {
-        margin[0] = t32;
-        const scara_real t35 = 39375.0 * near[1];
+    const scara_real t27 = t26 - 81250.0;
+    const scara_real t28 = 0.5 * t27;
+    const scara_real t29 = t28 * t28;
+    const scara_real t30 = 1550390625.0 - t29;
+    const scara_real t31 = t30 * 3.90625e-11;
+    if (t31 > 2.842170943040401e-14) {
+        margin[0] = t31;
+        const scara_real t34 = 39375.0 * near[1];
         const unsigned int bits0 = (wanted >> 0U) & 3U;
-        const unsigned int side0 = (t35 < 0.0) ? 2U : 1U;
+        const unsigned int side0 = (t34 < 0.0) ? 2U : 1U;
         for (unsigned int k0 = 1U; k0 <= 2U; ++k0) {
             if ((((bits0 != 0U) ? bits0 : side0) & k0) != 0U) {
                 const scara_real sign0 = (k0 == 1U) ? 1.0 : -1.0;
-                const scara_real t41 = fabs(t31);
-                const scara_real t42 = t31 + t41;
-                const scara_real t43 = 0.5 * t42;
-                const scara_real t44 = sqrt(t43);
-                const scara_real t45 = sign0 * t44;
-                const scara_real t46 = 1.2698412698412699e-05 * t28;
-                const scara_real t47 = 2.5396825396825397e-05 * t45;
-                const scara_real t48 = atan2(t47, t46);
+                const scara_real t40 = fabs(t30);
+                const scara_real t41 = t30 + t40;
+                const scara_real t42 = 0.5 * t41;
+                const scara_real t43 = sqrt(t42);
+                const scara_real t44 = sign0 * t43;
+                const scara_real t45 = 1.2698412698412699e-05 * t27;
+                const scara_real t46 = 2.5396825396825397e-05 * t44;
+                const scara_real t47 = atan2(t46, t45);
                 /* shoulder turns a point of the axis of turn to where it must be */
-                const scara_real t49 = 0.0022222222222222222 * t28;
-                const scara_real t50 = 225.0 + t49;
-                const scara_real t51 = t50 * t8;
-                const scara_real t52 = 0.0044444444444444444 * t45;
-                const scara_real t53 = t52 * t15;
-                const scara_real t54 = t51 + t53;
-                const scara_real t55 = t54 * t54;
-                const scara_real t56 = t50 * t15;
-                const scara_real t57 = t52 * t8;
-                const scara_real t58 = t56 - t57;
-                const scara_real t59 = t58 * t58;
-                const scara_real t60 = t55 + t59;
-                const scara_real t61 = sqrt(t60);
-                const scara_real t62 = t61 * 6.25e-06;
-                if (t62 > 2.842170943040401e-14) {
-                    margin[1] = t62;
-                    const scara_real t65 = atan2(t58, t54);
+                const scara_real t48 = 0.0022222222222222222 * t27;
+                const scara_real t49 = t48 + 225.0;
+                const scara_real t50 = t49 * t8;
+                const scara_real t51 = 0.0044444444444444444 * t44;
+                const scara_real t52 = t51 * t15;
+                const scara_real t53 = t50 + t52;
+                const scara_real t54 = t53 * t53;
+                const scara_real t55 = t49 * t15;
+                const scara_real t56 = t51 * t8;
+                const scara_real t57 = t55 - t56;
+                const scara_real t58 = t57 * t57;
+                const scara_real t59 = t54 + t58;
+                const scara_real t60 = sqrt(t59);
+                const scara_real t61 = t60 * 6.25e-06;
+                if (t61 > 2.842170943040401e-14) {
+                    margin[1] = t61;
+                    const scara_real t64 = atan2(t57, t53);
                     /* turn turns a direction of the tool to where it must be */
-                    const scara_real t66 = 1.0 / t61;
-                    const scara_real t67 = t54 * t66;
-                    const scara_real t68 = x[6] * x[6];
-                    const scara_real t69 = t19 + t68;
-                    const scara_real t70 = t69 + t69;
-                    const scara_real t71 = 1.0 - t70;
-                    const scara_real t72 = t67 * t71;
-                    const scara_real t73 = t58 * t66;
-                    const scara_real t74 = x[4] * x[5];
-                    const scara_real t75 = x[3] * x[6];
-                    const scara_real t76 = t74 + t75;
-                    const scara_real t77 = t76 + t76;
-                    const scara_real t78 = t73 * t77;
-                    const scara_real t79 = t72 + t78;
-                    const scara_real t80 = t46 * t79;
-                    const scara_real t81 = t67 * t77;
-                    const scara_real t82 = t73 * t71;
-                    const scara_real t83 = t81 - t82;
-                    const scara_real t84 = t47 * t83;
-                    const scara_real t85 = t80 + t84;
-                    const scara_real t86 = t85 * t85;
-                    const scara_real t87 = t46 * t83;
-                    const scara_real t88 = t47 * t79;
-                    const scara_real t89 = t87 - t88;
-                    const scara_real t90 = t89 * t89;
-                    const scara_real t91 = t86 + t90;
-                    const scara_real t92 = sqrt(t91);
-                    if (t92 > 2.842170943040401e-14) {
-                        margin[2] = t92;
-                        const scara_real t95 = atan2(t89, t85);
-                        const scara_real t96 = t67 * t50;
-                        const scara_real t97 = t73 * t52;
-                        const scara_real t98 = t96 - t97;
-                        const scara_real t99 = t98 - x[0];
-                        const scara_real t100 = t99 * t99;
-                        const scara_real t101 = t67 * t52;
-                        const scara_real t102 = t73 * t50;
-                        const scara_real t103 = t101 + t102;
-                        const scara_real t104 = t103 - x[1];
-                        const scara_real t105 = t104 * t104;
-                        const scara_real t106 = t100 + t105;
-                        const scara_real t107 = t3 * t3;
-                        const scara_real t108 = t106 + t107;
-                        const scara_real t109 = t6 * t6;
-                        const scara_real t110 = t13 * t13;
-                        const scara_real t111 = t109 + t110;
-                        const scara_real t112 = 1.0 - t22;
-                        const scara_real t113 = t112 * t112;
-                        const scara_real t114 = t111 + t113;
-                        const scara_real t115 = 160000.0 * t114;
-                        const scara_real t116 = t108 + t115;
-                        const scara_real t117 = 1.0 / t92;
-                        const scara_real t118 = t85 * t117;
-                        const scara_real t119 = t46 * t118;
-                        const scara_real t120 = t89 * t117;
-                        const scara_real t121 = t47 * t120;
-                        const scara_real t122 = t119 - t121;
-                        const scara_real t123 = t67 * t122;
-                        const scara_real t124 = t46 * t120;
-                        const scara_real t125 = t47 * t118;
-                        const scara_real t126 = t124 + t125;
-                        const scara_real t127 = t73 * t126;
-                        const scara_real t128 = t123 - t127;
-                        const scara_real t129 = t128 - t71;
-                        const scara_real t130 = t129 * t129;
-                        const scara_real t131 = t67 * t126;
-                        const scara_real t132 = t73 * t122;
-                        const scara_real t133 = t131 + t132;
-                        const scara_real t134 = t133 - t77;
-                        const scara_real t135 = t134 * t134;
-                        const scara_real t136 = t130 + t135;
-                        const scara_real t137 = t2 + t2;
-                        const scara_real t138 = t137 * t137;
-                        const scara_real t139 = t136 + t138;
-                        const scara_real t140 = 160000.0 * t139;
-                        const scara_real t141 = t116 + t140;
-                        if (t141 < 3.1655491184065456e-18) {
-                            found[count][0] = t65;
-                            found[count][1] = t48;
-                            found[count][2] = t95;
+                    const scara_real t65 = 1.0 / t60;
+                    const scara_real t66 = t53 * t65;
+                    const scara_real t67 = x[6] * x[6];
+                    const scara_real t68 = t19 + t67;
+                    const scara_real t69 = t68 + t68;
+                    const scara_real t70 = 1.0 - t69;
+                    const scara_real t71 = t66 * t70;
+                    const scara_real t72 = t57 * t65;
+                    const scara_real t73 = x[4] * x[5];
+                    const scara_real t74 = x[3] * x[6];
+                    const scara_real t75 = t73 + t74;
+                    const scara_real t76 = t75 + t75;
+                    const scara_real t77 = t72 * t76;
+                    const scara_real t78 = t71 + t77;
+                    const scara_real t79 = t45 * t78;
+                    const scara_real t80 = t66 * t76;
+                    const scara_real t81 = t72 * t70;
+                    const scara_real t82 = t80 - t81;
+                    const scara_real t83 = t46 * t82;
+                    const scara_real t84 = t79 + t83;
+                    const scara_real t85 = t84 * t84;
+                    const scara_real t86 = t45 * t82;
+                    const scara_real t87 = t46 * t78;
+                    const scara_real t88 = t86 - t87;
+                    const scara_real t89 = t88 * t88;
+                    const scara_real t90 = t85 + t89;
+                    const scara_real t91 = sqrt(t90);
+                    if (t91 > 2.842170943040401e-14) {
+                        margin[2] = t91;
+                        const scara_real t94 = atan2(t88, t84);
+                        const scara_real t95 = t66 * t49;
+                        const scara_real t96 = t72 * t51;
+                        const scara_real t97 = t95 - t96;
+                        const scara_real t98 = t97 - x[0];
+                        const scara_real t99 = t98 * t98;
+                        const scara_real t100 = t66 * t51;
+                        const scara_real t101 = t72 * t49;
+                        const scara_real t102 = t100 + t101;
+                        const scara_real t103 = t102 - x[1];
+                        const scara_real t104 = t103 * t103;
+                        const scara_real t105 = t99 + t104;
+                        const scara_real t106 = t3 * t3;
+                        const scara_real t107 = t105 + t106;
+                        const scara_real t108 = t6 * t6;
+                        const scara_real t109 = t13 * t13;
+                        const scara_real t110 = t108 + t109;
+                        const scara_real t111 = 1.0 - t22;
+                        const scara_real t112 = t111 * t111;
+                        const scara_real t113 = t110 + t112;
+                        const scara_real t114 = 160000.0 * t113;
+                        const scara_real t115 = t107 + t114;
+                        const scara_real t116 = 1.0 / t91;
+                        const scara_real t117 = t84 * t116;
+                        const scara_real t118 = t45 * t117;
+                        const scara_real t119 = t88 * t116;
+                        const scara_real t120 = t46 * t119;
+                        const scara_real t121 = t118 - t120;
+                        const scara_real t122 = t66 * t121;
+                        const scara_real t123 = t45 * t119;
+                        const scara_real t124 = t46 * t117;
+                        const scara_real t125 = t123 + t124;
+                        const scara_real t126 = t72 * t125;
+                        const scara_real t127 = t122 - t126;
+                        const scara_real t128 = t127 - t70;
+                        const scara_real t129 = t128 * t128;
+                        const scara_real t130 = t66 * t125;
+                        const scara_real t131 = t72 * t121;
+                        const scara_real t132 = t130 + t131;
+                        const scara_real t133 = t132 - t76;
+                        const scara_real t134 = t133 * t133;
+                        const scara_real t135 = t129 + t134;
+                        const scara_real t136 = t2 + t2;
+                        const scara_real t137 = t136 * t136;
+                        const scara_real t138 = t135 + t137;
+                        const scara_real t139 = 160000.0 * t138;
+                        const scara_real t140 = t115 + t139;
+                        if (t140 < 3.1655491184065456e-18) {
+                            found[count][0] = t64;
+                            found[count][1] = t47;
+                            found[count][2] = t94;
                             found[count][3] = t4;
                             ++count;
                         }
@@ -357,7 +374,7 @@ static int scara_branches(const scara_real x[7], const scara_real near[2], unsig
                 }
             }
         }
-    } else if (t32 > -2.842170943040401e-14) {
+    } else if (t31 > -2.842170943040401e-14) {
         *undecided = true;
     } else {
         /* out of reach */
@@ -365,7 +382,8 @@ static int scara_branches(const scara_real x[7], const scara_real near[2], unsig
     return count;
 }
 
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
 static scara_status scara_turn_near(const scara_real about[4], scara_real joints[4])
 {
     static const bool angular[4] = { true, true, true, false };
@@ -386,7 +404,8 @@ static scara_status scara_turn_near(const scara_real about[4], scara_real joints
 }
 
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static scara_status scara_one_branch(const scara_pose *pose, const scara_real near[2], unsigned int wanted, const scara_real about[4], scara_real joints[4])
+static scara_status scara_one_branch(const scara_pose *pose, const scara_real near[2],
+    unsigned int wanted, const scara_real about[4], scara_real joints[4])
 {
     scara_real x[7];
     scara_real found[1][4];
@@ -447,7 +466,8 @@ scara_status scara_inverse_branch(const scara_pose *pose, unsigned int branch, s
 }
 
 /* The branch nearest to the guess, choice by choice. */
-scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[4], scara_real joints[4])
+scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[4],
+    scara_real joints[4])
 {
     scara_status status = scara_check_finite(guess, 4, SCARA_OK);
     if (status == SCARA_OK) {
@@ -458,9 +478,10 @@ scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real gues
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
- * bits of the branch on which they lie. */
-static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7], scara_real margin[3])
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
+static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7],
+    scara_real margin[3])
 {
     scara_real u[8];
     unsigned int wanted = 0U;
@@ -473,71 +494,70 @@ static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7
     u[6] = joints[3];
     u[7] = 0.0;
     /* the tool's pose */
-    const scara_real t0 = u[0] * u[0];
-    const scara_real t1 = u[1] * u[1];
-    const scara_real t2 = t0 - t1;
-    const scara_real t3 = u[2] * u[2];
-    const scara_real t4 = u[3] * u[3];
-    const scara_real t5 = t3 - t4;
-    const scara_real t6 = 175.0 * t5;
-    const scara_real t7 = 225.0 + t6;
-    const scara_real t8 = t2 * t7;
-    const scara_real t9 = u[0] + u[0];
-    const scara_real t10 = t9 * u[1];
-    const scara_real t11 = u[2] + u[2];
-    const scara_real t12 = t11 * u[3];
-    const scara_real t13 = 175.0 * t12;
-    const scara_real t14 = t10 * t13;
-    const scara_real t15 = t8 - t14;
-    x[0] = t15;
-    const scara_real t17 = t2 * t13;
-    const scara_real t18 = t10 * t7;
-    const scara_real t19 = t17 + t18;
-    x[1] = t19;
+    const scara_real t0 = u[0] + u[0];
+    const scara_real t1 = u[0] * t0;
+    const scara_real t2 = t1 - 1.0;
+    const scara_real t3 = 350.0 * u[2];
+    const scara_real t4 = u[2] * t3;
+    const scara_real t5 = t4 + 50.0;
+    const scara_real t6 = t2 * t5;
+    const scara_real t7 = u[1] + u[1];
+    const scara_real t8 = u[0] * t7;
+    const scara_real t9 = 350.0 * u[3];
+    const scara_real t10 = u[2] * t9;
+    const scara_real t11 = t8 * t10;
+    const scara_real t12 = t6 - t11;
+    x[0] = t12;
+    const scara_real t14 = t2 * t10;
+    const scara_real t15 = t8 * t5;
+    const scara_real t16 = t14 + t15;
+    x[1] = t16;
     x[2] = u[6];
-    const scara_real t22 = u[2] * u[4];
-    const scara_real t23 = u[3] * u[5];
-    const scara_real t24 = t22 - t23;
-    const scara_real t25 = u[0] * t24;
-    const scara_real t26 = u[2] * u[5];
-    const scara_real t27 = u[3] * u[4];
-    const scara_real t28 = t26 + t27;
-    const scara_real t29 = u[1] * t28;
-    const scara_real t30 = t25 - t29;
-    x[3] = t30;
+    const scara_real t19 = u[2] * u[4];
+    const scara_real t20 = u[3] * u[5];
+    const scara_real t21 = t19 - t20;
+    const scara_real t22 = u[0] * t21;
+    const scara_real t23 = u[3] * u[4];
+    const scara_real t24 = u[2] * u[5];
+    const scara_real t25 = t23 + t24;
+    const scara_real t26 = u[1] * t25;
+    const scara_real t27 = t22 - t26;
+    x[3] = t27;
     x[4] = 0.0;
     x[5] = 0.0;
-    const scara_real t34 = u[0] * t28;
-    const scara_real t35 = u[1] * t24;
-    const scara_real t36 = t34 + t35;
-    x[6] = t36;
+    const scara_real t31 = u[0] * t25;
+    const scara_real t32 = u[1] * t21;
+    const scara_real t33 = t31 + t32;
+    x[6] = t33;
     /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
-    const scara_real t38 = 39375.0 * t12;
-    const scara_real t39 = t38 * 6.25e-06;
-    margin[0] = t39 * t39;
-    wanted |= (t39 < 0.0) ? 2U : 1U;
+    const scara_real t35 = 0.4921875 * u[3];
+    const scara_real t36 = u[2] * t35;
+    margin[0] = t36 * t36;
+    wanted |= (t36 < 0.0) ? 2U : 1U;
     /* shoulder turns a point of the axis of turn to where it must be */
-    const scara_real t42 = t7 * t15;
-    const scara_real t43 = t13 * t19;
-    const scara_real t44 = t42 + t43;
-    const scara_real t45 = t44 * t44;
-    const scara_real t46 = t7 * t19;
-    const scara_real t47 = t13 * t15;
-    const scara_real t48 = t46 - t47;
-    const scara_real t49 = t48 * t48;
-    const scara_real t50 = t45 + t49;
-    const scara_real t51 = sqrt(t50);
-    const scara_real t52 = t51 * 6.25e-06;
-    margin[1] = t52;
+    const scara_real t39 = t5 * t12;
+    const scara_real t40 = t10 * t16;
+    const scara_real t41 = t39 + t40;
+    const scara_real t42 = t41 * t41;
+    const scara_real t43 = t5 * t16;
+    const scara_real t44 = t10 * t12;
+    const scara_real t45 = t43 - t44;
+    const scara_real t46 = t45 * t45;
+    const scara_real t47 = t42 + t46;
+    const scara_real t48 = sqrt(t47);
+    const scara_real t49 = 6.25e-06 * t48;
+    margin[1] = t49;
     /* turn turns a direction of the tool to where it must be */
     margin[2] = 1.0;
     return wanted;
 }
 
-/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
- * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
- * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
-static scara_real scara_line_share(const scara_real a[3], const scara_real b[3], scara_real place, scara_real turn, const scara_real moved[4])
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static scara_real scara_line_share(const scara_real a[3], const scara_real b[3], scara_real place,
+    scara_real turn, const scara_real moved[4])
 {
     scara_real largest = 0.0;
     (void)a;
@@ -563,9 +583,11 @@ static scara_real scara_line_share(const scara_real a[3], const scara_real b[3],
     return largest;
 }
 
-/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
- * halved where they are not. Angles go on from part to part, whole turns included. */
-static scara_status scara_inverse_along(const scara_real to[7], const scara_config *config, scara_real joints[4], scara_info *info)
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static scara_status scara_inverse_along(const scara_real to[7], const scara_config *config,
+    scara_real joints[4], scara_info *info)
 {
     static const scara_real per_length[4] = { 1.0, 1.0, 1.0, 0.0025 };
     static const bool angular[4] = { true, true, true, false };
@@ -606,27 +628,31 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
         }
         if (end < 1.0) {
-            const scara_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+            const scara_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
         }
         if (scara_branches(x, near, wanted, found, &undecided, margin) != 1) {
             /* the guess's branch does not reach this point of the line */
-            status = undecided ? SCARA_SINGULAR : ((end < 1.0) ? SCARA_WRONG_BRANCH : SCARA_OUT_OF_RANGE);
+            status = undecided ? SCARA_SINGULAR : ((end < 1.0)
+                ? SCARA_WRONG_BRANCH : SCARA_OUT_OF_RANGE);
         } else {
             way2 = 0.0;
             for (int i = 0; i < 4; ++i) {
                 scara_real way = found[0][i] - joints[i];
                 const scara_real number = way * 0.15915494309189535;
                 if (angular[i] && (fabs(number) > 0.5)) {
-                    way -= 6.283185307179586 * (scara_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                    way -= 6.283185307179586 * (scara_real)(int)(number + ((number < 0.0)
+                        ? -0.5 : 0.5));
                 }
                 found[0][i] = joints[i] + way;
                 moved[i] = (way * per_length[i]) * (way * per_length[i]);
                 way2 += moved[i];
             }
-            const scara_real share = scara_line_share(left, margin, part * part * place2, part * part * turn2, moved);
+            const scara_real share = scara_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
             if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
                 for (int i = 0; i < 4; ++i) {
                     joints[i] = found[0][i];
@@ -650,7 +676,8 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     for (int k = 0; k < 3; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    scara_write_info(info, count, (status == SCARA_OK) ? 1.7791990103432909e-09 : HUGE_VAL, way2 * 160000.0, (least > 0.0) ? (1.0 / least) : 0.0);
+    scara_write_info(info, count, (status == SCARA_OK) ? 1.7791990103432909e-09 : HUGE_VAL,
+        way2 * 160000.0, (least > 0.0) ? (1.0 / least) : 0.0);
     return status;
 }
 
@@ -662,7 +689,8 @@ scara_status scara_direct(const scara_real joints[4], scara_pose *pose)
         scara_real x[7];
         scara_forward(joints, x);
         const scara_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
-        const scara_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        const scara_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+            + x[6] * x[6]);
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -675,14 +703,15 @@ scara_status scara_direct(const scara_real joints[4], scara_pose *pose)
 }
 
 /* The joints by the closed form along the line of tool poses from the guess's to the given one. */
-scara_status scara_inverse(const scara_config *config, const scara_pose *pose, const scara_real guess[4], scara_real joints[4], scara_info *info)
+scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
+    const scara_real guess[4], scara_real joints[4], scara_info *info)
 {
     static const scara_config usual = { SCARA_TOLERANCE, SCARA_MAX_STEPS, SCARA_MAX_STEP };
     scara_real at[4];
     scara_real to[7];
     scara_status status = scara_check_finite(guess, 4, scara_normalise_pose(pose, to));
     scara_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    for (int i = 4 - 1; i >= 0; --i) {
+    for (int i = 3; i >= 0; --i) {
         if (!(fabs(guess[i]) <= 400000.0)) {
             status = (status == SCARA_OK) ? SCARA_OUT_OF_RANGE : status;
             if (info != NULL) {
@@ -722,7 +751,7 @@ scara_status scara_jacobian(const scara_real joints[4], scara_real jacobian[24])
     if (status == SCARA_OK) {
         const scara_real t0 = cos(joints[1]);
         const scara_real t1 = 175.0 * t0;
-        const scara_real t2 = 225.0 + t1;
+        const scara_real t2 = t1 + 225.0;
         const scara_real t3 = sin(joints[0]);
         const scara_real t4 = t2 * t3;
         const scara_real t5 = sin(joints[1]);
@@ -843,7 +872,8 @@ scara_status scara_jacobian(const scara_real joints[4], scara_real jacobian[24])
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
 static scara_status scara_check_speeds(const scara_real speeds[], int count, scara_status status)
 {
     scara_status found = scara_check_finite(speeds, count, status);
@@ -855,10 +885,12 @@ static scara_status scara_check_speeds(const scara_real speeds[], int count, sca
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and lengths over the size. Solves the
- * 4 normal equations with exchanges on the diagonal; where their smallest pivot is below 0.0004 of the mean, the
- * diagonal is raised, the more the smaller it is. Returns that pivot over the mean. */
-static scara_real scara_damped(const scara_real jacobian[24], const scara_real e[6], scara_real y[4])
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 4 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static scara_real scara_damped(const scara_real jacobian[24], const scara_real e[6],
+    scara_real y[4])
 {
     static const scara_real row_scale[6] = { 0.0025, 0.0025, 0.0025, 1.0, 1.0, 1.0 };
     static const scara_real column_scale[4] = { 1.0, 1.0, 1.0, 400.0 };
@@ -974,7 +1006,8 @@ scara_status scara_twist(const scara_real joints[4], const scara_real rates[4], 
 }
 
 /* Joint rates next to a twist, damped near singularities. */
-scara_status scara_rates(const scara_real joints[4], const scara_real twist[6], scara_real rates[4], scara_info *info)
+scara_status scara_rates(const scara_real joints[4], const scara_real twist[6],
+    scara_real rates[4], scara_info *info)
 {
     scara_real jacobian[24];
     const scara_status status = scara_check_speeds(twist, 6, scara_jacobian(joints, jacobian));
@@ -1003,10 +1036,12 @@ scara_status scara_rates(const scara_real joints[4], const scara_real twist[6], 
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-scara_status scara_feed(const scara_real joints[4], const scara_real twist[6], const scara_real rate_limits[4], scara_real *feed)
+scara_status scara_feed(const scara_real joints[4], const scara_real twist[6],
+    const scara_real rate_limits[4], scara_real *feed)
 {
     scara_real rates[4];
-    scara_status status = scara_check_finite(rate_limits, 4, scara_rates(joints, twist, rates, NULL));
+    scara_status status = scara_check_finite(rate_limits, 4, scara_rates(joints, twist, rates,
+        NULL));
     scara_real most = 1.0;
     for (int i = 0; (i < 4) && (status == SCARA_OK); ++i) {
         const scara_real rate = fabs(rates[i]);
@@ -1024,8 +1059,8 @@ scara_status scara_feed(const scara_real joints[4], const scara_real twist[6], c
     return status;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
- * its length. */
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
 static scara_real scara_pose_error(const scara_real q[4], const scara_real to[7], scara_real e[6])
 {
     scara_real x[7];
@@ -1090,7 +1125,8 @@ scara_status scara_track(const scara_pose *pose, scara_real joints[4], scara_inf
             }
         }
         status = scara_check_limits(moved);
-        scara_write_info(info, 1U, after, part * part * size * SCARA_SIZE * SCARA_SIZE, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        scara_write_info(info, 1U, after, part * part * size * SCARA_SIZE * SCARA_SIZE,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
         if (status == SCARA_OK) {
             for (int i = 0; i < 4; ++i) {
                 joints[i] = moved[i];

@@ -8,11 +8,12 @@
  * joints[3] slide: mm, [-150, 0]
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * SCARA_OK only; `info` always. config and info may be NULL, guess and pose the same object.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with SCARA_OK only; `info` always. config and info may be NULL, guess and pose the same
+ * object.
  *
- * One step of Newton's method: 61 additions, 11 cos, 200 multiplications, 10 sin (rows, matrix, factors, step).
- * Predicted error of an answer: SCARA_TOLERANCE and the rounding of the type, about
+ * One step of Newton's method: 61 additions, 11 cos, 200 multiplications, 10 sin (rows, matrix,
+ * factors, step). Predicted error of an answer: SCARA_TOLERANCE and the rounding of the type, about
  * 3.55271e-13 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */
@@ -33,8 +34,10 @@ typedef enum {
     SCARA_MAX_ITERATIONS, /* not settled within the iterations allowed */
     SCARA_SINGULAR, /* the linear system lost rank on the way */
     SCARA_NONFINITE, /* NaN or infinity among the inputs */
-    SCARA_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    SCARA_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    SCARA_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    SCARA_WRONG_BRANCH
 } scara_status;
 
 /* Position in mm, unit quaternion (w, x, y, z), both of the tool frame in the base frame. */
@@ -43,10 +46,11 @@ typedef struct {
     scara_real quaternion[4];
 } scara_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 400000.0 (a thousand sizes), else the status is SCARA_OUT_OF_RANGE, of NaN and infinity SCARA_NONFINITE;
- * 0 iterations are SCARA_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 400000.0 (a thousand sizes), else the status is SCARA_OUT_OF_RANGE, of NaN and
+ * infinity SCARA_NONFINITE; 0 iterations are SCARA_MAX_ITERATIONS. NULL in place of a config means
+ * the values below. */
 typedef struct {
     scara_real tolerance;
     uint8_t max_iterations;
@@ -60,9 +64,10 @@ typedef struct {
 #define SCARA_JOINTS (4)
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, SCARA_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+ * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and
+ * columns scaled, 0 near a singularity; joint: the first joint, from 0, whose value is outside its
+ * range or not finite, SCARA_JOINTS where it is none of them. Written by every call, whatever its
+ * status. */
 typedef struct {
     uint8_t iterations;
     scara_real residual;
@@ -74,53 +79,67 @@ typedef struct {
 /* Tool pose of joint values; its quaternion has w >= 0. */
 scara_status scara_direct(const scara_real joints[SCARA_JOINTS], scara_pose *pose);
 
-/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
- * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, SCARA_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
- * as a guess: an error of them moves the beginning of the line by as much.
+/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to
+ * the given one, positions in a straight line and orientations along the shorter arc, without
+ * meeting a singularity; where that is not assured, SCARA_WRONG_BRANCH. Angles are near the
+ * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
+ * of the line by as much.
  */
-scara_status scara_inverse(const scara_config *config, const scara_pose *pose, const scara_real guess[SCARA_JOINTS],
+scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
+    const scara_real guess[SCARA_JOINTS],
     scara_real joints[SCARA_JOINTS], scara_info *info);
 
 
-/* The closed form: joint values by formulas (README.md derives them), without iteration and without a guess. Each choice has two
- * solutions; a branch is a sum of the names below, 0 for the first solution of each. scara_inverse_all lists them in this order. */
+/* The closed form: joint values by formulas (README.md derives them), without iteration and without
+ * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
+ * solution of each. scara_inverse_all lists them in this order. */
 #define SCARA_BRANCHES (2)
 #define SCARA_ELBOW (1U) /* the other solution of joint elbow */
 
-/* All joint values with the given tool pose that lie within their ranges, angles about the middle of these; returns how many: 0 for
- * a pose that the arm cannot take, that is singular, or that is not finite. */
+/* All joint values with the given tool pose that lie within their ranges, angles about the middle
+ * of these; returns how many: 0 for a pose that the arm cannot take, that is singular, or that is
+ * not finite. */
 int scara_inverse_all(const scara_pose *pose, scara_real joints[SCARA_BRANCHES][SCARA_JOINTS]);
 
-/* The joint values of one branch. SCARA_OUT_OF_RANGE where it has none, SCARA_SINGULAR where nothing decides a joint. */
-scara_status scara_inverse_branch(const scara_pose *pose, unsigned int branch, scara_real joints[SCARA_JOINTS]);
+/* The joint values of one branch. SCARA_OUT_OF_RANGE where it has none, SCARA_SINGULAR where
+ * nothing decides a joint. */
+scara_status scara_inverse_branch(const scara_pose *pose, unsigned int branch,
+    scara_real joints[SCARA_JOINTS]);
 
-/* The joint values nearest to the guess, one choice after the other, angles near the guess's. Whether the arm can move there
- * from the guess is not asked: scara_inverse does. Statuses as of scara_inverse_branch. */
-scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[SCARA_JOINTS], scara_real joints[SCARA_JOINTS]);
+/* The joint values nearest to the guess, one choice after the other, angles near the guess's.
+ * Whether the arm can move there from the guess is not asked: scara_inverse does. Statuses as of
+ * scara_inverse_branch. */
+scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real guess[SCARA_JOINTS],
+    scara_real joints[SCARA_JOINTS]);
 /* Row-major 6 x 4: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
-scara_status scara_jacobian(const scara_real joints[SCARA_JOINTS], scara_real jacobian[6 * SCARA_JOINTS]);
+scara_status scara_jacobian(const scara_real joints[SCARA_JOINTS],
+    scara_real jacobian[6 * SCARA_JOINTS]);
 
-/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular velocity): of the shortest, and damped
- * where the arm is near a singularity, that is where info->min_pivot is below 0.02. info->residual is how far the twist
- * of these rates is from the given one (mm for each unit of time, angles times the size): a loop that must
- * keep to its path slows down or stops by it. Speeds above 4e+08 are SCARA_OUT_OF_RANGE. */
-scara_status scara_rates(const scara_real joints[SCARA_JOINTS], const scara_real twist[6], scara_real rates[SCARA_JOINTS],
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 4e+08 are SCARA_OUT_OF_RANGE. */
+scara_status scara_rates(const scara_real joints[SCARA_JOINTS], const scara_real twist[6],
+    scara_real rates[SCARA_JOINTS],
     scara_info *info);
 
 /* The twist of joint rates. */
-scara_status scara_twist(const scara_real joints[SCARA_JOINTS], const scara_real rates[SCARA_JOINTS], scara_real twist[6]);
+scara_status scara_twist(const scara_real joints[SCARA_JOINTS],
+    const scara_real rates[SCARA_JOINTS], scara_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps the rates of scara_rates within their limits (0 or more, in mm or radians
- * for each unit of time). */
-scara_status scara_feed(const scara_real joints[SCARA_JOINTS], const scara_real twist[6], const scara_real rate_limits[SCARA_JOINTS],
+/* The largest factor, 0 to 1, by which a twist keeps the rates of scara_rates within their limits
+ * (0 or more, in mm or radians for each unit of time). */
+scara_status scara_feed(const scara_real joints[SCARA_JOINTS], const scara_real twist[6],
+    const scara_real rate_limits[SCARA_JOINTS],
     scara_real *feed);
 
-/* For a control loop: one damped step from the last joint values (joints) towards the pose, which becomes the next ones. It goes on
- * through and beside singularities, where the arm cannot follow every pose: SCARA_OK says that the joint values are
- * within their ranges, and info->residual how far their tool pose is from the given one, as measured (mm, angles times the
- * size). While it is below SCARA_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to
- * 0.2 rad (slides: of the size). It never makes the error larger. */
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: SCARA_OK says that the joint values are within their ranges, and info->residual how
+ * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
+ * below SCARA_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to 0.2
+ * rad (slides: of the size). It never makes the error larger. */
 #define SCARA_TRACK_LIMIT ((scara_real)0.000115) /* mm */
 scara_status scara_track(const scara_pose *pose, scara_real joints[SCARA_JOINTS], scara_info *info);
 #ifdef __cplusplus

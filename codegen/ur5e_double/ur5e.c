@@ -15,8 +15,10 @@
 #define UR5E_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static UR5E_COLD ur5e_status ur5e_check_finite(const ur5e_real values[], int count, ur5e_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static UR5E_COLD ur5e_status ur5e_check_finite(const ur5e_real values[], int count,
+    ur5e_status otherwise)
 {
     ur5e_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,14 +30,17 @@ static UR5E_COLD ur5e_status ur5e_check_finite(const ur5e_real values[], int cou
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static ur5e_status ur5e_normalise_pose(const ur5e_pose *pose, ur5e_real x[7])
 {
     const ur5e_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 845000.0) && (fabs(pose->position[1]) <= 845000.0) && (fabs(pose->position[2]) <= 845000.0);
-    const ur5e_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 845000.0) && (fabs(pose->position[1]) <= 845000.0)
+            && (fabs(pose->position[2]) <= 845000.0);
+    const ur5e_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     ur5e_status status = UR5E_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -54,9 +59,10 @@ static ur5e_status ur5e_normalise_pose(const ur5e_pose *pose, ur5e_real x[7])
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static UR5E_COLD void ur5e_write_info(ur5e_info *info, unsigned int count, ur5e_real residual, ur5e_real size, ur5e_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static UR5E_COLD void ur5e_write_info(ur5e_info *info, unsigned int count, ur5e_real residual,
+    ur5e_real size, ur5e_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -73,19 +79,23 @@ static UR5E_COLD ur5e_status ur5e_check_config(const ur5e_config *config, ur5e_s
     const ur5e_real tolerance = config->tolerance;
     const ur5e_real longest = config->max_step;
     ur5e_status status = before;
-    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 845000.0 - longest)) && (before != UR5E_NONFINITE)) {
-        const ur5e_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 845000.0 - longest))
+        && (before != UR5E_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const ur5e_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0) ? UR5E_OUT_OF_RANGE : UR5E_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static UR5E_SHARED uint8_t ur5e_first_beyond(const ur5e_real joints[6])
 {
     uint8_t joint = 0U;
-    while ((joint < 6U) && ((joints[joint] >= -1000.000000001) && (joints[joint] <= 1000.000000001))) {
+    while ((joint < 6U) && ((joints[joint] >= -1000.000000001)
+        && (joints[joint] <= 1000.000000001))) {
         ++joint;
     }
     return joint;
@@ -106,7 +116,8 @@ static UR5E_SHARED ur5e_status ur5e_check_limits(const ur5e_real joints[6])
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and
+ * slides. */
 static void ur5e_forward(const ur5e_real q[6], ur5e_real x[7])
 {
     const ur5e_real t0 = cos(q[0]);
@@ -130,160 +141,160 @@ static void ur5e_forward(const ur5e_real q[6], ur5e_real x[7])
     const ur5e_real t18 = 1.4210854715202004e-14 * t9;
     const ur5e_real t19 = 2.2115642650533117e-14 * t11;
     const ur5e_real t20 = t18 + t19;
-    const ur5e_real t21 = 62.8 + t20;
-    const ur5e_real t22 = t21 - 162.5;
-    const ur5e_real t23 = t4 * t22;
-    const ur5e_real t24 = 1.0 - t4;
-    const ur5e_real t25 = t24 * t22;
-    const ur5e_real t26 = t23 + t25;
-    const ur5e_real t27 = t17 * t26;
-    const ur5e_real t28 = t16 - t27;
-    const ur5e_real t29 = -817.2 + t28;
-    const ur5e_real t30 = t29 - (-425.0);
-    const ur5e_real t31 = t2 * t30;
-    const ur5e_real t32 = sin(q[2]);
-    const ur5e_real t33 = t3 * t26;
-    const ur5e_real t34 = t17 * t15;
-    const ur5e_real t35 = t33 + t34;
-    const ur5e_real t36 = t32 * t35;
-    const ur5e_real t37 = t31 - t36;
-    const ur5e_real t38 = -425.0 + t37;
-    const ur5e_real t39 = t1 * t38;
-    const ur5e_real t40 = sin(q[1]);
-    const ur5e_real t41 = t2 * t35;
-    const ur5e_real t42 = t32 * t30;
-    const ur5e_real t43 = t41 + t42;
-    const ur5e_real t44 = t40 * t43;
-    const ur5e_real t45 = t39 - t44;
-    const ur5e_real t46 = t0 * t45;
-    const ur5e_real t47 = sin(q[0]);
-    const ur5e_real t48 = t4 * t13;
-    const ur5e_real t49 = t8 * t6;
-    const ur5e_real t50 = t48 - t49;
-    const ur5e_real t51 = -133.3 + t50;
-    const ur5e_real t52 = t3 * t51;
-    const ur5e_real t53 = 1.0 - t3;
-    const ur5e_real t54 = t53 * t51;
-    const ur5e_real t55 = t52 + t54;
-    const ur5e_real t56 = t2 * t55;
-    const ur5e_real t57 = 1.0 - t2;
-    const ur5e_real t58 = t57 * t55;
-    const ur5e_real t59 = t56 + t58;
-    const ur5e_real t60 = t1 * t59;
-    const ur5e_real t61 = 1.0 - t1;
-    const ur5e_real t62 = t61 * t59;
-    const ur5e_real t63 = t60 + t62;
-    const ur5e_real t64 = t47 * t63;
-    const ur5e_real t65 = t46 - t64;
-    const ur5e_real t66 = t0 * t63;
-    const ur5e_real t67 = t47 * t45;
-    const ur5e_real t68 = t66 + t67;
-    const ur5e_real t69 = t1 * t43;
-    const ur5e_real t70 = t40 * t38;
-    const ur5e_real t71 = t69 + t70;
-    const ur5e_real t72 = 162.5 + t71;
-    const ur5e_real t73 = t0 * t72;
-    const ur5e_real t74 = 1.0 - t0;
-    const ur5e_real t75 = t74 * t72;
-    const ur5e_real t76 = t73 + t75;
-    const ur5e_real t77 = 0.5 * q[0];
+    const ur5e_real t21 = t20 - 99.7;
+    const ur5e_real t22 = t4 * t21;
+    const ur5e_real t23 = 1.0 - t4;
+    const ur5e_real t24 = t23 * t21;
+    const ur5e_real t25 = t22 + t24;
+    const ur5e_real t26 = t17 * t25;
+    const ur5e_real t27 = t16 - t26;
+    const ur5e_real t28 = t27 - 392.2;
+    const ur5e_real t29 = t2 * t28;
+    const ur5e_real t30 = sin(q[2]);
+    const ur5e_real t31 = t3 * t25;
+    const ur5e_real t32 = t17 * t15;
+    const ur5e_real t33 = t31 + t32;
+    const ur5e_real t34 = t30 * t33;
+    const ur5e_real t35 = t29 - t34;
+    const ur5e_real t36 = t35 - 425.0;
+    const ur5e_real t37 = t1 * t36;
+    const ur5e_real t38 = sin(q[1]);
+    const ur5e_real t39 = t2 * t33;
+    const ur5e_real t40 = t30 * t28;
+    const ur5e_real t41 = t39 + t40;
+    const ur5e_real t42 = t38 * t41;
+    const ur5e_real t43 = t37 - t42;
+    const ur5e_real t44 = t0 * t43;
+    const ur5e_real t45 = sin(q[0]);
+    const ur5e_real t46 = t4 * t13;
+    const ur5e_real t47 = t8 * t6;
+    const ur5e_real t48 = t46 - t47;
+    const ur5e_real t49 = t48 - 133.3;
+    const ur5e_real t50 = t3 * t49;
+    const ur5e_real t51 = 1.0 - t3;
+    const ur5e_real t52 = t51 * t49;
+    const ur5e_real t53 = t50 + t52;
+    const ur5e_real t54 = t2 * t53;
+    const ur5e_real t55 = 1.0 - t2;
+    const ur5e_real t56 = t55 * t53;
+    const ur5e_real t57 = t54 + t56;
+    const ur5e_real t58 = t1 * t57;
+    const ur5e_real t59 = 1.0 - t1;
+    const ur5e_real t60 = t59 * t57;
+    const ur5e_real t61 = t58 + t60;
+    const ur5e_real t62 = t45 * t61;
+    const ur5e_real t63 = t44 - t62;
+    const ur5e_real t64 = t0 * t61;
+    const ur5e_real t65 = t45 * t43;
+    const ur5e_real t66 = t64 + t65;
+    const ur5e_real t67 = t1 * t41;
+    const ur5e_real t68 = t38 * t36;
+    const ur5e_real t69 = t67 + t68;
+    const ur5e_real t70 = t69 + 162.5;
+    const ur5e_real t71 = t0 * t70;
+    const ur5e_real t72 = 1.0 - t0;
+    const ur5e_real t73 = t72 * t70;
+    const ur5e_real t74 = t71 + t73;
+    const ur5e_real t75 = 0.5 * q[0];
+    const ur5e_real t76 = cos(t75);
+    const ur5e_real t77 = 0.5 * q[1];
     const ur5e_real t78 = cos(t77);
-    const ur5e_real t79 = 0.5 * q[1];
-    const ur5e_real t80 = cos(t79);
-    const ur5e_real t81 = t78 * t80;
-    const ur5e_real t82 = 0.5 * q[2];
-    const ur5e_real t83 = cos(t82);
-    const ur5e_real t84 = t81 * t83;
-    const ur5e_real t85 = sin(t79);
-    const ur5e_real t86 = t78 * t85;
-    const ur5e_real t87 = sin(t82);
-    const ur5e_real t88 = t86 * t87;
-    const ur5e_real t89 = t84 - t88;
-    const ur5e_real t90 = 0.5 * q[3];
-    const ur5e_real t91 = cos(t90);
-    const ur5e_real t92 = t89 * t91;
-    const ur5e_real t93 = t81 * t87;
-    const ur5e_real t94 = t86 * t83;
-    const ur5e_real t95 = t93 + t94;
-    const ur5e_real t96 = sin(t90);
-    const ur5e_real t97 = t95 * t96;
-    const ur5e_real t98 = t92 - t97;
-    const ur5e_real t99 = 0.5 * q[4];
-    const ur5e_real t100 = cos(t99);
-    const ur5e_real t101 = t98 * t100;
-    const ur5e_real t102 = sin(t77);
-    const ur5e_real t103 = t102 * t80;
-    const ur5e_real t104 = t103 * t83;
-    const ur5e_real t105 = t102 * t85;
-    const ur5e_real t106 = t105 * t87;
-    const ur5e_real t107 = t104 - t106;
-    const ur5e_real t108 = t107 * t91;
-    const ur5e_real t109 = t105 * t83;
-    const ur5e_real t110 = t103 * t87;
-    const ur5e_real t111 = t109 + t110;
-    const ur5e_real t112 = t111 * t96;
-    const ur5e_real t113 = t108 - t112;
-    const ur5e_real t114 = sin(t99);
-    const ur5e_real t115 = t113 * t114;
-    const ur5e_real t116 = t101 + t115;
-    const ur5e_real t117 = 0.5 * q[5];
-    const ur5e_real t118 = cos(t117);
-    const ur5e_real t119 = t116 * t118;
-    const ur5e_real t120 = t111 * t91;
-    const ur5e_real t121 = t107 * t96;
-    const ur5e_real t122 = t120 + t121;
-    const ur5e_real t123 = t122 * t114;
-    const ur5e_real t124 = t89 * t96;
-    const ur5e_real t125 = t95 * t91;
-    const ur5e_real t126 = t124 + t125;
-    const ur5e_real t127 = t126 * t100;
-    const ur5e_real t128 = t123 - t127;
-    const ur5e_real t129 = sin(t117);
-    const ur5e_real t130 = t128 * t129;
-    const ur5e_real t131 = t119 + t130;
-    const ur5e_real t132 = 0.7071067811865476 * t131;
-    const ur5e_real t133 = t122 * t100;
-    const ur5e_real t134 = t126 * t114;
-    const ur5e_real t135 = t133 + t134;
-    const ur5e_real t136 = t135 * t118;
-    const ur5e_real t137 = t113 * t100;
-    const ur5e_real t138 = t98 * t114;
-    const ur5e_real t139 = t137 - t138;
-    const ur5e_real t140 = t139 * t129;
-    const ur5e_real t141 = t136 + t140;
-    const ur5e_real t142 = 0.7071067811865475 * t141;
-    const ur5e_real t143 = t132 - t142;
-    const ur5e_real t144 = 0.7071067811865475 * t131;
-    const ur5e_real t145 = 0.7071067811865476 * t141;
-    const ur5e_real t146 = t144 + t145;
-    const ur5e_real t147 = t128 * t118;
-    const ur5e_real t148 = t116 * t129;
-    const ur5e_real t149 = t147 - t148;
-    const ur5e_real t150 = 0.7071067811865476 * t149;
-    const ur5e_real t151 = t139 * t118;
-    const ur5e_real t152 = t135 * t129;
-    const ur5e_real t153 = t151 - t152;
-    const ur5e_real t154 = 0.7071067811865475 * t153;
-    const ur5e_real t155 = t150 + t154;
-    const ur5e_real t156 = 0.7071067811865476 * t153;
-    const ur5e_real t157 = 0.7071067811865475 * t149;
-    const ur5e_real t158 = t156 - t157;
-    x[0] = t65;
-    x[1] = t68;
-    x[2] = t76;
-    x[3] = t143;
-    x[4] = t146;
-    x[5] = t155;
-    x[6] = t158;
+    const ur5e_real t79 = t76 * t78;
+    const ur5e_real t80 = 0.5 * q[2];
+    const ur5e_real t81 = cos(t80);
+    const ur5e_real t82 = t79 * t81;
+    const ur5e_real t83 = sin(t77);
+    const ur5e_real t84 = t76 * t83;
+    const ur5e_real t85 = sin(t80);
+    const ur5e_real t86 = t84 * t85;
+    const ur5e_real t87 = t82 - t86;
+    const ur5e_real t88 = 0.5 * q[3];
+    const ur5e_real t89 = cos(t88);
+    const ur5e_real t90 = t87 * t89;
+    const ur5e_real t91 = t79 * t85;
+    const ur5e_real t92 = t84 * t81;
+    const ur5e_real t93 = t91 + t92;
+    const ur5e_real t94 = sin(t88);
+    const ur5e_real t95 = t93 * t94;
+    const ur5e_real t96 = t90 - t95;
+    const ur5e_real t97 = 0.5 * q[4];
+    const ur5e_real t98 = cos(t97);
+    const ur5e_real t99 = t96 * t98;
+    const ur5e_real t100 = sin(t75);
+    const ur5e_real t101 = t100 * t78;
+    const ur5e_real t102 = t101 * t81;
+    const ur5e_real t103 = t100 * t83;
+    const ur5e_real t104 = t103 * t85;
+    const ur5e_real t105 = t102 - t104;
+    const ur5e_real t106 = t105 * t89;
+    const ur5e_real t107 = t103 * t81;
+    const ur5e_real t108 = t101 * t85;
+    const ur5e_real t109 = t107 + t108;
+    const ur5e_real t110 = t109 * t94;
+    const ur5e_real t111 = t106 - t110;
+    const ur5e_real t112 = sin(t97);
+    const ur5e_real t113 = t111 * t112;
+    const ur5e_real t114 = t99 + t113;
+    const ur5e_real t115 = 0.5 * q[5];
+    const ur5e_real t116 = cos(t115);
+    const ur5e_real t117 = t114 * t116;
+    const ur5e_real t118 = t109 * t89;
+    const ur5e_real t119 = t105 * t94;
+    const ur5e_real t120 = t118 + t119;
+    const ur5e_real t121 = t120 * t112;
+    const ur5e_real t122 = t87 * t94;
+    const ur5e_real t123 = t93 * t89;
+    const ur5e_real t124 = t122 + t123;
+    const ur5e_real t125 = t124 * t98;
+    const ur5e_real t126 = t121 - t125;
+    const ur5e_real t127 = sin(t115);
+    const ur5e_real t128 = t126 * t127;
+    const ur5e_real t129 = t117 + t128;
+    const ur5e_real t130 = 0.7071067811865476 * t129;
+    const ur5e_real t131 = t120 * t98;
+    const ur5e_real t132 = t124 * t112;
+    const ur5e_real t133 = t131 + t132;
+    const ur5e_real t134 = t133 * t116;
+    const ur5e_real t135 = t111 * t98;
+    const ur5e_real t136 = t96 * t112;
+    const ur5e_real t137 = t135 - t136;
+    const ur5e_real t138 = t137 * t127;
+    const ur5e_real t139 = t134 + t138;
+    const ur5e_real t140 = 0.7071067811865475 * t139;
+    const ur5e_real t141 = t130 - t140;
+    const ur5e_real t142 = 0.7071067811865475 * t129;
+    const ur5e_real t143 = 0.7071067811865476 * t139;
+    const ur5e_real t144 = t142 + t143;
+    const ur5e_real t145 = t126 * t116;
+    const ur5e_real t146 = t114 * t127;
+    const ur5e_real t147 = t145 - t146;
+    const ur5e_real t148 = 0.7071067811865476 * t147;
+    const ur5e_real t149 = t137 * t116;
+    const ur5e_real t150 = t133 * t127;
+    const ur5e_real t151 = t149 - t150;
+    const ur5e_real t152 = 0.7071067811865475 * t151;
+    const ur5e_real t153 = t148 + t152;
+    const ur5e_real t154 = 0.7071067811865476 * t151;
+    const ur5e_real t155 = 0.7071067811865475 * t147;
+    const ur5e_real t156 = t154 - t155;
+    x[0] = t63;
+    x[1] = t66;
+    x[2] = t74;
+    x[3] = t141;
+    x[4] = t144;
+    x[5] = t153;
+    x[6] = t156;
 }
 
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
 static ur5e_real ur5e_sine(ur5e_real angle)
 {
     const ur5e_real number = angle * 0.15915494309189535;
     ur5e_real sine = 0.0;
     if (fabs(number) < 10000.0) {
-        ur5e_real x = angle - 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        ur5e_real x = angle - 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0)
+            ? -0.5 : 0.5));
         if (x > 1.5707963267948966) {
             x = 3.141592653589793 - x;
         } else if (x < -1.5707963267948966) {
@@ -292,16 +303,19 @@ static ur5e_real ur5e_sine(ur5e_real angle)
             /* within a quarter turn */
         }
         const ur5e_real square = x * x;
-        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243
+            + square * (0.008306323850167805 + square * -0.00018363616794956467)));
     }
     return sine;
 }
 
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
- * meet. */
-static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned int wanted, ur5e_real found[][6], bool *undecided,
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned int wanted,
+    ur5e_real found[][6], bool *undecided,
     ur5e_real margin[6])
 {
     int count = 0;
@@ -406,151 +420,154 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
                                     margin[2] = t90;
                                     const ur5e_real t93 = -t87;
                                     const ur5e_real t94 = atan2(t93, t76);
-                                    /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
+                                    /* a point of the axis of q4: its distance from the axis of q2
+                                     * tells q3 */
                                     const ur5e_real t95 = 1.0 / t90;
                                     const ur5e_real t96 = t76 * t95;
                                     const ur5e_real t97 = 133.3 * t62;
                                     const ur5e_real t98 = -817.2 - t97;
-                                    const ur5e_real t99 = t98 - (-817.2);
+                                    const ur5e_real t99 = t98 + 817.2;
                                     const ur5e_real t100 = t96 * t99;
-                                    const ur5e_real t101 = -817.2 + t100;
+                                    const ur5e_real t101 = t100 - 817.2;
                                     const ur5e_real t102 = t87 * t95;
                                     const ur5e_real t103 = -99.7 * t102;
                                     const ur5e_real t104 = t101 + t103;
-                                    const ur5e_real t105 = t104 - (-817.2);
+                                    const ur5e_real t105 = t104 + 817.2;
                                     const ur5e_real t106 = t73 * t105;
                                     const ur5e_real t107 = 99.7 * t96;
-                                    const ur5e_real t108 = 62.8 + t107;
+                                    const ur5e_real t108 = t107 + 62.8;
                                     const ur5e_real t109 = t102 * t99;
                                     const ur5e_real t110 = t108 + t109;
                                     const ur5e_real t111 = t110 - 62.8;
                                     const ur5e_real t112 = t84 * t111;
                                     const ur5e_real t113 = t106 + t112;
                                     const ur5e_real t114 = 133.3 * t48;
-                                    const ur5e_real t115 = -133.3 + t114;
-                                    const ur5e_real t116 = t115 - (-232.9);
-                                    const ur5e_real t117 = t46 * t116;
-                                    const ur5e_real t118 = t113 - t117;
-                                    const ur5e_real t119 = t118 + x[1];
-                                    const ur5e_real t120 = t37 * t119;
-                                    const ur5e_real t121 = t68 * t105;
-                                    const ur5e_real t122 = t79 * t111;
-                                    const ur5e_real t123 = t121 + t122;
-                                    const ur5e_real t124 = t44 * t116;
-                                    const ur5e_real t125 = t123 - t124;
-                                    const ur5e_real t126 = t125 + x[0];
-                                    const ur5e_real t127 = t41 * t126;
-                                    const ur5e_real t128 = t120 - t127;
-                                    const ur5e_real t129 = t128 * t128;
-                                    const ur5e_real t130 = t41 * t119;
-                                    const ur5e_real t131 = t37 * t126;
-                                    const ur5e_real t132 = t130 + t131;
-                                    const ur5e_real t133 = t132 * t132;
-                                    const ur5e_real t134 = t129 + t133;
-                                    const ur5e_real t135 = t6 - t7;
-                                    const ur5e_real t136 = t135 + t135;
-                                    const ur5e_real t137 = t136 * t105;
-                                    const ur5e_real t138 = t0 + t1;
-                                    const ur5e_real t139 = t138 + t138;
-                                    const ur5e_real t140 = t139 * t111;
-                                    const ur5e_real t141 = t137 + t140;
-                                    const ur5e_real t142 = t81 + t64;
-                                    const ur5e_real t143 = t142 + t142;
-                                    const ur5e_real t144 = 1.0 - t143;
-                                    const ur5e_real t145 = t144 * t116;
-                                    const ur5e_real t146 = t141 - t145;
-                                    const ur5e_real t147 = t146 + x[2];
-                                    const ur5e_real t148 = t147 - 162.5;
-                                    const ur5e_real t149 = t148 * t148;
-                                    const ur5e_real t150 = t134 + t149;
-                                    const ur5e_real t151 = t150 - 180625.0;
-                                    const ur5e_real t152 = t151 - 153820.84;
-                                    const ur5e_real t153 = 0.5 * t152;
-                                    const ur5e_real t154 = t153 * t153;
-                                    const ur5e_real t155 = 27783889225.0 - t154;
-                                    const ur5e_real t156 = t155 * 1.9726544501170443e-12;
-                                    if (t156 > 2.842170943040401e-14) {
-                                        margin[3] = t156;
-                                        const ur5e_real t159 = 166685.0 * near[5];
+                                    const ur5e_real t115 = t114 + 99.6;
+                                    const ur5e_real t116 = t46 * t115;
+                                    const ur5e_real t117 = t113 - t116;
+                                    const ur5e_real t118 = t117 + x[1];
+                                    const ur5e_real t119 = t37 * t118;
+                                    const ur5e_real t120 = t68 * t105;
+                                    const ur5e_real t121 = t79 * t111;
+                                    const ur5e_real t122 = t120 + t121;
+                                    const ur5e_real t123 = t44 * t115;
+                                    const ur5e_real t124 = t122 - t123;
+                                    const ur5e_real t125 = t124 + x[0];
+                                    const ur5e_real t126 = t41 * t125;
+                                    const ur5e_real t127 = t119 - t126;
+                                    const ur5e_real t128 = t127 * t127;
+                                    const ur5e_real t129 = t41 * t118;
+                                    const ur5e_real t130 = t37 * t125;
+                                    const ur5e_real t131 = t129 + t130;
+                                    const ur5e_real t132 = t131 * t131;
+                                    const ur5e_real t133 = t128 + t132;
+                                    const ur5e_real t134 = t6 - t7;
+                                    const ur5e_real t135 = t134 + t134;
+                                    const ur5e_real t136 = t135 * t105;
+                                    const ur5e_real t137 = t0 + t1;
+                                    const ur5e_real t138 = t137 + t137;
+                                    const ur5e_real t139 = t138 * t111;
+                                    const ur5e_real t140 = t136 + t139;
+                                    const ur5e_real t141 = t81 + t64;
+                                    const ur5e_real t142 = t141 + t141;
+                                    const ur5e_real t143 = 1.0 - t142;
+                                    const ur5e_real t144 = t143 * t115;
+                                    const ur5e_real t145 = t140 - t144;
+                                    const ur5e_real t146 = t145 + x[2];
+                                    const ur5e_real t147 = t146 - 162.5;
+                                    const ur5e_real t148 = t147 * t147;
+                                    const ur5e_real t149 = t133 + t148;
+                                    const ur5e_real t150 = t149 - 334445.84;
+                                    const ur5e_real t151 = 0.5 * t150;
+                                    const ur5e_real t152 = t151 * t151;
+                                    const ur5e_real t153 = 27783889225.0 - t152;
+                                    const ur5e_real t154 = t153 * 1.9726544501170443e-12;
+                                    if (t154 > 2.842170943040401e-14) {
+                                        margin[3] = t154;
+                                        const ur5e_real t157 = 166685.0 * near[5];
                                         const unsigned int bits2 = (wanted >> 4U) & 3U;
-                                        const unsigned int side2 = (t159 < 0.0) ? 2U : 1U;
+                                        const unsigned int side2 = (t157 < 0.0) ? 2U : 1U;
                                         for (unsigned int k2 = 1U; k2 <= 2U; ++k2) {
                                             if ((((bits2 != 0U) ? bits2 : side2) & k2) != 0U) {
                                                 const ur5e_real sign2 = (k2 == 1U) ? 1.0 : -1.0;
-                                                const ur5e_real t165 = fabs(t155);
-                                                const ur5e_real t166 = t155 + t165;
-                                                const ur5e_real t167 = 0.5 * t166;
-                                                const ur5e_real t168 = sqrt(t167);
-                                                const ur5e_real t169 = sign2 * t168;
-                                                const ur5e_real t170 = 2.9996700362960067e-06 * t152;
-                                                const ur5e_real t171 = 5.999340072592013e-06 * t169;
-                                                const ur5e_real t172 = atan2(t171, t170);
-                                                /* q2 turns a point of the axis of q4 to where it must be */
-                                                const ur5e_real t173 = -0.001176470588235294 * t152;
-                                                const ur5e_real t174 = -425.0 + t173;
-                                                const ur5e_real t175 = t174 * t128;
-                                                const ur5e_real t176 = -0.002352941176470588 * t169;
-                                                const ur5e_real t177 = t176 * t148;
-                                                const ur5e_real t178 = t175 + t177;
-                                                const ur5e_real t179 = t178 * t178;
-                                                const ur5e_real t180 = t176 * t128;
-                                                const ur5e_real t181 = t174 * t148;
-                                                const ur5e_real t182 = t180 - t181;
-                                                const ur5e_real t183 = t182 * t182;
-                                                const ur5e_real t184 = t179 + t183;
-                                                const ur5e_real t185 = sqrt(t184);
-                                                const ur5e_real t186 = t185 * 1.4045121751401963e-06;
-                                                if (t186 > 2.842170943040401e-14) {
-                                                    margin[4] = t186;
-                                                    const ur5e_real t189 = -t182;
-                                                    const ur5e_real t190 = atan2(t189, t178);
-                                                    /* q4 turns a direction of the tool to where it must be */
-                                                    const ur5e_real t191 = 1.0 / t185;
-                                                    const ur5e_real t192 = t178 * t191;
-                                                    const ur5e_real t193 = t96 * t48;
-                                                    const ur5e_real t194 = t73 * t193;
-                                                    const ur5e_real t195 = t102 * t48;
-                                                    const ur5e_real t196 = t84 * t195;
-                                                    const ur5e_real t197 = t194 + t196;
-                                                    const ur5e_real t198 = t46 * t62;
-                                                    const ur5e_real t199 = t197 - t198;
-                                                    const ur5e_real t200 = t37 * t199;
-                                                    const ur5e_real t201 = t68 * t193;
-                                                    const ur5e_real t202 = t79 * t195;
-                                                    const ur5e_real t203 = t201 + t202;
-                                                    const ur5e_real t204 = t44 * t62;
-                                                    const ur5e_real t205 = t203 - t204;
-                                                    const ur5e_real t206 = t41 * t205;
-                                                    const ur5e_real t207 = t200 - t206;
-                                                    const ur5e_real t208 = t192 * t207;
-                                                    const ur5e_real t209 = t182 * t191;
-                                                    const ur5e_real t210 = t136 * t193;
-                                                    const ur5e_real t211 = t139 * t195;
-                                                    const ur5e_real t212 = t210 + t211;
-                                                    const ur5e_real t213 = t144 * t62;
-                                                    const ur5e_real t214 = t212 - t213;
-                                                    const ur5e_real t215 = t209 * t214;
-                                                    const ur5e_real t216 = t208 - t215;
-                                                    const ur5e_real t217 = t170 * t216;
-                                                    const ur5e_real t218 = t192 * t214;
-                                                    const ur5e_real t219 = t209 * t207;
-                                                    const ur5e_real t220 = t218 + t219;
-                                                    const ur5e_real t221 = t171 * t220;
-                                                    const ur5e_real t222 = t217 + t221;
-                                                    const ur5e_real t223 = t222 * t222;
-                                                    const ur5e_real t224 = t170 * t220;
-                                                    const ur5e_real t225 = t171 * t216;
-                                                    const ur5e_real t226 = t224 - t225;
-                                                    const ur5e_real t227 = t226 * t226;
-                                                    const ur5e_real t228 = t223 + t227;
-                                                    const ur5e_real t229 = sqrt(t228);
-                                                    if (t229 > 2.842170943040401e-14) {
-                                                        margin[5] = t229;
-                                                        const ur5e_real t232 = atan2(t226, t222);
+                                                const ur5e_real t163 = fabs(t153);
+                                                const ur5e_real t164 = t153 + t163;
+                                                const ur5e_real t165 = 0.5 * t164;
+                                                const ur5e_real t166 = sqrt(t165);
+                                                const ur5e_real t167 = sign2 * t166;
+                                                const ur5e_real t168 =
+                                                    2.9996700362960067e-06 * t150;
+                                                const ur5e_real t169 = 5.999340072592013e-06 * t167;
+                                                const ur5e_real t170 = atan2(t169, t168);
+                                                /* q2 turns a point of the axis of q4 to where it
+                                                 * must be */
+                                                const ur5e_real t171 = -0.001176470588235294 * t150;
+                                                const ur5e_real t172 = t171 - 425.0;
+                                                const ur5e_real t173 = t172 * t127;
+                                                const ur5e_real t174 = -0.002352941176470588 * t167;
+                                                const ur5e_real t175 = t174 * t147;
+                                                const ur5e_real t176 = t173 + t175;
+                                                const ur5e_real t177 = t176 * t176;
+                                                const ur5e_real t178 = t174 * t127;
+                                                const ur5e_real t179 = t172 * t147;
+                                                const ur5e_real t180 = t178 - t179;
+                                                const ur5e_real t181 = t180 * t180;
+                                                const ur5e_real t182 = t177 + t181;
+                                                const ur5e_real t183 = sqrt(t182);
+                                                const ur5e_real t184 =
+                                                    t183 * 1.4045121751401963e-06;
+                                                if (t184 > 2.842170943040401e-14) {
+                                                    margin[4] = t184;
+                                                    const ur5e_real t187 = -t180;
+                                                    const ur5e_real t188 = atan2(t187, t176);
+                                                    /* q4 turns a direction of the tool to where it
+                                                     * must be */
+                                                    const ur5e_real t189 = 1.0 / t183;
+                                                    const ur5e_real t190 = t176 * t189;
+                                                    const ur5e_real t191 = t96 * t48;
+                                                    const ur5e_real t192 = t73 * t191;
+                                                    const ur5e_real t193 = t102 * t48;
+                                                    const ur5e_real t194 = t84 * t193;
+                                                    const ur5e_real t195 = t192 + t194;
+                                                    const ur5e_real t196 = t46 * t62;
+                                                    const ur5e_real t197 = t195 - t196;
+                                                    const ur5e_real t198 = t37 * t197;
+                                                    const ur5e_real t199 = t68 * t191;
+                                                    const ur5e_real t200 = t79 * t193;
+                                                    const ur5e_real t201 = t199 + t200;
+                                                    const ur5e_real t202 = t44 * t62;
+                                                    const ur5e_real t203 = t201 - t202;
+                                                    const ur5e_real t204 = t41 * t203;
+                                                    const ur5e_real t205 = t198 - t204;
+                                                    const ur5e_real t206 = t190 * t205;
+                                                    const ur5e_real t207 = t180 * t189;
+                                                    const ur5e_real t208 = t135 * t191;
+                                                    const ur5e_real t209 = t138 * t193;
+                                                    const ur5e_real t210 = t208 + t209;
+                                                    const ur5e_real t211 = t143 * t62;
+                                                    const ur5e_real t212 = t210 - t211;
+                                                    const ur5e_real t213 = t207 * t212;
+                                                    const ur5e_real t214 = t206 - t213;
+                                                    const ur5e_real t215 = t168 * t214;
+                                                    const ur5e_real t216 = t190 * t212;
+                                                    const ur5e_real t217 = t207 * t205;
+                                                    const ur5e_real t218 = t216 + t217;
+                                                    const ur5e_real t219 = t169 * t218;
+                                                    const ur5e_real t220 = t215 + t219;
+                                                    const ur5e_real t221 = t220 * t220;
+                                                    const ur5e_real t222 = t168 * t218;
+                                                    const ur5e_real t223 = t169 * t214;
+                                                    const ur5e_real t224 = t222 - t223;
+                                                    const ur5e_real t225 = t224 * t224;
+                                                    const ur5e_real t226 = t221 + t225;
+                                                    const ur5e_real t227 = sqrt(t226);
+                                                    if (t227 > 2.842170943040401e-14) {
+                                                        margin[5] = t227;
+                                                        const ur5e_real t230 = atan2(t224, t220);
                                                         found[count][0] = t43;
-                                                        found[count][1] = t190;
-                                                        found[count][2] = t172;
-                                                        found[count][3] = t232;
+                                                        found[count][1] = t188;
+                                                        found[count][2] = t170;
+                                                        found[count][3] = t230;
                                                         found[count][4] = t63;
                                                         found[count][5] = t94;
                                                         ++count;
@@ -562,7 +579,7 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
                                                 }
                                             }
                                         }
-                                    } else if (t156 > -2.842170943040401e-14) {
+                                    } else if (t154 > -2.842170943040401e-14) {
                                         *undecided = true;
                                     } else {
                                         /* out of reach */
@@ -590,7 +607,8 @@ static int ur5e_branches(const ur5e_real x[7], const ur5e_real near[6], unsigned
     return count;
 }
 
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
 static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
 {
     static const bool angular[6] = { true, true, true, true, true, true };
@@ -611,7 +629,8 @@ static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
 }
 
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6], unsigned int wanted, const ur5e_real about[6], ur5e_real joints[6])
+static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6],
+    unsigned int wanted, const ur5e_real about[6], ur5e_real joints[6])
 {
     ur5e_real x[7];
     ur5e_real found[1][6];
@@ -674,7 +693,8 @@ ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch, ur5e
 }
 
 /* The branch nearest to the guess, choice by choice. */
-ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6], ur5e_real joints[6])
+ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6],
+    ur5e_real joints[6])
 {
     ur5e_status status = ur5e_check_finite(guess, 6, UR5E_OK);
     if (status == UR5E_OK) {
@@ -688,8 +708,8 @@ ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[6]
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
- * bits of the branch on which they lie. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], ur5e_real margin[6])
 {
     ur5e_real u[12];
@@ -723,18 +743,18 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t13 = t12 * u[9];
     const ur5e_real t14 = -99.6 * t13;
     const ur5e_real t15 = t11 * t14;
-    const ur5e_real t16 = -817.2 + t15;
+    const ur5e_real t16 = t15 - 817.2;
     const ur5e_real t17 = u[6] + u[6];
     const ur5e_real t18 = t17 * u[7];
     const ur5e_real t19 = 99.7 * t18;
     const ur5e_real t20 = t16 + t19;
-    const ur5e_real t21 = t20 - (-425.0);
+    const ur5e_real t21 = t20 + 425.0;
     const ur5e_real t22 = t8 * t21;
-    const ur5e_real t23 = -425.0 + t22;
+    const ur5e_real t23 = t22 - 425.0;
     const ur5e_real t24 = u[4] + u[4];
     const ur5e_real t25 = t24 * u[5];
     const ur5e_real t26 = -99.7 * t11;
-    const ur5e_real t27 = 162.5 + t26;
+    const ur5e_real t27 = t26 + 162.5;
     const ur5e_real t28 = t18 * t14;
     const ur5e_real t29 = t27 + t28;
     const ur5e_real t30 = t29 - 162.5;
@@ -744,7 +764,7 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t34 = u[2] + u[2];
     const ur5e_real t35 = t34 * u[3];
     const ur5e_real t36 = t8 * t30;
-    const ur5e_real t37 = 162.5 + t36;
+    const ur5e_real t37 = t36 + 162.5;
     const ur5e_real t38 = t25 * t21;
     const ur5e_real t39 = t37 + t38;
     const ur5e_real t40 = t39 - 162.5;
@@ -757,7 +777,7 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t47 = u[9] * u[9];
     const ur5e_real t48 = t46 - t47;
     const ur5e_real t49 = -99.6 * t48;
-    const ur5e_real t50 = -133.3 + t49;
+    const ur5e_real t50 = t49 - 133.3;
     const ur5e_real t51 = t45 * t50;
     const ur5e_real t52 = t43 - t51;
     x[0] = t52;
@@ -766,7 +786,7 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t56 = t54 + t55;
     x[1] = t56;
     const ur5e_real t58 = t5 * t40;
-    const ur5e_real t59 = 162.5 + t58;
+    const ur5e_real t59 = t58 + 162.5;
     const ur5e_real t60 = t35 * t32;
     const ur5e_real t61 = t59 + t60;
     x[2] = t61;
@@ -895,23 +915,23 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     wanted |= (t179 < 0.0) ? 32U : 16U;
     /* q2 turns a point of the axis of q4 to where it must be */
     const ur5e_real t182 = -392.2 * t8;
-    const ur5e_real t183 = -425.0 + t182;
+    const ur5e_real t183 = t182 - 425.0;
     const ur5e_real t184 = u[10] * u[10];
     const ur5e_real t185 = u[11] * u[11];
     const ur5e_real t186 = t184 - t185;
     const ur5e_real t187 = 133.3 * t13;
     const ur5e_real t188 = -817.2 - t187;
-    const ur5e_real t189 = t188 - (-817.2);
+    const ur5e_real t189 = t188 + 817.2;
     const ur5e_real t190 = t186 * t189;
-    const ur5e_real t191 = -817.2 + t190;
+    const ur5e_real t191 = t190 - 817.2;
     const ur5e_real t192 = u[10] + u[10];
     const ur5e_real t193 = t192 * u[11];
     const ur5e_real t194 = -99.7 * t193;
     const ur5e_real t195 = t191 - t194;
-    const ur5e_real t196 = t195 - (-817.2);
+    const ur5e_real t196 = t195 + 817.2;
     const ur5e_real t197 = t154 * t196;
     const ur5e_real t198 = 99.7 * t186;
-    const ur5e_real t199 = 62.8 + t198;
+    const ur5e_real t199 = t198 + 62.8;
     const ur5e_real t200 = t193 * t189;
     const ur5e_real t201 = t199 - t200;
     const ur5e_real t202 = t201 - 62.8;
@@ -919,93 +939,94 @@ static unsigned int ur5e_read_joints(const ur5e_real joints[6], ur5e_real x[7], 
     const ur5e_real t204 = t197 + t203;
     const ur5e_real t205 = t139 + t139;
     const ur5e_real t206 = 133.3 * t48;
-    const ur5e_real t207 = -133.3 + t206;
-    const ur5e_real t208 = t207 - (-232.9);
-    const ur5e_real t209 = t205 * t208;
-    const ur5e_real t210 = t204 - t209;
-    const ur5e_real t211 = t210 + t52;
-    const ur5e_real t212 = t2 * t211;
-    const ur5e_real t213 = t159 * t196;
-    const ur5e_real t214 = t170 * t202;
-    const ur5e_real t215 = t213 + t214;
-    const ur5e_real t216 = t133 + t133;
-    const ur5e_real t217 = t216 * t208;
-    const ur5e_real t218 = t215 - t217;
-    const ur5e_real t219 = t218 + t56;
-    const ur5e_real t220 = t45 * t219;
-    const ur5e_real t221 = t212 + t220;
-    const ur5e_real t222 = t183 * t221;
-    const ur5e_real t223 = -392.2 * t25;
-    const ur5e_real t224 = t137 - t138;
-    const ur5e_real t225 = t224 + t224;
-    const ur5e_real t226 = t225 * t196;
-    const ur5e_real t227 = t131 + t132;
-    const ur5e_real t228 = t227 + t227;
-    const ur5e_real t229 = t228 * t202;
-    const ur5e_real t230 = t226 + t229;
-    const ur5e_real t231 = t167 + t150;
-    const ur5e_real t232 = t231 + t231;
-    const ur5e_real t233 = 1.0 - t232;
-    const ur5e_real t234 = t233 * t208;
-    const ur5e_real t235 = t230 - t234;
-    const ur5e_real t236 = t235 + t61;
-    const ur5e_real t237 = t236 - 162.5;
-    const ur5e_real t238 = t223 * t237;
-    const ur5e_real t239 = t222 + t238;
-    const ur5e_real t240 = t239 * t239;
-    const ur5e_real t241 = t223 * t221;
-    const ur5e_real t242 = t183 * t237;
-    const ur5e_real t243 = t241 - t242;
-    const ur5e_real t244 = t243 * t243;
-    const ur5e_real t245 = t240 + t244;
-    const ur5e_real t246 = sqrt(t245);
-    const ur5e_real t247 = t246 * 1.4045121751401963e-06;
-    margin[4] = t247;
+    const ur5e_real t207 = t206 + 99.6;
+    const ur5e_real t208 = t205 * t207;
+    const ur5e_real t209 = t204 - t208;
+    const ur5e_real t210 = t209 + t52;
+    const ur5e_real t211 = t2 * t210;
+    const ur5e_real t212 = t159 * t196;
+    const ur5e_real t213 = t170 * t202;
+    const ur5e_real t214 = t212 + t213;
+    const ur5e_real t215 = t133 + t133;
+    const ur5e_real t216 = t215 * t207;
+    const ur5e_real t217 = t214 - t216;
+    const ur5e_real t218 = t217 + t56;
+    const ur5e_real t219 = t45 * t218;
+    const ur5e_real t220 = t211 + t219;
+    const ur5e_real t221 = t183 * t220;
+    const ur5e_real t222 = -392.2 * t25;
+    const ur5e_real t223 = t137 - t138;
+    const ur5e_real t224 = t223 + t223;
+    const ur5e_real t225 = t224 * t196;
+    const ur5e_real t226 = t131 + t132;
+    const ur5e_real t227 = t226 + t226;
+    const ur5e_real t228 = t227 * t202;
+    const ur5e_real t229 = t225 + t228;
+    const ur5e_real t230 = t167 + t150;
+    const ur5e_real t231 = t230 + t230;
+    const ur5e_real t232 = 1.0 - t231;
+    const ur5e_real t233 = t232 * t207;
+    const ur5e_real t234 = t229 - t233;
+    const ur5e_real t235 = t234 + t61;
+    const ur5e_real t236 = t235 - 162.5;
+    const ur5e_real t237 = t222 * t236;
+    const ur5e_real t238 = t221 + t237;
+    const ur5e_real t239 = t238 * t238;
+    const ur5e_real t240 = t222 * t220;
+    const ur5e_real t241 = t183 * t236;
+    const ur5e_real t242 = t240 - t241;
+    const ur5e_real t243 = t242 * t242;
+    const ur5e_real t244 = t239 + t243;
+    const ur5e_real t245 = sqrt(t244);
+    const ur5e_real t246 = t245 * 1.4045121751401963e-06;
+    margin[4] = t246;
     /* q4 turns a direction of the tool to where it must be */
-    const ur5e_real t249 = t186 * t48;
-    const ur5e_real t250 = t154 * t249;
-    const ur5e_real t251 = t193 * t48;
-    const ur5e_real t252 = t165 * t251;
-    const ur5e_real t253 = t250 - t252;
-    const ur5e_real t254 = t205 * t13;
-    const ur5e_real t255 = t253 - t254;
-    const ur5e_real t256 = t2 * t255;
-    const ur5e_real t257 = t159 * t249;
-    const ur5e_real t258 = t170 * t251;
-    const ur5e_real t259 = t257 - t258;
-    const ur5e_real t260 = t216 * t13;
-    const ur5e_real t261 = t259 - t260;
-    const ur5e_real t262 = t45 * t261;
-    const ur5e_real t263 = t256 + t262;
-    const ur5e_real t264 = t5 * t263;
-    const ur5e_real t265 = t225 * t249;
-    const ur5e_real t266 = t228 * t251;
-    const ur5e_real t267 = t265 - t266;
-    const ur5e_real t268 = t233 * t13;
-    const ur5e_real t269 = t267 - t268;
-    const ur5e_real t270 = t35 * t269;
-    const ur5e_real t271 = t264 + t270;
-    const ur5e_real t272 = t8 * t271;
-    const ur5e_real t273 = t5 * t269;
-    const ur5e_real t274 = t35 * t263;
-    const ur5e_real t275 = t273 - t274;
-    const ur5e_real t276 = t25 * t275;
-    const ur5e_real t277 = t272 + t276;
-    const ur5e_real t278 = t277 * t277;
-    const ur5e_real t279 = t8 * t275;
-    const ur5e_real t280 = t25 * t271;
-    const ur5e_real t281 = t279 - t280;
-    const ur5e_real t282 = t281 * t281;
-    const ur5e_real t283 = t278 + t282;
-    const ur5e_real t284 = sqrt(t283);
-    margin[5] = t284;
+    const ur5e_real t248 = t186 * t48;
+    const ur5e_real t249 = t154 * t248;
+    const ur5e_real t250 = t193 * t48;
+    const ur5e_real t251 = t165 * t250;
+    const ur5e_real t252 = t249 - t251;
+    const ur5e_real t253 = t205 * t13;
+    const ur5e_real t254 = t252 - t253;
+    const ur5e_real t255 = t2 * t254;
+    const ur5e_real t256 = t159 * t248;
+    const ur5e_real t257 = t170 * t250;
+    const ur5e_real t258 = t256 - t257;
+    const ur5e_real t259 = t215 * t13;
+    const ur5e_real t260 = t258 - t259;
+    const ur5e_real t261 = t45 * t260;
+    const ur5e_real t262 = t255 + t261;
+    const ur5e_real t263 = t5 * t262;
+    const ur5e_real t264 = t224 * t248;
+    const ur5e_real t265 = t227 * t250;
+    const ur5e_real t266 = t264 - t265;
+    const ur5e_real t267 = t232 * t13;
+    const ur5e_real t268 = t266 - t267;
+    const ur5e_real t269 = t35 * t268;
+    const ur5e_real t270 = t263 + t269;
+    const ur5e_real t271 = t8 * t270;
+    const ur5e_real t272 = t5 * t268;
+    const ur5e_real t273 = t35 * t262;
+    const ur5e_real t274 = t272 - t273;
+    const ur5e_real t275 = t25 * t274;
+    const ur5e_real t276 = t271 + t275;
+    const ur5e_real t277 = t276 * t276;
+    const ur5e_real t278 = t8 * t274;
+    const ur5e_real t279 = t25 * t270;
+    const ur5e_real t280 = t278 - t279;
+    const ur5e_real t281 = t280 * t280;
+    const ur5e_real t282 = t277 + t281;
+    const ur5e_real t283 = sqrt(t282);
+    margin[5] = t283;
     return wanted;
 }
 
-/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
- * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
- * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
-static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5e_real place, ur5e_real turn, const ur5e_real moved[6])
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5e_real place,
+    ur5e_real turn, const ur5e_real moved[6])
 {
     ur5e_real largest = 0.0;
     (void)a;
@@ -1034,7 +1055,8 @@ static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5
     const ur5e_real share3 = bend3 / (2.0 * (a[3] + b[3]) + 4.0 * lesser3);
     largest = (share3 > largest) ? share3 : largest;
     /* q2 turns a point of the axis of q4 to where it must be */
-    const ur5e_real bend4 = 12.6 * place + 4.91 * turn + 5.94 * moved[0] + 2.65 * moved[4] + 3.14 * moved[5];
+    const ur5e_real bend4 = 12.6 * place + 4.91 * turn + 5.94 * moved[0] + 2.65 * moved[4]
+        + 3.14 * moved[5];
     const ur5e_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
     const ur5e_real share4 = bend4 / (2.0 * (a[4] + b[4]) + 4.0 * lesser4);
     largest = (share4 > largest) ? share4 : largest;
@@ -1046,9 +1068,11 @@ static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5
     return largest;
 }
 
-/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
- * halved where they are not. Angles go on from part to part, whole turns included. */
-static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *config, ur5e_real joints[6], ur5e_info *info)
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *config,
+    ur5e_real joints[6], ur5e_info *info)
 {
     static const ur5e_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     static const bool angular[6] = { true, true, true, true, true, true };
@@ -1089,27 +1113,31 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
             x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
         }
         if (end < 1.0) {
-            const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+            const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
         }
         if (ur5e_branches(x, near, wanted, found, &undecided, margin) != 1) {
             /* the guess's branch does not reach this point of the line */
-            status = undecided ? UR5E_SINGULAR : ((end < 1.0) ? UR5E_WRONG_BRANCH : UR5E_OUT_OF_RANGE);
+            status = undecided ? UR5E_SINGULAR : ((end < 1.0)
+                ? UR5E_WRONG_BRANCH : UR5E_OUT_OF_RANGE);
         } else {
             way2 = 0.0;
             for (int i = 0; i < 6; ++i) {
                 ur5e_real way = found[0][i] - joints[i];
                 const ur5e_real number = way * 0.15915494309189535;
                 if (angular[i] && (fabs(number) > 0.5)) {
-                    way -= 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                    way -= 6.283185307179586 * (ur5e_real)(int)(number + ((number < 0.0)
+                        ? -0.5 : 0.5));
                 }
                 found[0][i] = joints[i] + way;
                 moved[i] = (way * per_length[i]) * (way * per_length[i]);
                 way2 += moved[i];
             }
-            const ur5e_real share = ur5e_line_share(left, margin, part * part * place2, part * part * turn2, moved);
+            const ur5e_real share = ur5e_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
             if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
                 for (int i = 0; i < 6; ++i) {
                     joints[i] = found[0][i];
@@ -1133,7 +1161,8 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
     for (int k = 0; k < 6; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    ur5e_write_info(info, count, (status == UR5E_OK) ? 3.753200649988964e-09 : HUGE_VAL, way2 * 711990.9800000002, (least > 0.0) ? (1.0 / least) : 0.0);
+    ur5e_write_info(info, count, (status == UR5E_OK) ? 3.753200649988964e-09 : HUGE_VAL,
+        way2 * 711990.9800000002, (least > 0.0) ? (1.0 / least) : 0.0);
     return status;
 }
 
@@ -1145,7 +1174,8 @@ ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
         ur5e_real x[7];
         ur5e_forward(joints, x);
         const ur5e_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
-        const ur5e_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        const ur5e_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+            + x[6] * x[6]);
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -1158,14 +1188,15 @@ ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
 }
 
 /* The joints by the closed form along the line of tool poses from the guess's to the given one. */
-ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const ur5e_real guess[6], ur5e_real joints[6], ur5e_info *info)
+ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
+    const ur5e_real guess[6], ur5e_real joints[6], ur5e_info *info)
 {
     static const ur5e_config usual = { UR5E_TOLERANCE, UR5E_MAX_STEPS, UR5E_MAX_STEP };
     ur5e_real at[6];
     ur5e_real to[7];
     ur5e_status status = ur5e_check_finite(guess, 6, ur5e_normalise_pose(pose, to));
     ur5e_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    for (int i = 6 - 1; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i) {
         if (!(fabs(guess[i]) <= 843795.5795096346)) {
             status = (status == UR5E_OK) ? UR5E_OUT_OF_RANGE : status;
             if (info != NULL) {
@@ -1227,786 +1258,785 @@ ur5e_status ur5e_jacobian(const ur5e_real joints[6], ur5e_real jacobian[36])
         const ur5e_real t17 = 1.4210854715202004e-14 * t8;
         const ur5e_real t18 = 2.2115642650533117e-14 * t10;
         const ur5e_real t19 = t17 + t18;
-        const ur5e_real t20 = 62.8 + t19;
-        const ur5e_real t21 = t20 - 162.5;
-        const ur5e_real t22 = t3 * t21;
-        const ur5e_real t23 = 1.0 - t3;
-        const ur5e_real t24 = t23 * t21;
-        const ur5e_real t25 = t22 + t24;
-        const ur5e_real t26 = t16 * t25;
-        const ur5e_real t27 = t15 - t26;
-        const ur5e_real t28 = -817.2 + t27;
-        const ur5e_real t29 = t28 - (-425.0);
-        const ur5e_real t30 = t1 * t29;
-        const ur5e_real t31 = sin(joints[2]);
-        const ur5e_real t32 = t2 * t25;
-        const ur5e_real t33 = t16 * t14;
-        const ur5e_real t34 = t32 + t33;
-        const ur5e_real t35 = t31 * t34;
-        const ur5e_real t36 = t30 - t35;
-        const ur5e_real t37 = -425.0 + t36;
-        const ur5e_real t38 = t0 * t37;
-        const ur5e_real t39 = sin(joints[1]);
-        const ur5e_real t40 = t1 * t34;
-        const ur5e_real t41 = t31 * t29;
-        const ur5e_real t42 = t40 + t41;
-        const ur5e_real t43 = t39 * t42;
-        const ur5e_real t44 = t38 - t43;
-        const ur5e_real t45 = sin(joints[0]);
-        const ur5e_real t46 = t44 * t45;
-        const ur5e_real t47 = t3 * t12;
-        const ur5e_real t48 = t7 * t5;
-        const ur5e_real t49 = t47 - t48;
-        const ur5e_real t50 = -133.3 + t49;
-        const ur5e_real t51 = t2 * t50;
-        const ur5e_real t52 = 1.0 - t2;
-        const ur5e_real t53 = t52 * t50;
-        const ur5e_real t54 = t51 + t53;
-        const ur5e_real t55 = t1 * t54;
-        const ur5e_real t56 = 1.0 - t1;
-        const ur5e_real t57 = t56 * t54;
-        const ur5e_real t58 = t55 + t57;
-        const ur5e_real t59 = t0 * t58;
-        const ur5e_real t60 = 1.0 - t0;
-        const ur5e_real t61 = t60 * t58;
-        const ur5e_real t62 = t59 + t61;
-        const ur5e_real t63 = cos(joints[0]);
-        const ur5e_real t64 = t62 * t63;
-        const ur5e_real t65 = t46 + t64;
-        const ur5e_real t66 = -t65;
-        const ur5e_real t67 = t37 * t39;
-        const ur5e_real t68 = t42 * t0;
-        const ur5e_real t69 = t67 + t68;
-        const ur5e_real t70 = t63 * t69;
-        const ur5e_real t71 = -t70;
-        const ur5e_real t72 = t29 * t31;
-        const ur5e_real t73 = t34 * t1;
-        const ur5e_real t74 = t72 + t73;
-        const ur5e_real t75 = t0 * t74;
-        const ur5e_real t76 = t29 * t1;
-        const ur5e_real t77 = t34 * t31;
-        const ur5e_real t78 = t76 - t77;
-        const ur5e_real t79 = t39 * t78;
-        const ur5e_real t80 = t75 + t79;
-        const ur5e_real t81 = t63 * t80;
-        const ur5e_real t82 = -t81;
-        const ur5e_real t83 = t14 * t16;
-        const ur5e_real t84 = t25 * t2;
-        const ur5e_real t85 = t83 + t84;
-        const ur5e_real t86 = t1 * t85;
-        const ur5e_real t87 = t14 * t2;
-        const ur5e_real t88 = t25 * t16;
-        const ur5e_real t89 = t87 - t88;
-        const ur5e_real t90 = t31 * t89;
-        const ur5e_real t91 = t86 + t90;
-        const ur5e_real t92 = t0 * t91;
-        const ur5e_real t93 = t1 * t89;
-        const ur5e_real t94 = t31 * t85;
-        const ur5e_real t95 = t93 - t94;
-        const ur5e_real t96 = t39 * t95;
-        const ur5e_real t97 = t92 + t96;
-        const ur5e_real t98 = t63 * t97;
-        const ur5e_real t99 = -t98;
-        const ur5e_real t100 = t12 * t3;
-        const ur5e_real t101 = t5 * t7;
-        const ur5e_real t102 = t100 - t101;
-        const ur5e_real t103 = t2 * t102;
-        const ur5e_real t104 = t1 * t103;
-        const ur5e_real t105 = t16 * t102;
-        const ur5e_real t106 = t31 * t105;
-        const ur5e_real t107 = t104 - t106;
-        const ur5e_real t108 = t0 * t107;
-        const ur5e_real t109 = t1 * t105;
-        const ur5e_real t110 = t31 * t103;
-        const ur5e_real t111 = t109 + t110;
-        const ur5e_real t112 = t39 * t111;
-        const ur5e_real t113 = t108 - t112;
-        const ur5e_real t114 = t63 * t113;
-        const ur5e_real t115 = t12 * t7;
-        const ur5e_real t116 = t5 * t3;
-        const ur5e_real t117 = t115 + t116;
-        const ur5e_real t118 = t2 * t117;
-        const ur5e_real t119 = t52 * t117;
-        const ur5e_real t120 = t118 + t119;
-        const ur5e_real t121 = t1 * t120;
-        const ur5e_real t122 = t56 * t120;
-        const ur5e_real t123 = t121 + t122;
-        const ur5e_real t124 = t0 * t123;
-        const ur5e_real t125 = t60 * t123;
-        const ur5e_real t126 = t124 + t125;
-        const ur5e_real t127 = t45 * t126;
-        const ur5e_real t128 = t114 + t127;
-        const ur5e_real t129 = 7.904787935331113e-15 * t8;
-        const ur5e_real t130 = t3 * t129;
-        const ur5e_real t131 = -99.6 * t4;
-        const ur5e_real t132 = 99.6 * t4;
-        const ur5e_real t133 = t131 + t132;
-        const ur5e_real t134 = t7 * t133;
-        const ur5e_real t135 = t130 - t134;
-        const ur5e_real t136 = t2 * t135;
-        const ur5e_real t137 = 2.2115642650533117e-14 * t4;
-        const ur5e_real t138 = 1.4210854715202004e-14 * t4;
-        const ur5e_real t139 = t137 - t138;
-        const ur5e_real t140 = t3 * t139;
-        const ur5e_real t141 = t23 * t139;
-        const ur5e_real t142 = t140 + t141;
-        const ur5e_real t143 = t16 * t142;
-        const ur5e_real t144 = t136 - t143;
-        const ur5e_real t145 = t1 * t144;
-        const ur5e_real t146 = t2 * t142;
-        const ur5e_real t147 = t16 * t135;
-        const ur5e_real t148 = t146 + t147;
-        const ur5e_real t149 = t31 * t148;
-        const ur5e_real t150 = t145 - t149;
-        const ur5e_real t151 = t0 * t150;
-        const ur5e_real t152 = t1 * t148;
-        const ur5e_real t153 = t31 * t144;
-        const ur5e_real t154 = t152 + t153;
-        const ur5e_real t155 = t39 * t154;
-        const ur5e_real t156 = t151 - t155;
-        const ur5e_real t157 = t63 * t156;
-        const ur5e_real t158 = t3 * t133;
-        const ur5e_real t159 = t7 * t129;
-        const ur5e_real t160 = t158 + t159;
-        const ur5e_real t161 = t2 * t160;
-        const ur5e_real t162 = t52 * t160;
-        const ur5e_real t163 = t161 + t162;
-        const ur5e_real t164 = t1 * t163;
-        const ur5e_real t165 = t56 * t163;
-        const ur5e_real t166 = t164 + t165;
-        const ur5e_real t167 = t0 * t166;
-        const ur5e_real t168 = t60 * t166;
-        const ur5e_real t169 = t167 + t168;
-        const ur5e_real t170 = t45 * t169;
-        const ur5e_real t171 = t157 + t170;
-        const ur5e_real t172 = t44 * t63;
-        const ur5e_real t173 = t62 * t45;
-        const ur5e_real t174 = t172 - t173;
-        const ur5e_real t175 = t45 * t69;
+        const ur5e_real t20 = t19 - 99.7;
+        const ur5e_real t21 = t3 * t20;
+        const ur5e_real t22 = 1.0 - t3;
+        const ur5e_real t23 = t22 * t20;
+        const ur5e_real t24 = t21 + t23;
+        const ur5e_real t25 = t16 * t24;
+        const ur5e_real t26 = t15 - t25;
+        const ur5e_real t27 = t26 - 392.2;
+        const ur5e_real t28 = t1 * t27;
+        const ur5e_real t29 = sin(joints[2]);
+        const ur5e_real t30 = t2 * t24;
+        const ur5e_real t31 = t16 * t14;
+        const ur5e_real t32 = t30 + t31;
+        const ur5e_real t33 = t29 * t32;
+        const ur5e_real t34 = t28 - t33;
+        const ur5e_real t35 = t34 - 425.0;
+        const ur5e_real t36 = t0 * t35;
+        const ur5e_real t37 = sin(joints[1]);
+        const ur5e_real t38 = t1 * t32;
+        const ur5e_real t39 = t29 * t27;
+        const ur5e_real t40 = t38 + t39;
+        const ur5e_real t41 = t37 * t40;
+        const ur5e_real t42 = t36 - t41;
+        const ur5e_real t43 = sin(joints[0]);
+        const ur5e_real t44 = t42 * t43;
+        const ur5e_real t45 = t3 * t12;
+        const ur5e_real t46 = t7 * t5;
+        const ur5e_real t47 = t45 - t46;
+        const ur5e_real t48 = t47 - 133.3;
+        const ur5e_real t49 = t2 * t48;
+        const ur5e_real t50 = 1.0 - t2;
+        const ur5e_real t51 = t50 * t48;
+        const ur5e_real t52 = t49 + t51;
+        const ur5e_real t53 = t1 * t52;
+        const ur5e_real t54 = 1.0 - t1;
+        const ur5e_real t55 = t54 * t52;
+        const ur5e_real t56 = t53 + t55;
+        const ur5e_real t57 = t0 * t56;
+        const ur5e_real t58 = 1.0 - t0;
+        const ur5e_real t59 = t58 * t56;
+        const ur5e_real t60 = t57 + t59;
+        const ur5e_real t61 = cos(joints[0]);
+        const ur5e_real t62 = t60 * t61;
+        const ur5e_real t63 = t44 + t62;
+        const ur5e_real t64 = -t63;
+        const ur5e_real t65 = t35 * t37;
+        const ur5e_real t66 = t40 * t0;
+        const ur5e_real t67 = t65 + t66;
+        const ur5e_real t68 = t61 * t67;
+        const ur5e_real t69 = -t68;
+        const ur5e_real t70 = t27 * t29;
+        const ur5e_real t71 = t32 * t1;
+        const ur5e_real t72 = t70 + t71;
+        const ur5e_real t73 = t0 * t72;
+        const ur5e_real t74 = t27 * t1;
+        const ur5e_real t75 = t32 * t29;
+        const ur5e_real t76 = t74 - t75;
+        const ur5e_real t77 = t37 * t76;
+        const ur5e_real t78 = t73 + t77;
+        const ur5e_real t79 = t61 * t78;
+        const ur5e_real t80 = -t79;
+        const ur5e_real t81 = t14 * t16;
+        const ur5e_real t82 = t24 * t2;
+        const ur5e_real t83 = t81 + t82;
+        const ur5e_real t84 = t1 * t83;
+        const ur5e_real t85 = t14 * t2;
+        const ur5e_real t86 = t24 * t16;
+        const ur5e_real t87 = t85 - t86;
+        const ur5e_real t88 = t29 * t87;
+        const ur5e_real t89 = t84 + t88;
+        const ur5e_real t90 = t0 * t89;
+        const ur5e_real t91 = t1 * t87;
+        const ur5e_real t92 = t29 * t83;
+        const ur5e_real t93 = t91 - t92;
+        const ur5e_real t94 = t37 * t93;
+        const ur5e_real t95 = t90 + t94;
+        const ur5e_real t96 = t61 * t95;
+        const ur5e_real t97 = -t96;
+        const ur5e_real t98 = t12 * t3;
+        const ur5e_real t99 = t5 * t7;
+        const ur5e_real t100 = t98 - t99;
+        const ur5e_real t101 = t2 * t100;
+        const ur5e_real t102 = t1 * t101;
+        const ur5e_real t103 = t16 * t100;
+        const ur5e_real t104 = t29 * t103;
+        const ur5e_real t105 = t102 - t104;
+        const ur5e_real t106 = t0 * t105;
+        const ur5e_real t107 = t1 * t103;
+        const ur5e_real t108 = t29 * t101;
+        const ur5e_real t109 = t107 + t108;
+        const ur5e_real t110 = t37 * t109;
+        const ur5e_real t111 = t106 - t110;
+        const ur5e_real t112 = t61 * t111;
+        const ur5e_real t113 = t12 * t7;
+        const ur5e_real t114 = t5 * t3;
+        const ur5e_real t115 = t113 + t114;
+        const ur5e_real t116 = t2 * t115;
+        const ur5e_real t117 = t50 * t115;
+        const ur5e_real t118 = t116 + t117;
+        const ur5e_real t119 = t1 * t118;
+        const ur5e_real t120 = t54 * t118;
+        const ur5e_real t121 = t119 + t120;
+        const ur5e_real t122 = t0 * t121;
+        const ur5e_real t123 = t58 * t121;
+        const ur5e_real t124 = t122 + t123;
+        const ur5e_real t125 = t43 * t124;
+        const ur5e_real t126 = t112 + t125;
+        const ur5e_real t127 = 7.904787935331113e-15 * t8;
+        const ur5e_real t128 = t3 * t127;
+        const ur5e_real t129 = -99.6 * t4;
+        const ur5e_real t130 = 99.6 * t4;
+        const ur5e_real t131 = t129 + t130;
+        const ur5e_real t132 = t7 * t131;
+        const ur5e_real t133 = t128 - t132;
+        const ur5e_real t134 = t2 * t133;
+        const ur5e_real t135 = 2.2115642650533117e-14 * t4;
+        const ur5e_real t136 = 1.4210854715202004e-14 * t4;
+        const ur5e_real t137 = t135 - t136;
+        const ur5e_real t138 = t3 * t137;
+        const ur5e_real t139 = t22 * t137;
+        const ur5e_real t140 = t138 + t139;
+        const ur5e_real t141 = t16 * t140;
+        const ur5e_real t142 = t134 - t141;
+        const ur5e_real t143 = t1 * t142;
+        const ur5e_real t144 = t2 * t140;
+        const ur5e_real t145 = t16 * t133;
+        const ur5e_real t146 = t144 + t145;
+        const ur5e_real t147 = t29 * t146;
+        const ur5e_real t148 = t143 - t147;
+        const ur5e_real t149 = t0 * t148;
+        const ur5e_real t150 = t1 * t146;
+        const ur5e_real t151 = t29 * t142;
+        const ur5e_real t152 = t150 + t151;
+        const ur5e_real t153 = t37 * t152;
+        const ur5e_real t154 = t149 - t153;
+        const ur5e_real t155 = t61 * t154;
+        const ur5e_real t156 = t3 * t131;
+        const ur5e_real t157 = t7 * t127;
+        const ur5e_real t158 = t156 + t157;
+        const ur5e_real t159 = t2 * t158;
+        const ur5e_real t160 = t50 * t158;
+        const ur5e_real t161 = t159 + t160;
+        const ur5e_real t162 = t1 * t161;
+        const ur5e_real t163 = t54 * t161;
+        const ur5e_real t164 = t162 + t163;
+        const ur5e_real t165 = t0 * t164;
+        const ur5e_real t166 = t58 * t164;
+        const ur5e_real t167 = t165 + t166;
+        const ur5e_real t168 = t43 * t167;
+        const ur5e_real t169 = t155 + t168;
+        const ur5e_real t170 = t42 * t61;
+        const ur5e_real t171 = t60 * t43;
+        const ur5e_real t172 = t170 - t171;
+        const ur5e_real t173 = t43 * t67;
+        const ur5e_real t174 = -t173;
+        const ur5e_real t175 = t43 * t78;
         const ur5e_real t176 = -t175;
-        const ur5e_real t177 = t45 * t80;
+        const ur5e_real t177 = t43 * t95;
         const ur5e_real t178 = -t177;
-        const ur5e_real t179 = t45 * t97;
-        const ur5e_real t180 = -t179;
-        const ur5e_real t181 = t45 * t113;
-        const ur5e_real t182 = t63 * t126;
-        const ur5e_real t183 = t181 - t182;
-        const ur5e_real t184 = t45 * t156;
-        const ur5e_real t185 = t63 * t169;
-        const ur5e_real t186 = t184 - t185;
-        const ur5e_real t187 = t37 * t0;
-        const ur5e_real t188 = t42 * t39;
-        const ur5e_real t189 = t187 - t188;
-        const ur5e_real t190 = t63 * t189;
-        const ur5e_real t191 = 1.0 - t63;
-        const ur5e_real t192 = t191 * t189;
-        const ur5e_real t193 = t190 + t192;
-        const ur5e_real t194 = t0 * t78;
-        const ur5e_real t195 = t39 * t74;
-        const ur5e_real t196 = t194 - t195;
-        const ur5e_real t197 = t63 * t196;
-        const ur5e_real t198 = t191 * t196;
-        const ur5e_real t199 = t197 + t198;
-        const ur5e_real t200 = t0 * t95;
-        const ur5e_real t201 = t39 * t91;
-        const ur5e_real t202 = t200 - t201;
-        const ur5e_real t203 = t63 * t202;
-        const ur5e_real t204 = t191 * t202;
-        const ur5e_real t205 = t203 + t204;
-        const ur5e_real t206 = t0 * t111;
-        const ur5e_real t207 = t39 * t107;
-        const ur5e_real t208 = t206 + t207;
-        const ur5e_real t209 = t63 * t208;
-        const ur5e_real t210 = t191 * t208;
-        const ur5e_real t211 = t209 + t210;
-        const ur5e_real t212 = t0 * t154;
-        const ur5e_real t213 = t39 * t150;
-        const ur5e_real t214 = t212 + t213;
-        const ur5e_real t215 = t63 * t214;
-        const ur5e_real t216 = t191 * t214;
-        const ur5e_real t217 = t215 + t216;
-        const ur5e_real t218 = 0.5 * joints[5];
+        const ur5e_real t179 = t43 * t111;
+        const ur5e_real t180 = t61 * t124;
+        const ur5e_real t181 = t179 - t180;
+        const ur5e_real t182 = t43 * t154;
+        const ur5e_real t183 = t61 * t167;
+        const ur5e_real t184 = t182 - t183;
+        const ur5e_real t185 = t35 * t0;
+        const ur5e_real t186 = t40 * t37;
+        const ur5e_real t187 = t185 - t186;
+        const ur5e_real t188 = t61 * t187;
+        const ur5e_real t189 = 1.0 - t61;
+        const ur5e_real t190 = t189 * t187;
+        const ur5e_real t191 = t188 + t190;
+        const ur5e_real t192 = t0 * t76;
+        const ur5e_real t193 = t37 * t72;
+        const ur5e_real t194 = t192 - t193;
+        const ur5e_real t195 = t61 * t194;
+        const ur5e_real t196 = t189 * t194;
+        const ur5e_real t197 = t195 + t196;
+        const ur5e_real t198 = t0 * t93;
+        const ur5e_real t199 = t37 * t89;
+        const ur5e_real t200 = t198 - t199;
+        const ur5e_real t201 = t61 * t200;
+        const ur5e_real t202 = t189 * t200;
+        const ur5e_real t203 = t201 + t202;
+        const ur5e_real t204 = t0 * t109;
+        const ur5e_real t205 = t37 * t105;
+        const ur5e_real t206 = t204 + t205;
+        const ur5e_real t207 = t61 * t206;
+        const ur5e_real t208 = t189 * t206;
+        const ur5e_real t209 = t207 + t208;
+        const ur5e_real t210 = t0 * t152;
+        const ur5e_real t211 = t37 * t148;
+        const ur5e_real t212 = t210 + t211;
+        const ur5e_real t213 = t61 * t212;
+        const ur5e_real t214 = t189 * t212;
+        const ur5e_real t215 = t213 + t214;
+        const ur5e_real t216 = 0.5 * joints[5];
+        const ur5e_real t217 = cos(t216);
+        const ur5e_real t218 = 0.5 * joints[4];
         const ur5e_real t219 = cos(t218);
-        const ur5e_real t220 = 0.5 * joints[4];
+        const ur5e_real t220 = 0.5 * joints[3];
         const ur5e_real t221 = cos(t220);
-        const ur5e_real t222 = 0.5 * joints[3];
-        const ur5e_real t223 = cos(t222);
-        const ur5e_real t224 = 0.5 * joints[2];
+        const ur5e_real t222 = 0.5 * joints[2];
+        const ur5e_real t223 = sin(t222);
+        const ur5e_real t224 = 0.5 * joints[1];
         const ur5e_real t225 = sin(t224);
-        const ur5e_real t226 = 0.5 * joints[1];
+        const ur5e_real t226 = 0.5 * joints[0];
         const ur5e_real t227 = sin(t226);
-        const ur5e_real t228 = 0.5 * joints[0];
-        const ur5e_real t229 = sin(t228);
-        const ur5e_real t230 = 0.5 * t229;
-        const ur5e_real t231 = t227 * t230;
-        const ur5e_real t232 = t225 * t231;
-        const ur5e_real t233 = cos(t224);
-        const ur5e_real t234 = cos(t226);
-        const ur5e_real t235 = t234 * t230;
-        const ur5e_real t236 = t233 * t235;
-        const ur5e_real t237 = t232 - t236;
-        const ur5e_real t238 = t223 * t237;
-        const ur5e_real t239 = sin(t222);
-        const ur5e_real t240 = t225 * t235;
-        const ur5e_real t241 = t233 * t231;
-        const ur5e_real t242 = t240 + t241;
-        const ur5e_real t243 = t239 * t242;
-        const ur5e_real t244 = t238 + t243;
-        const ur5e_real t245 = t221 * t244;
-        const ur5e_real t246 = sin(t220);
-        const ur5e_real t247 = cos(t228);
-        const ur5e_real t248 = 0.5 * t247;
-        const ur5e_real t249 = t234 * t248;
-        const ur5e_real t250 = t233 * t249;
-        const ur5e_real t251 = t227 * t248;
-        const ur5e_real t252 = t225 * t251;
-        const ur5e_real t253 = t250 - t252;
-        const ur5e_real t254 = t223 * t253;
-        const ur5e_real t255 = t233 * t251;
-        const ur5e_real t256 = t225 * t249;
-        const ur5e_real t257 = t255 + t256;
-        const ur5e_real t258 = t239 * t257;
-        const ur5e_real t259 = t254 - t258;
-        const ur5e_real t260 = t246 * t259;
-        const ur5e_real t261 = t245 + t260;
-        const ur5e_real t262 = t219 * t261;
-        const ur5e_real t263 = sin(t218);
-        const ur5e_real t264 = t223 * t257;
-        const ur5e_real t265 = t239 * t253;
-        const ur5e_real t266 = t264 + t265;
-        const ur5e_real t267 = t246 * t266;
-        const ur5e_real t268 = t239 * t237;
-        const ur5e_real t269 = t223 * t242;
-        const ur5e_real t270 = t268 - t269;
-        const ur5e_real t271 = t221 * t270;
-        const ur5e_real t272 = t267 - t271;
-        const ur5e_real t273 = t263 * t272;
-        const ur5e_real t274 = t262 + t273;
-        const ur5e_real t275 = 0.7071067811865475 * t274;
-        const ur5e_real t276 = t221 * t266;
-        const ur5e_real t277 = t246 * t270;
-        const ur5e_real t278 = t276 + t277;
-        const ur5e_real t279 = t219 * t278;
-        const ur5e_real t280 = t221 * t259;
-        const ur5e_real t281 = t246 * t244;
-        const ur5e_real t282 = t280 - t281;
-        const ur5e_real t283 = t263 * t282;
-        const ur5e_real t284 = t279 + t283;
-        const ur5e_real t285 = 0.7071067811865476 * t284;
-        const ur5e_real t286 = t275 + t285;
-        const ur5e_real t287 = t286 + t286;
-        const ur5e_real t288 = t247 * t234;
-        const ur5e_real t289 = t288 * t233;
-        const ur5e_real t290 = t247 * t227;
-        const ur5e_real t291 = t290 * t225;
-        const ur5e_real t292 = t289 - t291;
-        const ur5e_real t293 = t292 * t223;
-        const ur5e_real t294 = t288 * t225;
-        const ur5e_real t295 = t290 * t233;
-        const ur5e_real t296 = t294 + t295;
-        const ur5e_real t297 = t296 * t239;
-        const ur5e_real t298 = t293 - t297;
-        const ur5e_real t299 = t298 * t221;
-        const ur5e_real t300 = t229 * t234;
-        const ur5e_real t301 = t300 * t233;
-        const ur5e_real t302 = t229 * t227;
-        const ur5e_real t303 = t302 * t225;
-        const ur5e_real t304 = t301 - t303;
-        const ur5e_real t305 = t304 * t223;
-        const ur5e_real t306 = t302 * t233;
-        const ur5e_real t307 = t300 * t225;
-        const ur5e_real t308 = t306 + t307;
-        const ur5e_real t309 = t308 * t239;
-        const ur5e_real t310 = t305 - t309;
-        const ur5e_real t311 = t310 * t246;
-        const ur5e_real t312 = t299 + t311;
-        const ur5e_real t313 = t312 * t219;
-        const ur5e_real t314 = t308 * t223;
-        const ur5e_real t315 = t304 * t239;
-        const ur5e_real t316 = t314 + t315;
-        const ur5e_real t317 = t316 * t246;
-        const ur5e_real t318 = t292 * t239;
-        const ur5e_real t319 = t296 * t223;
-        const ur5e_real t320 = t318 + t319;
-        const ur5e_real t321 = t320 * t221;
-        const ur5e_real t322 = t317 - t321;
-        const ur5e_real t323 = t322 * t263;
-        const ur5e_real t324 = t313 + t323;
-        const ur5e_real t325 = 0.7071067811865476 * t324;
-        const ur5e_real t326 = t316 * t221;
-        const ur5e_real t327 = t320 * t246;
-        const ur5e_real t328 = t326 + t327;
-        const ur5e_real t329 = t328 * t219;
-        const ur5e_real t330 = t310 * t221;
-        const ur5e_real t331 = t298 * t246;
-        const ur5e_real t332 = t330 - t331;
-        const ur5e_real t333 = t332 * t263;
-        const ur5e_real t334 = t329 + t333;
-        const ur5e_real t335 = 0.7071067811865475 * t334;
-        const ur5e_real t336 = t325 - t335;
-        const ur5e_real t337 = t287 * t336;
-        const ur5e_real t338 = 0.7071067811865476 * t274;
-        const ur5e_real t339 = 0.7071067811865475 * t284;
-        const ur5e_real t340 = t338 - t339;
-        const ur5e_real t341 = t340 + t340;
-        const ur5e_real t342 = 0.7071067811865475 * t324;
-        const ur5e_real t343 = 0.7071067811865476 * t334;
-        const ur5e_real t344 = t342 + t343;
-        const ur5e_real t345 = t341 * t344;
-        const ur5e_real t346 = t337 - t345;
-        const ur5e_real t347 = t219 * t272;
-        const ur5e_real t348 = t263 * t261;
-        const ur5e_real t349 = t347 - t348;
-        const ur5e_real t350 = 0.7071067811865476 * t349;
-        const ur5e_real t351 = t219 * t282;
-        const ur5e_real t352 = t263 * t278;
-        const ur5e_real t353 = t351 - t352;
-        const ur5e_real t354 = 0.7071067811865475 * t353;
-        const ur5e_real t355 = t350 + t354;
-        const ur5e_real t356 = t355 + t355;
-        const ur5e_real t357 = t332 * t219;
-        const ur5e_real t358 = t328 * t263;
-        const ur5e_real t359 = t357 - t358;
-        const ur5e_real t360 = 0.7071067811865476 * t359;
-        const ur5e_real t361 = t322 * t219;
-        const ur5e_real t362 = t312 * t263;
-        const ur5e_real t363 = t361 - t362;
-        const ur5e_real t364 = 0.7071067811865475 * t363;
-        const ur5e_real t365 = t360 - t364;
-        const ur5e_real t366 = t356 * t365;
-        const ur5e_real t367 = t346 - t366;
-        const ur5e_real t368 = 0.7071067811865476 * t353;
-        const ur5e_real t369 = 0.7071067811865475 * t349;
-        const ur5e_real t370 = t368 - t369;
-        const ur5e_real t371 = t370 + t370;
-        const ur5e_real t372 = 0.7071067811865476 * t363;
-        const ur5e_real t373 = 0.7071067811865475 * t359;
-        const ur5e_real t374 = t372 + t373;
-        const ur5e_real t375 = t371 * t374;
-        const ur5e_real t376 = t367 + t375;
-        const ur5e_real t377 = 0.5 * t234;
-        const ur5e_real t378 = t229 * t377;
-        const ur5e_real t379 = t233 * t378;
-        const ur5e_real t380 = 0.5 * t227;
-        const ur5e_real t381 = t229 * t380;
-        const ur5e_real t382 = t225 * t381;
-        const ur5e_real t383 = t379 - t382;
-        const ur5e_real t384 = t223 * t383;
-        const ur5e_real t385 = t233 * t381;
-        const ur5e_real t386 = t225 * t378;
-        const ur5e_real t387 = t385 + t386;
-        const ur5e_real t388 = t239 * t387;
-        const ur5e_real t389 = t384 - t388;
-        const ur5e_real t390 = t246 * t389;
-        const ur5e_real t391 = t247 * t377;
-        const ur5e_real t392 = t233 * t391;
-        const ur5e_real t393 = t247 * t380;
-        const ur5e_real t394 = t225 * t393;
-        const ur5e_real t395 = t392 - t394;
-        const ur5e_real t396 = t223 * t395;
-        const ur5e_real t397 = t233 * t393;
-        const ur5e_real t398 = t225 * t391;
-        const ur5e_real t399 = t397 + t398;
-        const ur5e_real t400 = t239 * t399;
-        const ur5e_real t401 = t396 - t400;
-        const ur5e_real t402 = t221 * t401;
-        const ur5e_real t403 = t390 - t402;
-        const ur5e_real t404 = t263 * t403;
-        const ur5e_real t405 = t223 * t399;
-        const ur5e_real t406 = t239 * t395;
-        const ur5e_real t407 = t405 + t406;
-        const ur5e_real t408 = t221 * t407;
-        const ur5e_real t409 = t223 * t387;
-        const ur5e_real t410 = t239 * t383;
-        const ur5e_real t411 = t409 + t410;
-        const ur5e_real t412 = t246 * t411;
-        const ur5e_real t413 = t408 + t412;
-        const ur5e_real t414 = t219 * t413;
-        const ur5e_real t415 = t404 - t414;
-        const ur5e_real t416 = 0.7071067811865475 * t415;
-        const ur5e_real t417 = t221 * t389;
-        const ur5e_real t418 = t246 * t401;
-        const ur5e_real t419 = t417 + t418;
-        const ur5e_real t420 = t219 * t419;
-        const ur5e_real t421 = t246 * t407;
-        const ur5e_real t422 = t221 * t411;
-        const ur5e_real t423 = t421 - t422;
-        const ur5e_real t424 = t263 * t423;
-        const ur5e_real t425 = t420 + t424;
-        const ur5e_real t426 = 0.7071067811865476 * t425;
-        const ur5e_real t427 = t416 + t426;
-        const ur5e_real t428 = t427 + t427;
-        const ur5e_real t429 = t428 * t336;
-        const ur5e_real t430 = 0.7071067811865476 * t415;
-        const ur5e_real t431 = 0.7071067811865475 * t425;
-        const ur5e_real t432 = t430 - t431;
-        const ur5e_real t433 = t432 + t432;
-        const ur5e_real t434 = t433 * t344;
-        const ur5e_real t435 = t429 - t434;
-        const ur5e_real t436 = t219 * t403;
-        const ur5e_real t437 = t263 * t413;
-        const ur5e_real t438 = t436 + t437;
-        const ur5e_real t439 = 0.7071067811865476 * t438;
-        const ur5e_real t440 = t219 * t423;
-        const ur5e_real t441 = t263 * t419;
-        const ur5e_real t442 = t440 - t441;
-        const ur5e_real t443 = 0.7071067811865475 * t442;
-        const ur5e_real t444 = t439 + t443;
-        const ur5e_real t445 = t444 + t444;
-        const ur5e_real t446 = t445 * t365;
-        const ur5e_real t447 = t435 - t446;
-        const ur5e_real t448 = 0.7071067811865476 * t442;
-        const ur5e_real t449 = 0.7071067811865475 * t438;
-        const ur5e_real t450 = t448 - t449;
-        const ur5e_real t451 = t450 + t450;
-        const ur5e_real t452 = t451 * t374;
-        const ur5e_real t453 = t447 + t452;
-        const ur5e_real t454 = 0.5 * t233;
+        const ur5e_real t228 = 0.5 * t227;
+        const ur5e_real t229 = t225 * t228;
+        const ur5e_real t230 = t223 * t229;
+        const ur5e_real t231 = cos(t222);
+        const ur5e_real t232 = cos(t224);
+        const ur5e_real t233 = t232 * t228;
+        const ur5e_real t234 = t231 * t233;
+        const ur5e_real t235 = t230 - t234;
+        const ur5e_real t236 = t221 * t235;
+        const ur5e_real t237 = sin(t220);
+        const ur5e_real t238 = t223 * t233;
+        const ur5e_real t239 = t231 * t229;
+        const ur5e_real t240 = t238 + t239;
+        const ur5e_real t241 = t237 * t240;
+        const ur5e_real t242 = t236 + t241;
+        const ur5e_real t243 = t219 * t242;
+        const ur5e_real t244 = sin(t218);
+        const ur5e_real t245 = cos(t226);
+        const ur5e_real t246 = 0.5 * t245;
+        const ur5e_real t247 = t232 * t246;
+        const ur5e_real t248 = t231 * t247;
+        const ur5e_real t249 = t225 * t246;
+        const ur5e_real t250 = t223 * t249;
+        const ur5e_real t251 = t248 - t250;
+        const ur5e_real t252 = t221 * t251;
+        const ur5e_real t253 = t231 * t249;
+        const ur5e_real t254 = t223 * t247;
+        const ur5e_real t255 = t253 + t254;
+        const ur5e_real t256 = t237 * t255;
+        const ur5e_real t257 = t252 - t256;
+        const ur5e_real t258 = t244 * t257;
+        const ur5e_real t259 = t243 + t258;
+        const ur5e_real t260 = t217 * t259;
+        const ur5e_real t261 = sin(t216);
+        const ur5e_real t262 = t221 * t255;
+        const ur5e_real t263 = t237 * t251;
+        const ur5e_real t264 = t262 + t263;
+        const ur5e_real t265 = t244 * t264;
+        const ur5e_real t266 = t237 * t235;
+        const ur5e_real t267 = t221 * t240;
+        const ur5e_real t268 = t266 - t267;
+        const ur5e_real t269 = t219 * t268;
+        const ur5e_real t270 = t265 - t269;
+        const ur5e_real t271 = t261 * t270;
+        const ur5e_real t272 = t260 + t271;
+        const ur5e_real t273 = 0.7071067811865475 * t272;
+        const ur5e_real t274 = t219 * t264;
+        const ur5e_real t275 = t244 * t268;
+        const ur5e_real t276 = t274 + t275;
+        const ur5e_real t277 = t217 * t276;
+        const ur5e_real t278 = t219 * t257;
+        const ur5e_real t279 = t244 * t242;
+        const ur5e_real t280 = t278 - t279;
+        const ur5e_real t281 = t261 * t280;
+        const ur5e_real t282 = t277 + t281;
+        const ur5e_real t283 = 0.7071067811865476 * t282;
+        const ur5e_real t284 = t273 + t283;
+        const ur5e_real t285 = t284 + t284;
+        const ur5e_real t286 = t245 * t232;
+        const ur5e_real t287 = t286 * t231;
+        const ur5e_real t288 = t245 * t225;
+        const ur5e_real t289 = t288 * t223;
+        const ur5e_real t290 = t287 - t289;
+        const ur5e_real t291 = t290 * t221;
+        const ur5e_real t292 = t286 * t223;
+        const ur5e_real t293 = t288 * t231;
+        const ur5e_real t294 = t292 + t293;
+        const ur5e_real t295 = t294 * t237;
+        const ur5e_real t296 = t291 - t295;
+        const ur5e_real t297 = t296 * t219;
+        const ur5e_real t298 = t227 * t232;
+        const ur5e_real t299 = t298 * t231;
+        const ur5e_real t300 = t227 * t225;
+        const ur5e_real t301 = t300 * t223;
+        const ur5e_real t302 = t299 - t301;
+        const ur5e_real t303 = t302 * t221;
+        const ur5e_real t304 = t300 * t231;
+        const ur5e_real t305 = t298 * t223;
+        const ur5e_real t306 = t304 + t305;
+        const ur5e_real t307 = t306 * t237;
+        const ur5e_real t308 = t303 - t307;
+        const ur5e_real t309 = t308 * t244;
+        const ur5e_real t310 = t297 + t309;
+        const ur5e_real t311 = t310 * t217;
+        const ur5e_real t312 = t306 * t221;
+        const ur5e_real t313 = t302 * t237;
+        const ur5e_real t314 = t312 + t313;
+        const ur5e_real t315 = t314 * t244;
+        const ur5e_real t316 = t290 * t237;
+        const ur5e_real t317 = t294 * t221;
+        const ur5e_real t318 = t316 + t317;
+        const ur5e_real t319 = t318 * t219;
+        const ur5e_real t320 = t315 - t319;
+        const ur5e_real t321 = t320 * t261;
+        const ur5e_real t322 = t311 + t321;
+        const ur5e_real t323 = 0.7071067811865476 * t322;
+        const ur5e_real t324 = t314 * t219;
+        const ur5e_real t325 = t318 * t244;
+        const ur5e_real t326 = t324 + t325;
+        const ur5e_real t327 = t326 * t217;
+        const ur5e_real t328 = t308 * t219;
+        const ur5e_real t329 = t296 * t244;
+        const ur5e_real t330 = t328 - t329;
+        const ur5e_real t331 = t330 * t261;
+        const ur5e_real t332 = t327 + t331;
+        const ur5e_real t333 = 0.7071067811865475 * t332;
+        const ur5e_real t334 = t323 - t333;
+        const ur5e_real t335 = t285 * t334;
+        const ur5e_real t336 = 0.7071067811865476 * t272;
+        const ur5e_real t337 = 0.7071067811865475 * t282;
+        const ur5e_real t338 = t336 - t337;
+        const ur5e_real t339 = t338 + t338;
+        const ur5e_real t340 = 0.7071067811865475 * t322;
+        const ur5e_real t341 = 0.7071067811865476 * t332;
+        const ur5e_real t342 = t340 + t341;
+        const ur5e_real t343 = t339 * t342;
+        const ur5e_real t344 = t335 - t343;
+        const ur5e_real t345 = t217 * t270;
+        const ur5e_real t346 = t261 * t259;
+        const ur5e_real t347 = t345 - t346;
+        const ur5e_real t348 = 0.7071067811865476 * t347;
+        const ur5e_real t349 = t217 * t280;
+        const ur5e_real t350 = t261 * t276;
+        const ur5e_real t351 = t349 - t350;
+        const ur5e_real t352 = 0.7071067811865475 * t351;
+        const ur5e_real t353 = t348 + t352;
+        const ur5e_real t354 = t353 + t353;
+        const ur5e_real t355 = t330 * t217;
+        const ur5e_real t356 = t326 * t261;
+        const ur5e_real t357 = t355 - t356;
+        const ur5e_real t358 = 0.7071067811865476 * t357;
+        const ur5e_real t359 = t320 * t217;
+        const ur5e_real t360 = t310 * t261;
+        const ur5e_real t361 = t359 - t360;
+        const ur5e_real t362 = 0.7071067811865475 * t361;
+        const ur5e_real t363 = t358 - t362;
+        const ur5e_real t364 = t354 * t363;
+        const ur5e_real t365 = t344 - t364;
+        const ur5e_real t366 = 0.7071067811865476 * t351;
+        const ur5e_real t367 = 0.7071067811865475 * t347;
+        const ur5e_real t368 = t366 - t367;
+        const ur5e_real t369 = t368 + t368;
+        const ur5e_real t370 = 0.7071067811865476 * t361;
+        const ur5e_real t371 = 0.7071067811865475 * t357;
+        const ur5e_real t372 = t370 + t371;
+        const ur5e_real t373 = t369 * t372;
+        const ur5e_real t374 = t365 + t373;
+        const ur5e_real t375 = 0.5 * t232;
+        const ur5e_real t376 = t227 * t375;
+        const ur5e_real t377 = t231 * t376;
+        const ur5e_real t378 = 0.5 * t225;
+        const ur5e_real t379 = t227 * t378;
+        const ur5e_real t380 = t223 * t379;
+        const ur5e_real t381 = t377 - t380;
+        const ur5e_real t382 = t221 * t381;
+        const ur5e_real t383 = t231 * t379;
+        const ur5e_real t384 = t223 * t376;
+        const ur5e_real t385 = t383 + t384;
+        const ur5e_real t386 = t237 * t385;
+        const ur5e_real t387 = t382 - t386;
+        const ur5e_real t388 = t244 * t387;
+        const ur5e_real t389 = t245 * t375;
+        const ur5e_real t390 = t231 * t389;
+        const ur5e_real t391 = t245 * t378;
+        const ur5e_real t392 = t223 * t391;
+        const ur5e_real t393 = t390 - t392;
+        const ur5e_real t394 = t221 * t393;
+        const ur5e_real t395 = t231 * t391;
+        const ur5e_real t396 = t223 * t389;
+        const ur5e_real t397 = t395 + t396;
+        const ur5e_real t398 = t237 * t397;
+        const ur5e_real t399 = t394 - t398;
+        const ur5e_real t400 = t219 * t399;
+        const ur5e_real t401 = t388 - t400;
+        const ur5e_real t402 = t261 * t401;
+        const ur5e_real t403 = t221 * t397;
+        const ur5e_real t404 = t237 * t393;
+        const ur5e_real t405 = t403 + t404;
+        const ur5e_real t406 = t219 * t405;
+        const ur5e_real t407 = t221 * t385;
+        const ur5e_real t408 = t237 * t381;
+        const ur5e_real t409 = t407 + t408;
+        const ur5e_real t410 = t244 * t409;
+        const ur5e_real t411 = t406 + t410;
+        const ur5e_real t412 = t217 * t411;
+        const ur5e_real t413 = t402 - t412;
+        const ur5e_real t414 = 0.7071067811865475 * t413;
+        const ur5e_real t415 = t219 * t387;
+        const ur5e_real t416 = t244 * t399;
+        const ur5e_real t417 = t415 + t416;
+        const ur5e_real t418 = t217 * t417;
+        const ur5e_real t419 = t244 * t405;
+        const ur5e_real t420 = t219 * t409;
+        const ur5e_real t421 = t419 - t420;
+        const ur5e_real t422 = t261 * t421;
+        const ur5e_real t423 = t418 + t422;
+        const ur5e_real t424 = 0.7071067811865476 * t423;
+        const ur5e_real t425 = t414 + t424;
+        const ur5e_real t426 = t425 + t425;
+        const ur5e_real t427 = t426 * t334;
+        const ur5e_real t428 = 0.7071067811865476 * t413;
+        const ur5e_real t429 = 0.7071067811865475 * t423;
+        const ur5e_real t430 = t428 - t429;
+        const ur5e_real t431 = t430 + t430;
+        const ur5e_real t432 = t431 * t342;
+        const ur5e_real t433 = t427 - t432;
+        const ur5e_real t434 = t217 * t401;
+        const ur5e_real t435 = t261 * t411;
+        const ur5e_real t436 = t434 + t435;
+        const ur5e_real t437 = 0.7071067811865476 * t436;
+        const ur5e_real t438 = t217 * t421;
+        const ur5e_real t439 = t261 * t417;
+        const ur5e_real t440 = t438 - t439;
+        const ur5e_real t441 = 0.7071067811865475 * t440;
+        const ur5e_real t442 = t437 + t441;
+        const ur5e_real t443 = t442 + t442;
+        const ur5e_real t444 = t443 * t363;
+        const ur5e_real t445 = t433 - t444;
+        const ur5e_real t446 = 0.7071067811865476 * t440;
+        const ur5e_real t447 = 0.7071067811865475 * t436;
+        const ur5e_real t448 = t446 - t447;
+        const ur5e_real t449 = t448 + t448;
+        const ur5e_real t450 = t449 * t372;
+        const ur5e_real t451 = t445 + t450;
+        const ur5e_real t452 = 0.5 * t231;
+        const ur5e_real t453 = t298 * t452;
+        const ur5e_real t454 = 0.5 * t223;
         const ur5e_real t455 = t300 * t454;
-        const ur5e_real t456 = 0.5 * t225;
-        const ur5e_real t457 = t302 * t456;
-        const ur5e_real t458 = t455 - t457;
-        const ur5e_real t459 = t223 * t458;
-        const ur5e_real t460 = t300 * t456;
-        const ur5e_real t461 = t302 * t454;
-        const ur5e_real t462 = t460 + t461;
-        const ur5e_real t463 = t239 * t462;
-        const ur5e_real t464 = t459 - t463;
-        const ur5e_real t465 = t246 * t464;
-        const ur5e_real t466 = t288 * t454;
-        const ur5e_real t467 = t290 * t456;
-        const ur5e_real t468 = t466 - t467;
-        const ur5e_real t469 = t223 * t468;
-        const ur5e_real t470 = t288 * t456;
-        const ur5e_real t471 = t290 * t454;
-        const ur5e_real t472 = t470 + t471;
-        const ur5e_real t473 = t239 * t472;
-        const ur5e_real t474 = t469 - t473;
-        const ur5e_real t475 = t221 * t474;
-        const ur5e_real t476 = t465 - t475;
-        const ur5e_real t477 = t263 * t476;
-        const ur5e_real t478 = t223 * t472;
-        const ur5e_real t479 = t239 * t468;
-        const ur5e_real t480 = t478 + t479;
-        const ur5e_real t481 = t221 * t480;
-        const ur5e_real t482 = t223 * t462;
-        const ur5e_real t483 = t239 * t458;
-        const ur5e_real t484 = t482 + t483;
-        const ur5e_real t485 = t246 * t484;
-        const ur5e_real t486 = t481 + t485;
-        const ur5e_real t487 = t219 * t486;
-        const ur5e_real t488 = t477 - t487;
-        const ur5e_real t489 = 0.7071067811865475 * t488;
-        const ur5e_real t490 = t221 * t464;
-        const ur5e_real t491 = t246 * t474;
-        const ur5e_real t492 = t490 + t491;
-        const ur5e_real t493 = t219 * t492;
-        const ur5e_real t494 = t246 * t480;
-        const ur5e_real t495 = t221 * t484;
-        const ur5e_real t496 = t494 - t495;
-        const ur5e_real t497 = t263 * t496;
-        const ur5e_real t498 = t493 + t497;
-        const ur5e_real t499 = 0.7071067811865476 * t498;
-        const ur5e_real t500 = t489 + t499;
-        const ur5e_real t501 = t500 + t500;
-        const ur5e_real t502 = t501 * t336;
-        const ur5e_real t503 = 0.7071067811865476 * t488;
-        const ur5e_real t504 = 0.7071067811865475 * t498;
-        const ur5e_real t505 = t503 - t504;
-        const ur5e_real t506 = t505 + t505;
-        const ur5e_real t507 = t506 * t344;
-        const ur5e_real t508 = t502 - t507;
-        const ur5e_real t509 = t219 * t476;
-        const ur5e_real t510 = t263 * t486;
-        const ur5e_real t511 = t509 + t510;
-        const ur5e_real t512 = 0.7071067811865476 * t511;
-        const ur5e_real t513 = t219 * t496;
-        const ur5e_real t514 = t263 * t492;
-        const ur5e_real t515 = t513 - t514;
-        const ur5e_real t516 = 0.7071067811865475 * t515;
-        const ur5e_real t517 = t512 + t516;
-        const ur5e_real t518 = t517 + t517;
-        const ur5e_real t519 = t518 * t365;
-        const ur5e_real t520 = t508 - t519;
-        const ur5e_real t521 = 0.7071067811865476 * t515;
-        const ur5e_real t522 = 0.7071067811865475 * t511;
-        const ur5e_real t523 = t521 - t522;
-        const ur5e_real t524 = t523 + t523;
-        const ur5e_real t525 = t524 * t374;
-        const ur5e_real t526 = t520 + t525;
-        const ur5e_real t527 = 0.5 * t223;
-        const ur5e_real t528 = t304 * t527;
-        const ur5e_real t529 = 0.5 * t239;
-        const ur5e_real t530 = t308 * t529;
-        const ur5e_real t531 = t528 - t530;
-        const ur5e_real t532 = t246 * t531;
-        const ur5e_real t533 = t292 * t527;
-        const ur5e_real t534 = t296 * t529;
-        const ur5e_real t535 = t533 - t534;
-        const ur5e_real t536 = t221 * t535;
-        const ur5e_real t537 = t532 - t536;
-        const ur5e_real t538 = t263 * t537;
-        const ur5e_real t539 = t292 * t529;
-        const ur5e_real t540 = t296 * t527;
-        const ur5e_real t541 = t539 + t540;
-        const ur5e_real t542 = t221 * t541;
-        const ur5e_real t543 = t304 * t529;
-        const ur5e_real t544 = t308 * t527;
-        const ur5e_real t545 = t543 + t544;
-        const ur5e_real t546 = t246 * t545;
-        const ur5e_real t547 = t542 + t546;
-        const ur5e_real t548 = t219 * t547;
-        const ur5e_real t549 = t538 - t548;
-        const ur5e_real t550 = 0.7071067811865475 * t549;
-        const ur5e_real t551 = t221 * t531;
-        const ur5e_real t552 = t246 * t535;
-        const ur5e_real t553 = t551 + t552;
-        const ur5e_real t554 = t219 * t553;
-        const ur5e_real t555 = t246 * t541;
-        const ur5e_real t556 = t221 * t545;
-        const ur5e_real t557 = t555 - t556;
-        const ur5e_real t558 = t263 * t557;
-        const ur5e_real t559 = t554 + t558;
-        const ur5e_real t560 = 0.7071067811865476 * t559;
-        const ur5e_real t561 = t550 + t560;
-        const ur5e_real t562 = t561 + t561;
-        const ur5e_real t563 = t562 * t336;
-        const ur5e_real t564 = 0.7071067811865476 * t549;
-        const ur5e_real t565 = 0.7071067811865475 * t559;
-        const ur5e_real t566 = t564 - t565;
-        const ur5e_real t567 = t566 + t566;
-        const ur5e_real t568 = t567 * t344;
-        const ur5e_real t569 = t563 - t568;
-        const ur5e_real t570 = t219 * t537;
-        const ur5e_real t571 = t263 * t547;
-        const ur5e_real t572 = t570 + t571;
-        const ur5e_real t573 = 0.7071067811865476 * t572;
-        const ur5e_real t574 = t219 * t557;
-        const ur5e_real t575 = t263 * t553;
-        const ur5e_real t576 = t574 - t575;
-        const ur5e_real t577 = 0.7071067811865475 * t576;
-        const ur5e_real t578 = t573 + t577;
-        const ur5e_real t579 = t578 + t578;
-        const ur5e_real t580 = t579 * t365;
-        const ur5e_real t581 = t569 - t580;
-        const ur5e_real t582 = 0.7071067811865476 * t576;
-        const ur5e_real t583 = 0.7071067811865475 * t572;
-        const ur5e_real t584 = t582 - t583;
-        const ur5e_real t585 = t584 + t584;
-        const ur5e_real t586 = t585 * t374;
-        const ur5e_real t587 = t581 + t586;
-        const ur5e_real t588 = 0.5 * t221;
-        const ur5e_real t589 = t310 * t588;
-        const ur5e_real t590 = 0.5 * t246;
-        const ur5e_real t591 = t298 * t590;
-        const ur5e_real t592 = t589 - t591;
-        const ur5e_real t593 = t219 * t592;
-        const ur5e_real t594 = t316 * t588;
-        const ur5e_real t595 = t320 * t590;
-        const ur5e_real t596 = t594 + t595;
-        const ur5e_real t597 = t263 * t596;
-        const ur5e_real t598 = t593 + t597;
-        const ur5e_real t599 = 0.7071067811865475 * t598;
-        const ur5e_real t600 = t320 * t588;
-        const ur5e_real t601 = t316 * t590;
-        const ur5e_real t602 = t600 - t601;
-        const ur5e_real t603 = t219 * t602;
-        const ur5e_real t604 = t310 * t590;
-        const ur5e_real t605 = t298 * t588;
-        const ur5e_real t606 = t604 + t605;
-        const ur5e_real t607 = t263 * t606;
-        const ur5e_real t608 = t603 - t607;
-        const ur5e_real t609 = 0.7071067811865476 * t608;
-        const ur5e_real t610 = t599 + t609;
-        const ur5e_real t611 = t610 + t610;
-        const ur5e_real t612 = t611 * t336;
-        const ur5e_real t613 = 0.7071067811865476 * t598;
-        const ur5e_real t614 = 0.7071067811865475 * t608;
-        const ur5e_real t615 = t613 - t614;
-        const ur5e_real t616 = t615 + t615;
-        const ur5e_real t617 = t616 * t344;
-        const ur5e_real t618 = t612 - t617;
-        const ur5e_real t619 = t219 * t596;
-        const ur5e_real t620 = t263 * t592;
-        const ur5e_real t621 = t619 - t620;
-        const ur5e_real t622 = 0.7071067811865476 * t621;
-        const ur5e_real t623 = t219 * t606;
-        const ur5e_real t624 = t263 * t602;
-        const ur5e_real t625 = t623 + t624;
-        const ur5e_real t626 = 0.7071067811865475 * t625;
-        const ur5e_real t627 = t622 - t626;
-        const ur5e_real t628 = t627 + t627;
-        const ur5e_real t629 = t628 * t365;
-        const ur5e_real t630 = t618 - t629;
-        const ur5e_real t631 = 0.7071067811865476 * t625;
-        const ur5e_real t632 = 0.7071067811865475 * t621;
-        const ur5e_real t633 = t631 + t632;
-        const ur5e_real t634 = -t633;
-        const ur5e_real t635 = t634 + t634;
-        const ur5e_real t636 = t635 * t374;
-        const ur5e_real t637 = t630 + t636;
-        const ur5e_real t638 = 0.5 * t219;
-        const ur5e_real t639 = t322 * t638;
-        const ur5e_real t640 = 0.5 * t263;
-        const ur5e_real t641 = t312 * t640;
-        const ur5e_real t642 = t639 - t641;
-        const ur5e_real t643 = 0.7071067811865475 * t642;
-        const ur5e_real t644 = t332 * t638;
-        const ur5e_real t645 = t328 * t640;
-        const ur5e_real t646 = t644 - t645;
-        const ur5e_real t647 = 0.7071067811865476 * t646;
-        const ur5e_real t648 = t643 + t647;
-        const ur5e_real t649 = t648 + t648;
-        const ur5e_real t650 = t649 * t336;
-        const ur5e_real t651 = 0.7071067811865476 * t642;
-        const ur5e_real t652 = 0.7071067811865475 * t646;
-        const ur5e_real t653 = t651 - t652;
-        const ur5e_real t654 = t653 + t653;
-        const ur5e_real t655 = t654 * t344;
-        const ur5e_real t656 = t650 - t655;
-        const ur5e_real t657 = t322 * t640;
-        const ur5e_real t658 = t312 * t638;
-        const ur5e_real t659 = t657 + t658;
-        const ur5e_real t660 = 0.7071067811865476 * t659;
-        const ur5e_real t661 = t332 * t640;
-        const ur5e_real t662 = t328 * t638;
-        const ur5e_real t663 = t661 + t662;
-        const ur5e_real t664 = 0.7071067811865475 * t663;
-        const ur5e_real t665 = t660 + t664;
-        const ur5e_real t666 = -t665;
-        const ur5e_real t667 = t666 + t666;
-        const ur5e_real t668 = t667 * t365;
-        const ur5e_real t669 = t656 - t668;
-        const ur5e_real t670 = 0.7071067811865475 * t659;
-        const ur5e_real t671 = 0.7071067811865476 * t663;
-        const ur5e_real t672 = t670 - t671;
-        const ur5e_real t673 = t672 + t672;
-        const ur5e_real t674 = t673 * t374;
-        const ur5e_real t675 = t669 + t674;
-        const ur5e_real t676 = t287 * t365;
-        const ur5e_real t677 = t341 * t374;
-        const ur5e_real t678 = t676 - t677;
-        const ur5e_real t679 = t356 * t336;
-        const ur5e_real t680 = t678 + t679;
-        const ur5e_real t681 = t371 * t344;
-        const ur5e_real t682 = t680 - t681;
-        const ur5e_real t683 = t428 * t365;
-        const ur5e_real t684 = t433 * t374;
-        const ur5e_real t685 = t683 - t684;
-        const ur5e_real t686 = t445 * t336;
-        const ur5e_real t687 = t685 + t686;
-        const ur5e_real t688 = t451 * t344;
-        const ur5e_real t689 = t687 - t688;
-        const ur5e_real t690 = t501 * t365;
-        const ur5e_real t691 = t506 * t374;
-        const ur5e_real t692 = t690 - t691;
-        const ur5e_real t693 = t518 * t336;
-        const ur5e_real t694 = t692 + t693;
-        const ur5e_real t695 = t524 * t344;
-        const ur5e_real t696 = t694 - t695;
-        const ur5e_real t697 = t562 * t365;
-        const ur5e_real t698 = t567 * t374;
-        const ur5e_real t699 = t697 - t698;
-        const ur5e_real t700 = t579 * t336;
-        const ur5e_real t701 = t699 + t700;
-        const ur5e_real t702 = t585 * t344;
-        const ur5e_real t703 = t701 - t702;
-        const ur5e_real t704 = t611 * t365;
-        const ur5e_real t705 = t616 * t374;
-        const ur5e_real t706 = t704 - t705;
-        const ur5e_real t707 = t628 * t336;
-        const ur5e_real t708 = t706 + t707;
-        const ur5e_real t709 = t635 * t344;
-        const ur5e_real t710 = t708 - t709;
-        const ur5e_real t711 = t649 * t365;
-        const ur5e_real t712 = t654 * t374;
-        const ur5e_real t713 = t711 - t712;
-        const ur5e_real t714 = t667 * t336;
-        const ur5e_real t715 = t713 + t714;
-        const ur5e_real t716 = t673 * t344;
-        const ur5e_real t717 = t715 - t716;
-        const ur5e_real t718 = t356 * t344;
-        const ur5e_real t719 = t341 * t365;
-        const ur5e_real t720 = t287 * t374;
-        const ur5e_real t721 = t719 + t720;
-        const ur5e_real t722 = t718 - t721;
-        const ur5e_real t723 = t371 * t336;
-        const ur5e_real t724 = t722 + t723;
-        const ur5e_real t725 = t445 * t344;
-        const ur5e_real t726 = t433 * t365;
-        const ur5e_real t727 = t428 * t374;
-        const ur5e_real t728 = t726 + t727;
-        const ur5e_real t729 = t725 - t728;
-        const ur5e_real t730 = t451 * t336;
-        const ur5e_real t731 = t729 + t730;
-        const ur5e_real t732 = t518 * t344;
-        const ur5e_real t733 = t506 * t365;
-        const ur5e_real t734 = t501 * t374;
-        const ur5e_real t735 = t733 + t734;
-        const ur5e_real t736 = t732 - t735;
-        const ur5e_real t737 = t524 * t336;
-        const ur5e_real t738 = t736 + t737;
-        const ur5e_real t739 = t579 * t344;
-        const ur5e_real t740 = t567 * t365;
-        const ur5e_real t741 = t562 * t374;
-        const ur5e_real t742 = t740 + t741;
-        const ur5e_real t743 = t739 - t742;
-        const ur5e_real t744 = t585 * t336;
-        const ur5e_real t745 = t743 + t744;
-        const ur5e_real t746 = t628 * t344;
-        const ur5e_real t747 = t616 * t365;
-        const ur5e_real t748 = t611 * t374;
-        const ur5e_real t749 = t747 + t748;
-        const ur5e_real t750 = t746 - t749;
-        const ur5e_real t751 = t635 * t336;
-        const ur5e_real t752 = t750 + t751;
-        const ur5e_real t753 = t667 * t344;
-        const ur5e_real t754 = t654 * t365;
-        const ur5e_real t755 = t649 * t374;
-        const ur5e_real t756 = t754 + t755;
-        const ur5e_real t757 = t753 - t756;
-        const ur5e_real t758 = t673 * t336;
-        const ur5e_real t759 = t757 + t758;
-        jacobian[0] = t66;
-        jacobian[1] = t71;
-        jacobian[2] = t82;
-        jacobian[3] = t99;
-        jacobian[4] = t128;
-        jacobian[5] = t171;
-        jacobian[6] = t174;
-        jacobian[7] = t176;
-        jacobian[8] = t178;
-        jacobian[9] = t180;
-        jacobian[10] = t183;
-        jacobian[11] = t186;
+        const ur5e_real t456 = t453 - t455;
+        const ur5e_real t457 = t221 * t456;
+        const ur5e_real t458 = t298 * t454;
+        const ur5e_real t459 = t300 * t452;
+        const ur5e_real t460 = t458 + t459;
+        const ur5e_real t461 = t237 * t460;
+        const ur5e_real t462 = t457 - t461;
+        const ur5e_real t463 = t244 * t462;
+        const ur5e_real t464 = t286 * t452;
+        const ur5e_real t465 = t288 * t454;
+        const ur5e_real t466 = t464 - t465;
+        const ur5e_real t467 = t221 * t466;
+        const ur5e_real t468 = t286 * t454;
+        const ur5e_real t469 = t288 * t452;
+        const ur5e_real t470 = t468 + t469;
+        const ur5e_real t471 = t237 * t470;
+        const ur5e_real t472 = t467 - t471;
+        const ur5e_real t473 = t219 * t472;
+        const ur5e_real t474 = t463 - t473;
+        const ur5e_real t475 = t261 * t474;
+        const ur5e_real t476 = t221 * t470;
+        const ur5e_real t477 = t237 * t466;
+        const ur5e_real t478 = t476 + t477;
+        const ur5e_real t479 = t219 * t478;
+        const ur5e_real t480 = t221 * t460;
+        const ur5e_real t481 = t237 * t456;
+        const ur5e_real t482 = t480 + t481;
+        const ur5e_real t483 = t244 * t482;
+        const ur5e_real t484 = t479 + t483;
+        const ur5e_real t485 = t217 * t484;
+        const ur5e_real t486 = t475 - t485;
+        const ur5e_real t487 = 0.7071067811865475 * t486;
+        const ur5e_real t488 = t219 * t462;
+        const ur5e_real t489 = t244 * t472;
+        const ur5e_real t490 = t488 + t489;
+        const ur5e_real t491 = t217 * t490;
+        const ur5e_real t492 = t244 * t478;
+        const ur5e_real t493 = t219 * t482;
+        const ur5e_real t494 = t492 - t493;
+        const ur5e_real t495 = t261 * t494;
+        const ur5e_real t496 = t491 + t495;
+        const ur5e_real t497 = 0.7071067811865476 * t496;
+        const ur5e_real t498 = t487 + t497;
+        const ur5e_real t499 = t498 + t498;
+        const ur5e_real t500 = t499 * t334;
+        const ur5e_real t501 = 0.7071067811865476 * t486;
+        const ur5e_real t502 = 0.7071067811865475 * t496;
+        const ur5e_real t503 = t501 - t502;
+        const ur5e_real t504 = t503 + t503;
+        const ur5e_real t505 = t504 * t342;
+        const ur5e_real t506 = t500 - t505;
+        const ur5e_real t507 = t217 * t474;
+        const ur5e_real t508 = t261 * t484;
+        const ur5e_real t509 = t507 + t508;
+        const ur5e_real t510 = 0.7071067811865476 * t509;
+        const ur5e_real t511 = t217 * t494;
+        const ur5e_real t512 = t261 * t490;
+        const ur5e_real t513 = t511 - t512;
+        const ur5e_real t514 = 0.7071067811865475 * t513;
+        const ur5e_real t515 = t510 + t514;
+        const ur5e_real t516 = t515 + t515;
+        const ur5e_real t517 = t516 * t363;
+        const ur5e_real t518 = t506 - t517;
+        const ur5e_real t519 = 0.7071067811865476 * t513;
+        const ur5e_real t520 = 0.7071067811865475 * t509;
+        const ur5e_real t521 = t519 - t520;
+        const ur5e_real t522 = t521 + t521;
+        const ur5e_real t523 = t522 * t372;
+        const ur5e_real t524 = t518 + t523;
+        const ur5e_real t525 = 0.5 * t221;
+        const ur5e_real t526 = t302 * t525;
+        const ur5e_real t527 = 0.5 * t237;
+        const ur5e_real t528 = t306 * t527;
+        const ur5e_real t529 = t526 - t528;
+        const ur5e_real t530 = t244 * t529;
+        const ur5e_real t531 = t290 * t525;
+        const ur5e_real t532 = t294 * t527;
+        const ur5e_real t533 = t531 - t532;
+        const ur5e_real t534 = t219 * t533;
+        const ur5e_real t535 = t530 - t534;
+        const ur5e_real t536 = t261 * t535;
+        const ur5e_real t537 = t290 * t527;
+        const ur5e_real t538 = t294 * t525;
+        const ur5e_real t539 = t537 + t538;
+        const ur5e_real t540 = t219 * t539;
+        const ur5e_real t541 = t302 * t527;
+        const ur5e_real t542 = t306 * t525;
+        const ur5e_real t543 = t541 + t542;
+        const ur5e_real t544 = t244 * t543;
+        const ur5e_real t545 = t540 + t544;
+        const ur5e_real t546 = t217 * t545;
+        const ur5e_real t547 = t536 - t546;
+        const ur5e_real t548 = 0.7071067811865475 * t547;
+        const ur5e_real t549 = t219 * t529;
+        const ur5e_real t550 = t244 * t533;
+        const ur5e_real t551 = t549 + t550;
+        const ur5e_real t552 = t217 * t551;
+        const ur5e_real t553 = t244 * t539;
+        const ur5e_real t554 = t219 * t543;
+        const ur5e_real t555 = t553 - t554;
+        const ur5e_real t556 = t261 * t555;
+        const ur5e_real t557 = t552 + t556;
+        const ur5e_real t558 = 0.7071067811865476 * t557;
+        const ur5e_real t559 = t548 + t558;
+        const ur5e_real t560 = t559 + t559;
+        const ur5e_real t561 = t560 * t334;
+        const ur5e_real t562 = 0.7071067811865476 * t547;
+        const ur5e_real t563 = 0.7071067811865475 * t557;
+        const ur5e_real t564 = t562 - t563;
+        const ur5e_real t565 = t564 + t564;
+        const ur5e_real t566 = t565 * t342;
+        const ur5e_real t567 = t561 - t566;
+        const ur5e_real t568 = t217 * t535;
+        const ur5e_real t569 = t261 * t545;
+        const ur5e_real t570 = t568 + t569;
+        const ur5e_real t571 = 0.7071067811865476 * t570;
+        const ur5e_real t572 = t217 * t555;
+        const ur5e_real t573 = t261 * t551;
+        const ur5e_real t574 = t572 - t573;
+        const ur5e_real t575 = 0.7071067811865475 * t574;
+        const ur5e_real t576 = t571 + t575;
+        const ur5e_real t577 = t576 + t576;
+        const ur5e_real t578 = t577 * t363;
+        const ur5e_real t579 = t567 - t578;
+        const ur5e_real t580 = 0.7071067811865476 * t574;
+        const ur5e_real t581 = 0.7071067811865475 * t570;
+        const ur5e_real t582 = t580 - t581;
+        const ur5e_real t583 = t582 + t582;
+        const ur5e_real t584 = t583 * t372;
+        const ur5e_real t585 = t579 + t584;
+        const ur5e_real t586 = 0.5 * t219;
+        const ur5e_real t587 = t308 * t586;
+        const ur5e_real t588 = 0.5 * t244;
+        const ur5e_real t589 = t296 * t588;
+        const ur5e_real t590 = t587 - t589;
+        const ur5e_real t591 = t217 * t590;
+        const ur5e_real t592 = t314 * t586;
+        const ur5e_real t593 = t318 * t588;
+        const ur5e_real t594 = t592 + t593;
+        const ur5e_real t595 = t261 * t594;
+        const ur5e_real t596 = t591 + t595;
+        const ur5e_real t597 = 0.7071067811865475 * t596;
+        const ur5e_real t598 = t318 * t586;
+        const ur5e_real t599 = t314 * t588;
+        const ur5e_real t600 = t598 - t599;
+        const ur5e_real t601 = t217 * t600;
+        const ur5e_real t602 = t308 * t588;
+        const ur5e_real t603 = t296 * t586;
+        const ur5e_real t604 = t602 + t603;
+        const ur5e_real t605 = t261 * t604;
+        const ur5e_real t606 = t601 - t605;
+        const ur5e_real t607 = 0.7071067811865476 * t606;
+        const ur5e_real t608 = t597 + t607;
+        const ur5e_real t609 = t608 + t608;
+        const ur5e_real t610 = t609 * t334;
+        const ur5e_real t611 = 0.7071067811865476 * t596;
+        const ur5e_real t612 = 0.7071067811865475 * t606;
+        const ur5e_real t613 = t611 - t612;
+        const ur5e_real t614 = t613 + t613;
+        const ur5e_real t615 = t614 * t342;
+        const ur5e_real t616 = t610 - t615;
+        const ur5e_real t617 = t217 * t594;
+        const ur5e_real t618 = t261 * t590;
+        const ur5e_real t619 = t617 - t618;
+        const ur5e_real t620 = 0.7071067811865476 * t619;
+        const ur5e_real t621 = t217 * t604;
+        const ur5e_real t622 = t261 * t600;
+        const ur5e_real t623 = t621 + t622;
+        const ur5e_real t624 = 0.7071067811865475 * t623;
+        const ur5e_real t625 = t620 - t624;
+        const ur5e_real t626 = t625 + t625;
+        const ur5e_real t627 = t626 * t363;
+        const ur5e_real t628 = t616 - t627;
+        const ur5e_real t629 = 0.7071067811865476 * t623;
+        const ur5e_real t630 = 0.7071067811865475 * t619;
+        const ur5e_real t631 = t629 + t630;
+        const ur5e_real t632 = -t631;
+        const ur5e_real t633 = t632 + t632;
+        const ur5e_real t634 = t633 * t372;
+        const ur5e_real t635 = t628 + t634;
+        const ur5e_real t636 = 0.5 * t217;
+        const ur5e_real t637 = t320 * t636;
+        const ur5e_real t638 = 0.5 * t261;
+        const ur5e_real t639 = t310 * t638;
+        const ur5e_real t640 = t637 - t639;
+        const ur5e_real t641 = 0.7071067811865475 * t640;
+        const ur5e_real t642 = t330 * t636;
+        const ur5e_real t643 = t326 * t638;
+        const ur5e_real t644 = t642 - t643;
+        const ur5e_real t645 = 0.7071067811865476 * t644;
+        const ur5e_real t646 = t641 + t645;
+        const ur5e_real t647 = t646 + t646;
+        const ur5e_real t648 = t647 * t334;
+        const ur5e_real t649 = 0.7071067811865476 * t640;
+        const ur5e_real t650 = 0.7071067811865475 * t644;
+        const ur5e_real t651 = t649 - t650;
+        const ur5e_real t652 = t651 + t651;
+        const ur5e_real t653 = t652 * t342;
+        const ur5e_real t654 = t648 - t653;
+        const ur5e_real t655 = t320 * t638;
+        const ur5e_real t656 = t310 * t636;
+        const ur5e_real t657 = t655 + t656;
+        const ur5e_real t658 = 0.7071067811865476 * t657;
+        const ur5e_real t659 = t330 * t638;
+        const ur5e_real t660 = t326 * t636;
+        const ur5e_real t661 = t659 + t660;
+        const ur5e_real t662 = 0.7071067811865475 * t661;
+        const ur5e_real t663 = t658 + t662;
+        const ur5e_real t664 = -t663;
+        const ur5e_real t665 = t664 + t664;
+        const ur5e_real t666 = t665 * t363;
+        const ur5e_real t667 = t654 - t666;
+        const ur5e_real t668 = 0.7071067811865475 * t657;
+        const ur5e_real t669 = 0.7071067811865476 * t661;
+        const ur5e_real t670 = t668 - t669;
+        const ur5e_real t671 = t670 + t670;
+        const ur5e_real t672 = t671 * t372;
+        const ur5e_real t673 = t667 + t672;
+        const ur5e_real t674 = t285 * t363;
+        const ur5e_real t675 = t339 * t372;
+        const ur5e_real t676 = t674 - t675;
+        const ur5e_real t677 = t354 * t334;
+        const ur5e_real t678 = t676 + t677;
+        const ur5e_real t679 = t369 * t342;
+        const ur5e_real t680 = t678 - t679;
+        const ur5e_real t681 = t426 * t363;
+        const ur5e_real t682 = t431 * t372;
+        const ur5e_real t683 = t681 - t682;
+        const ur5e_real t684 = t443 * t334;
+        const ur5e_real t685 = t683 + t684;
+        const ur5e_real t686 = t449 * t342;
+        const ur5e_real t687 = t685 - t686;
+        const ur5e_real t688 = t499 * t363;
+        const ur5e_real t689 = t504 * t372;
+        const ur5e_real t690 = t688 - t689;
+        const ur5e_real t691 = t516 * t334;
+        const ur5e_real t692 = t690 + t691;
+        const ur5e_real t693 = t522 * t342;
+        const ur5e_real t694 = t692 - t693;
+        const ur5e_real t695 = t560 * t363;
+        const ur5e_real t696 = t565 * t372;
+        const ur5e_real t697 = t695 - t696;
+        const ur5e_real t698 = t577 * t334;
+        const ur5e_real t699 = t697 + t698;
+        const ur5e_real t700 = t583 * t342;
+        const ur5e_real t701 = t699 - t700;
+        const ur5e_real t702 = t609 * t363;
+        const ur5e_real t703 = t614 * t372;
+        const ur5e_real t704 = t702 - t703;
+        const ur5e_real t705 = t626 * t334;
+        const ur5e_real t706 = t704 + t705;
+        const ur5e_real t707 = t633 * t342;
+        const ur5e_real t708 = t706 - t707;
+        const ur5e_real t709 = t647 * t363;
+        const ur5e_real t710 = t652 * t372;
+        const ur5e_real t711 = t709 - t710;
+        const ur5e_real t712 = t665 * t334;
+        const ur5e_real t713 = t711 + t712;
+        const ur5e_real t714 = t671 * t342;
+        const ur5e_real t715 = t713 - t714;
+        const ur5e_real t716 = t354 * t342;
+        const ur5e_real t717 = t339 * t363;
+        const ur5e_real t718 = t285 * t372;
+        const ur5e_real t719 = t717 + t718;
+        const ur5e_real t720 = t716 - t719;
+        const ur5e_real t721 = t369 * t334;
+        const ur5e_real t722 = t720 + t721;
+        const ur5e_real t723 = t443 * t342;
+        const ur5e_real t724 = t431 * t363;
+        const ur5e_real t725 = t426 * t372;
+        const ur5e_real t726 = t724 + t725;
+        const ur5e_real t727 = t723 - t726;
+        const ur5e_real t728 = t449 * t334;
+        const ur5e_real t729 = t727 + t728;
+        const ur5e_real t730 = t516 * t342;
+        const ur5e_real t731 = t504 * t363;
+        const ur5e_real t732 = t499 * t372;
+        const ur5e_real t733 = t731 + t732;
+        const ur5e_real t734 = t730 - t733;
+        const ur5e_real t735 = t522 * t334;
+        const ur5e_real t736 = t734 + t735;
+        const ur5e_real t737 = t577 * t342;
+        const ur5e_real t738 = t565 * t363;
+        const ur5e_real t739 = t560 * t372;
+        const ur5e_real t740 = t738 + t739;
+        const ur5e_real t741 = t737 - t740;
+        const ur5e_real t742 = t583 * t334;
+        const ur5e_real t743 = t741 + t742;
+        const ur5e_real t744 = t626 * t342;
+        const ur5e_real t745 = t614 * t363;
+        const ur5e_real t746 = t609 * t372;
+        const ur5e_real t747 = t745 + t746;
+        const ur5e_real t748 = t744 - t747;
+        const ur5e_real t749 = t633 * t334;
+        const ur5e_real t750 = t748 + t749;
+        const ur5e_real t751 = t665 * t342;
+        const ur5e_real t752 = t652 * t363;
+        const ur5e_real t753 = t647 * t372;
+        const ur5e_real t754 = t752 + t753;
+        const ur5e_real t755 = t751 - t754;
+        const ur5e_real t756 = t671 * t334;
+        const ur5e_real t757 = t755 + t756;
+        jacobian[0] = t64;
+        jacobian[1] = t69;
+        jacobian[2] = t80;
+        jacobian[3] = t97;
+        jacobian[4] = t126;
+        jacobian[5] = t169;
+        jacobian[6] = t172;
+        jacobian[7] = t174;
+        jacobian[8] = t176;
+        jacobian[9] = t178;
+        jacobian[10] = t181;
+        jacobian[11] = t184;
         jacobian[12] = 0.0;
-        jacobian[13] = t193;
-        jacobian[14] = t199;
-        jacobian[15] = t205;
-        jacobian[16] = t211;
-        jacobian[17] = t217;
-        jacobian[18] = t376;
-        jacobian[19] = t453;
-        jacobian[20] = t526;
-        jacobian[21] = t587;
-        jacobian[22] = t637;
-        jacobian[23] = t675;
-        jacobian[24] = t682;
-        jacobian[25] = t689;
-        jacobian[26] = t696;
-        jacobian[27] = t703;
-        jacobian[28] = t710;
-        jacobian[29] = t717;
-        jacobian[30] = t724;
-        jacobian[31] = t731;
-        jacobian[32] = t738;
-        jacobian[33] = t745;
-        jacobian[34] = t752;
-        jacobian[35] = t759;
+        jacobian[13] = t191;
+        jacobian[14] = t197;
+        jacobian[15] = t203;
+        jacobian[16] = t209;
+        jacobian[17] = t215;
+        jacobian[18] = t374;
+        jacobian[19] = t451;
+        jacobian[20] = t524;
+        jacobian[21] = t585;
+        jacobian[22] = t635;
+        jacobian[23] = t673;
+        jacobian[24] = t680;
+        jacobian[25] = t687;
+        jacobian[26] = t694;
+        jacobian[27] = t701;
+        jacobian[28] = t708;
+        jacobian[29] = t715;
+        jacobian[30] = t722;
+        jacobian[31] = t729;
+        jacobian[32] = t736;
+        jacobian[33] = t743;
+        jacobian[34] = t750;
+        jacobian[35] = t757;
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
 static ur5e_status ur5e_check_speeds(const ur5e_real speeds[], int count, ur5e_status status)
 {
     ur5e_status found = ur5e_check_finite(speeds, count, status);
@@ -2018,12 +2048,14 @@ static ur5e_status ur5e_check_speeds(const ur5e_real speeds[], int count, ur5e_s
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and lengths over the size. Solves the
- * 6 normal equations with exchanges on the diagonal; where their smallest pivot is below 0.0004 of the mean, the
- * diagonal is raised, the more the smaller it is. Returns that pivot over the mean. */
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
 static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6], ur5e_real y[6])
 {
-    static const ur5e_real row_scale[6] = { 0.0011851211647507592, 0.0011851211647507592, 0.0011851211647507592, 1.0, 1.0, 1.0 };
+    static const ur5e_real row_scale[6] = { 0.0011851211647507592, 0.0011851211647507592,
+        0.0011851211647507592, 1.0, 1.0, 1.0 };
     static const ur5e_real column_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
     ur5e_real a[6][6];
     ur5e_real g[6][6];
@@ -2136,7 +2168,8 @@ ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e
 }
 
 /* Joint rates next to a twist, damped near singularities. */
-ur5e_status ur5e_rates(const ur5e_real joints[6], const ur5e_real twist[6], ur5e_real rates[6], ur5e_info *info)
+ur5e_status ur5e_rates(const ur5e_real joints[6], const ur5e_real twist[6], ur5e_real rates[6],
+    ur5e_info *info)
 {
     ur5e_real jacobian[36];
     const ur5e_status status = ur5e_check_speeds(twist, 6, ur5e_jacobian(joints, jacobian));
@@ -2165,7 +2198,8 @@ ur5e_status ur5e_rates(const ur5e_real joints[6], const ur5e_real twist[6], ur5e
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-ur5e_status ur5e_feed(const ur5e_real joints[6], const ur5e_real twist[6], const ur5e_real rate_limits[6], ur5e_real *feed)
+ur5e_status ur5e_feed(const ur5e_real joints[6], const ur5e_real twist[6],
+    const ur5e_real rate_limits[6], ur5e_real *feed)
 {
     ur5e_real rates[6];
     ur5e_status status = ur5e_check_finite(rate_limits, 6, ur5e_rates(joints, twist, rates, NULL));
@@ -2186,8 +2220,8 @@ ur5e_status ur5e_feed(const ur5e_real joints[6], const ur5e_real twist[6], const
     return status;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
- * its length. */
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
 static ur5e_real ur5e_pose_error(const ur5e_real q[6], const ur5e_real to[7], ur5e_real e[6])
 {
     ur5e_real x[7];
@@ -2252,7 +2286,8 @@ ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[6], ur5e_info *in
             }
         }
         status = ur5e_check_limits(moved);
-        ur5e_write_info(info, 1U, after, part * part * size * UR5E_SIZE * UR5E_SIZE, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        ur5e_write_info(info, 1U, after, part * part * size * UR5E_SIZE * UR5E_SIZE,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
         if (status == UR5E_OK) {
             for (int i = 0; i < 6; ++i) {
                 joints[i] = moved[i];

@@ -29,7 +29,8 @@ static ur5e_pose pose_from(const ur5e_real numbers[7])
 }
 
 /* An inverse call that must not succeed: the status, with the joints untouched and info written. */
-static ur5e_status refused(const ur5e_config *config, const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS], const char *what)
+static ur5e_status refused(const ur5e_config *config, const ur5e_pose *pose,
+    const ur5e_real guess[UR5E_JOINTS], const char *what)
 {
     ur5e_real joints[UR5E_JOINTS];
     ur5e_info info;
@@ -56,17 +57,21 @@ static void solve_all(void)
         ur5e_real joints[UR5E_JOINTS];
         expect(ur5e_direct(ur5e_vector_joints[k], &pose) == UR5E_OK, "direct", k);
         for (int i = 0; i < 3; ++i) {
-            expect(fabs((double)pose.position[i] - (double)ur5e_vector_poses[k][i]) <= bound, "direct's position", k);
+            expect(fabs((double)pose.position[i] - (double)ur5e_vector_poses[k][i]) <= bound,
+                "direct's position", k);
         }
         for (int i = 0; i < 4; ++i) {
-            const double off = fabs((double)pose.quaternion[i] - (double)ur5e_vector_poses[k][3 + i]);
+            const double off = fabs((double)pose.quaternion[i] - (double)ur5e_vector_poses[k][3
+                + i]);
             expect((double)UR5E_SIZE * off <= bound, "direct's quaternion", k);
         }
         pose = pose_from(ur5e_vector_poses[k]);
-        expect(ur5e_inverse(NULL, &pose, ur5e_vector_guesses[k], joints, &info) == UR5E_OK, "inverse", k);
+        expect(ur5e_inverse(NULL, &pose, ur5e_vector_guesses[k], joints, &info) == UR5E_OK,
+            "inverse", k);
         expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
         for (int i = 0; i < UR5E_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)ur5e_vector_inverse[k][i]) <= bound * 1.0, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)ur5e_vector_inverse[k][i]) <= bound * 1.0,
+                "inverse's joints", k);
         }
         if (k < UR5E_VECTOR_JACOBIANS) {
             ur5e_real jacobian[6 * UR5E_JOINTS];
@@ -85,9 +90,11 @@ static void refuse_configs(const ur5e_pose *pose, const ur5e_real guess[UR5E_JOI
     const ur5e_real wrong[4] = { 0.0, -1.0, (ur5e_real)NAN, (ur5e_real)INFINITY };
     for (int i = 0; i < 8; ++i) {
         const ur5e_real other = wrong[i % 4];
-        const ur5e_config config = { (i < 4) ? other : UR5E_TOLERANCE, UR5E_MAX_STEPS, (i < 4) ? UR5E_MAX_STEP : other };
+        const ur5e_config config = { (i < 4) ? other : UR5E_TOLERANCE, UR5E_MAX_STEPS,
+            (i < 4) ? UR5E_MAX_STEP : other };
         const ur5e_status wanted = (i % 4 < 2) ? UR5E_OUT_OF_RANGE : UR5E_NONFINITE;
-        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config", i);
+        expect(refused(&config, pose, guess, "wrong config") == wanted, "status of a wrong config",
+            i);
     }
 }
 
@@ -102,13 +109,15 @@ static void refuse_all(void)
     for (int i = 0; i < UR5E_JOINTS; ++i) {
         joints[i] = ur5e_vector_guesses[0][i];
     }
-    expect(refused(&none, &pose, joints, "no step is not enough") == UR5E_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    expect(refused(&none, &pose, joints, "no step is not enough") == UR5E_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 0);
     refuse_configs(&pose, joints);
     joints[UR5E_JOINTS - 1] = (ur5e_real)NAN;
     (void)ur5e_inverse(NULL, &pose, joints, other, &info);
     expect(info.joint == UR5E_JOINTS - 1U, "joint of a NaN guess", 0);
     joints[UR5E_JOINTS - 1] = ur5e_vector_guesses[0][UR5E_JOINTS - 1];
-    expect((ur5e_inverse(NULL, &pose, joints, other, &info) == UR5E_OK) && (info.joint == UR5E_JOINTS), "no joint to blame", 0);
+    expect((ur5e_inverse(NULL, &pose, joints, other, &info) == UR5E_OK)
+        && (info.joint == UR5E_JOINTS), "no joint to blame", 0);
     joints[0] = (ur5e_real)NAN;
     expect(refused(NULL, &pose, joints, "NaN guess") == UR5E_NONFINITE, "NONFINITE", 0);
     expect(ur5e_direct(joints, &wrong) == UR5E_NONFINITE, "NONFINITE of direct", 0);
@@ -119,13 +128,15 @@ static void refuse_all(void)
     expect(refused(NULL, &wrong, joints, "infinite pose") == UR5E_NONFINITE, "NONFINITE", 1);
     wrong = pose;
     wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == UR5E_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    expect(refused(NULL, &wrong, joints, "quaternion of length 2") == UR5E_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 0);
     wrong = pose;
     wrong.position[0] = 8437955.795096347;
     (void)refused(NULL, &wrong, joints, "pose out of reach");
 #if UR5E_VECTOR_SINGULAR > 0
     for (int k = 0; k < UR5E_VECTOR_SINGULAR; ++k) {
-        expect(refused(NULL, &pose, ur5e_vector_singular[k], "singular start") == UR5E_SINGULAR, "SINGULAR", k);
+        expect(refused(NULL, &pose, ur5e_vector_singular[k], "singular start") == UR5E_SINGULAR,
+            "SINGULAR", k);
     }
 #endif
 }
@@ -144,7 +155,8 @@ static int same_joints(const ur5e_real a[UR5E_JOINTS], const ur5e_real b[UR5E_JO
     return same;
 }
 
-/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is the nearest. */
+/* All branches reach the pose, one of them is the arm, each is found by its name, the guess's is
+ * the nearest. */
 static void closed_form(void)
 {
     for (int k = 0; k < UR5E_VECTORS; ++k) {
@@ -161,10 +173,12 @@ static void closed_form(void)
             ur5e_pose again;
             expect(ur5e_direct(all[row], &again) == UR5E_OK, "direct of a branch", k);
             for (int i = 0; i < 3; ++i) {
-                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 3.8e-09, "a branch's position", k);
+                expect(fabs((double)again.position[i] - (double)pose.position[i]) <= 3.8e-09,
+                    "a branch's position", k);
             }
             for (int i = 0; i < 4; ++i) {
-                const double off = fabs(fabs((double)again.quaternion[i]) - fabs((double)pose.quaternion[i]));
+                const double off = fabs(fabs((double)again.quaternion[i])
+                    - fabs((double)pose.quaternion[i]));
                 expect((double)UR5E_SIZE * off <= 3.8e-09, "a branch's quaternion", k);
             }
             found += same_joints(all[row], ur5e_vector_inverse[k], most);
@@ -172,14 +186,17 @@ static void closed_form(void)
         expect(found == 1, "one branch is the arm", k);
         for (unsigned int branch = 0U; branch < UR5E_BRANCHES; ++branch) {
             if (ur5e_inverse_branch(&pose, branch, one) == UR5E_OK) {
-                expect((named < count) && same_joints(one, all[named], most), "a branch by its name", k);
+                expect((named < count) && same_joints(one, all[named], most),
+                    "a branch by its name", k);
                 ++named;
             }
         }
         expect(named == count, "count of the branches by name", k);
-        expect(ur5e_inverse_nearest(&pose, ur5e_vector_guesses[k], one) == UR5E_OK, "nearest branch", k);
+        expect(ur5e_inverse_nearest(&pose, ur5e_vector_guesses[k], one) == UR5E_OK,
+            "nearest branch", k);
         for (int i = 0; i < UR5E_JOINTS; ++i) {
-            expect(fabs((double)one[i] - (double)ur5e_vector_inverse[k][i]) <= most, "nearest branch's joints", k);
+            expect(fabs((double)one[i] - (double)ur5e_vector_inverse[k][i]) <= most,
+                "nearest branch's joints", k);
         }
     }
 }
@@ -196,17 +213,22 @@ static void closed_refusals(void)
         joints[i] = 4.0;
         guess[i] = ur5e_vector_guesses[0][i];
     }
-    expect(ur5e_inverse_branch(&pose, UR5E_BRANCHES, joints) == UR5E_OUT_OF_RANGE, "no such branch", 0);
+    expect(ur5e_inverse_branch(&pose, UR5E_BRANCHES, joints) == UR5E_OUT_OF_RANGE,
+        "no such branch", 0);
     guess[0] = (ur5e_real)NAN;
-    expect(ur5e_inverse_nearest(&pose, guess, joints) == UR5E_NONFINITE, "NaN guess of the closed form", 0);
+    expect(ur5e_inverse_nearest(&pose, guess, joints) == UR5E_NONFINITE,
+        "NaN guess of the closed form", 0);
     guess[0] = ur5e_vector_guesses[0][0];
     wrong.position[2] = (ur5e_real)INFINITY;
-    expect(ur5e_inverse_nearest(&wrong, guess, joints) == UR5E_NONFINITE, "infinite pose of the closed form", 0);
-    expect(ur5e_inverse_branch(&wrong, 0U, joints) == UR5E_NONFINITE, "infinite pose of the closed form", 1);
+    expect(ur5e_inverse_nearest(&wrong, guess, joints) == UR5E_NONFINITE,
+        "infinite pose of the closed form", 0);
+    expect(ur5e_inverse_branch(&wrong, 0U, joints) == UR5E_NONFINITE,
+        "infinite pose of the closed form", 1);
     expect(ur5e_inverse_all(&wrong, all) == 0, "infinite pose of the closed form", 2);
     wrong = pose;
     wrong.quaternion[1] = 2.0;
-    expect(ur5e_inverse_nearest(&wrong, guess, joints) == UR5E_OUT_OF_RANGE, "quaternion of length 2 of the closed form", 0);
+    expect(ur5e_inverse_nearest(&wrong, guess, joints) == UR5E_OUT_OF_RANGE,
+        "quaternion of length 2 of the closed form", 0);
     wrong = pose;
     wrong.position[0] = 8437955.795096347;
     wrong.position[1] = 8437955.795096347;

@@ -1,35 +1,76 @@
-/* How a control loop uses ur5e: from joint values to a pose and back from a guess.
+/* A control loop with ur5e: joint values of poses, cycle after cycle, and what to do when there are
+ * none.
  * SPDX-License-Identifier: MIT */
 #include "ur5e.h"
 #include "ur5e_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, ur5e_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    ur5e_real joints[UR5E_JOINTS]; /* the last ones that were answered */
+    int moved; /* cycles with an answer */
+    int held; /* cycles without one: the arm must not move */
+} loop_state;
+
+/* One cycle: the joint values of the pose that is wanted, from the last ones. */
+static void cycle(loop_state *state, const ur5e_pose *pose)
 {
-    static const char *const names[] = {
-        "UR5E_OK", "UR5E_MAX_ITERATIONS", "UR5E_SINGULAR", "UR5E_NONFINITE", "UR5E_OUT_OF_RANGE", "UR5E_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    ur5e_info info;
+    if (ur5e_inverse(NULL, pose, state->joints, state->joints, &info) == UR5E_OK) {
+        ++state->moved;
+    } else {
+        /* joint info.joint is to blame, if it is below UR5E_JOINTS; the joint values stay the last
+         * good ones */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
-    ur5e_pose pose;
-    ur5e_real joints[UR5E_JOINTS];
-    ur5e_info info;
-    ur5e_status status;
-    status = ur5e_direct(ur5e_vector_joints[0], &pose);
-    if (status != UR5E_OK) {
-        return stopped("ur5e_direct", status);
+    loop_state state = { { 0.0f }, 0, 0 };
+    ur5e_pose from;
+    ur5e_pose to;
+    for (int i = 0; i < UR5E_JOINTS; ++i) {
+        state.joints[i] = ur5e_vector_guesses[0][i];
     }
-    /* Anything but OK: joints are untouched, do not move. */
-    status = ur5e_inverse(NULL, &pose, ur5e_vector_guesses[0], joints, &info);
-    if (status != UR5E_OK) {
-        return stopped("ur5e_inverse", status);
+    if ((ur5e_direct(state.joints, &from) != UR5E_OK)
+        || (ur5e_direct(ur5e_vector_joints[0], &to) != UR5E_OK)) {
+        (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
+        return 1;
     }
-    (void)printf("first joint %.6f after %d steps\n", (double)joints[0], (int)info.iterations);
+    /* the tool moves in a straight line; in cycle 80 the pose that is wanted is not a number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const double part = (double)k / CYCLES;
+        double cosine = 0.0;
+        double squared = 0.0;
+        ur5e_pose pose;
+        for (int i = 0; i < 4; ++i) {
+            cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            const double other = (cosine < 0.0) ? -(double)to.quaternion[i]
+                : (double)to.quaternion[i];
+            const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
+            pose.quaternion[i] = (ur5e_real)q;
+            squared += q * q;
+        }
+        for (int i = 0; i < 4; ++i) {
+            pose.quaternion[i] = (ur5e_real)((double)pose.quaternion[i] / sqrt(squared));
+        }
+        for (int i = 0; i < 3; ++i) {
+            pose.position[i] = (ur5e_real)((1.0 - part) * (double)from.position[i]
+                + part * (double)to.position[i]);
+        }
+        if (k == 80) {
+            pose.position[0] = (ur5e_real)NAN;
+        }
+        cycle(&state, &pose);
+    }
+    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved,
+        state.held);
     return 0;
 }

@@ -10,12 +10,13 @@
  * joints[5] q6: rad, no limits given
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * UR5E_OK only; `info` always. config and info may be NULL, guess and pose the same object.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with UR5E_OK only; `info` always. config and info may be NULL, guess and pose the same
+ * object.
  *
- * One step of Newton's method: 360 additions, 24 cos, 6 divisions, 599 multiplications, 24 sin (rows, matrix, factors, step).
- * Predicted error of an answer: UR5E_TOLERANCE and the rounding of the type, about
- * 0.000402353 mm (angles times the size) where the matrix is well conditioned.
+ * One step of Newton's method: 356 additions, 24 cos, 6 divisions, 599 multiplications, 24 sin
+ * (rows, matrix, factors, step). Predicted error of an answer: UR5E_TOLERANCE and the rounding of
+ * the type, about 0.000402353 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */
 #ifndef UR5E_H
@@ -35,8 +36,10 @@ typedef enum {
     UR5E_MAX_ITERATIONS, /* not settled within the iterations allowed */
     UR5E_SINGULAR, /* the linear system lost rank on the way */
     UR5E_NONFINITE, /* NaN or infinity among the inputs */
-    UR5E_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    UR5E_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    UR5E_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    UR5E_WRONG_BRANCH
 } ur5e_status;
 
 /* Position in mm, unit quaternion (w, x, y, z), both of the tool frame in the base frame. */
@@ -45,10 +48,11 @@ typedef struct {
     ur5e_real quaternion[4];
 } ur5e_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 845000.0f (a thousand sizes), else the status is UR5E_OUT_OF_RANGE, of NaN and infinity UR5E_NONFINITE;
- * 0 iterations are UR5E_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 845000.0f (a thousand sizes), else the status is UR5E_OUT_OF_RANGE, of NaN and
+ * infinity UR5E_NONFINITE; 0 iterations are UR5E_MAX_ITERATIONS. NULL in place of a config means
+ * the values below. */
 typedef struct {
     ur5e_real tolerance;
     uint8_t max_iterations;
@@ -62,9 +66,10 @@ typedef struct {
 #define UR5E_JOINTS (6)
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, UR5E_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+ * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and
+ * columns scaled, 0 near a singularity; joint: the first joint, from 0, whose value is outside its
+ * range or not finite, UR5E_JOINTS where it is none of them. Written by every call, whatever its
+ * status. */
 typedef struct {
     uint8_t iterations;
     ur5e_real residual;
@@ -76,55 +81,68 @@ typedef struct {
 /* Tool pose of joint values; its quaternion has w >= 0. */
 ur5e_status ur5e_direct(const ur5e_real joints[UR5E_JOINTS], ur5e_pose *pose);
 
-/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
- * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, UR5E_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
- * as a guess: an error of them moves the beginning of the line by as much.
+/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to
+ * the given one, positions in a straight line and orientations along the shorter arc, without
+ * meeting a singularity; where that is not assured, UR5E_WRONG_BRANCH. Angles are near the guess's,
+ * not wrapped. Any joint values will do as a guess: an error of them moves the beginning of the
+ * line by as much.
  */
-ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS],
+ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
+    const ur5e_real guess[UR5E_JOINTS],
     ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
 
 
-/* The closed form: joint values by formulas (README.md derives them), without iteration and without a guess. Each choice has two
- * solutions; a branch is a sum of the names below, 0 for the first solution of each. ur5e_inverse_all lists them in this order. */
+/* The closed form: joint values by formulas (README.md derives them), without iteration and without
+ * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
+ * solution of each. ur5e_inverse_all lists them in this order. */
 #define UR5E_BRANCHES (8)
 #define UR5E_SHOULDER (4U) /* the other solution of joint q1 */
 #define UR5E_WRIST (2U) /* the other solution of joint q5 */
 #define UR5E_ELBOW (1U) /* the other solution of joint q3 */
 
-/* All joint values with the given tool pose that lie within their ranges, angles about the middle of these; returns how many: 0 for
- * a pose that the arm cannot take, that is singular, or that is not finite. */
+/* All joint values with the given tool pose that lie within their ranges, angles about the middle
+ * of these; returns how many: 0 for a pose that the arm cannot take, that is singular, or that is
+ * not finite. */
 int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[UR5E_BRANCHES][UR5E_JOINTS]);
 
-/* The joint values of one branch. UR5E_OUT_OF_RANGE where it has none, UR5E_SINGULAR where nothing decides a joint. */
-ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch, ur5e_real joints[UR5E_JOINTS]);
+/* The joint values of one branch. UR5E_OUT_OF_RANGE where it has none, UR5E_SINGULAR where nothing
+ * decides a joint. */
+ur5e_status ur5e_inverse_branch(const ur5e_pose *pose, unsigned int branch,
+    ur5e_real joints[UR5E_JOINTS]);
 
-/* The joint values nearest to the guess, one choice after the other, angles near the guess's. Whether the arm can move there
- * from the guess is not asked: ur5e_inverse does. Statuses as of ur5e_inverse_branch. */
-ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS], ur5e_real joints[UR5E_JOINTS]);
+/* The joint values nearest to the guess, one choice after the other, angles near the guess's.
+ * Whether the arm can move there from the guess is not asked: ur5e_inverse does. Statuses as of
+ * ur5e_inverse_branch. */
+ur5e_status ur5e_inverse_nearest(const ur5e_pose *pose, const ur5e_real guess[UR5E_JOINTS],
+    ur5e_real joints[UR5E_JOINTS]);
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
 ur5e_status ur5e_jacobian(const ur5e_real joints[UR5E_JOINTS], ur5e_real jacobian[6 * UR5E_JOINTS]);
 
-/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular velocity): of the shortest, and damped
- * where the arm is near a singularity, that is where info->min_pivot is below 0.02. info->residual is how far the twist
- * of these rates is from the given one (mm for each unit of time, angles times the size): a loop that must
- * keep to its path slows down or stops by it. Speeds above 8e+08 are UR5E_OUT_OF_RANGE. */
-ur5e_status ur5e_rates(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6], ur5e_real rates[UR5E_JOINTS],
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 8e+08 are UR5E_OUT_OF_RANGE. */
+ur5e_status ur5e_rates(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
+    ur5e_real rates[UR5E_JOINTS],
     ur5e_info *info);
 
 /* The twist of joint rates. */
-ur5e_status ur5e_twist(const ur5e_real joints[UR5E_JOINTS], const ur5e_real rates[UR5E_JOINTS], ur5e_real twist[6]);
+ur5e_status ur5e_twist(const ur5e_real joints[UR5E_JOINTS], const ur5e_real rates[UR5E_JOINTS],
+    ur5e_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps the rates of ur5e_rates within their limits (0 or more, in mm or radians
- * for each unit of time). */
-ur5e_status ur5e_feed(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6], const ur5e_real rate_limits[UR5E_JOINTS],
+/* The largest factor, 0 to 1, by which a twist keeps the rates of ur5e_rates within their limits (0
+ * or more, in mm or radians for each unit of time). */
+ur5e_status ur5e_feed(const ur5e_real joints[UR5E_JOINTS], const ur5e_real twist[6],
+    const ur5e_real rate_limits[UR5E_JOINTS],
     ur5e_real *feed);
 
-/* For a control loop: one damped step from the last joint values (joints) towards the pose, which becomes the next ones. It goes on
- * through and beside singularities, where the arm cannot follow every pose: UR5E_OK says that the joint values are
- * within their ranges, and info->residual how far their tool pose is from the given one, as measured (mm, angles times the
- * size). While it is below UR5E_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to
- * 0.2 rad (slides: of the size). It never makes the error larger. */
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: UR5E_OK says that the joint values are within their ranges, and info->residual how
+ * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
+ * below UR5E_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to 0.2
+ * rad (slides: of the size). It never makes the error larger. */
 #define UR5E_TRACK_LIMIT ((ur5e_real)0.0629f) /* mm */
 ur5e_status ur5e_track(const ur5e_pose *pose, ur5e_real joints[UR5E_JOINTS], ur5e_info *info);
 #ifdef __cplusplus

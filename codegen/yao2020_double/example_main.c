@@ -1,35 +1,76 @@
-/* How a control loop uses yao2020: from joint values to a pose and back from a guess.
+/* A control loop with yao2020: joint values of poses, cycle after cycle, and what to do when there
+ * are none.
  * SPDX-License-Identifier: MIT */
 #include "yao2020.h"
 #include "yao2020_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, yao2020_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    yao2020_real joints[YAO2020_JOINTS]; /* the last ones that were answered */
+    int moved; /* cycles with an answer */
+    int held; /* cycles without one: the arm must not move */
+} loop_state;
+
+/* One cycle: the joint values of the pose that is wanted, from the last ones. */
+static void cycle(loop_state *state, const yao2020_pose *pose)
 {
-    static const char *const names[] = {
-        "YAO2020_OK", "YAO2020_MAX_ITERATIONS", "YAO2020_SINGULAR", "YAO2020_NONFINITE", "YAO2020_OUT_OF_RANGE", "YAO2020_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    yao2020_info info;
+    if (yao2020_inverse(NULL, pose, state->joints, state->joints, &info) == YAO2020_OK) {
+        ++state->moved;
+    } else {
+        /* joint info.joint is to blame, if it is below YAO2020_JOINTS; the joint values stay the
+         * last good ones */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
-    yao2020_pose pose;
-    yao2020_real joints[YAO2020_JOINTS];
-    yao2020_info info;
-    yao2020_status status;
-    status = yao2020_direct(yao2020_vector_joints[0], &pose);
-    if (status != YAO2020_OK) {
-        return stopped("yao2020_direct", status);
+    loop_state state = { { 0.0 }, 0, 0 };
+    yao2020_pose from;
+    yao2020_pose to;
+    for (int i = 0; i < YAO2020_JOINTS; ++i) {
+        state.joints[i] = yao2020_vector_guesses[0][i];
     }
-    /* Anything but OK: joints are untouched, do not move. */
-    status = yao2020_inverse(NULL, &pose, yao2020_vector_guesses[0], joints, &info);
-    if (status != YAO2020_OK) {
-        return stopped("yao2020_inverse", status);
+    if ((yao2020_direct(state.joints, &from) != YAO2020_OK)
+        || (yao2020_direct(yao2020_vector_joints[0], &to) != YAO2020_OK)) {
+        (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
+        return 1;
     }
-    (void)printf("first joint %.6f after %d steps\n", (double)joints[0], (int)info.iterations);
+    /* the tool moves in a straight line; in cycle 80 the pose that is wanted is not a number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const double part = (double)k / CYCLES;
+        double cosine = 0.0;
+        double squared = 0.0;
+        yao2020_pose pose;
+        for (int i = 0; i < 4; ++i) {
+            cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            const double other = (cosine < 0.0) ? -(double)to.quaternion[i]
+                : (double)to.quaternion[i];
+            const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
+            pose.quaternion[i] = (yao2020_real)q;
+            squared += q * q;
+        }
+        for (int i = 0; i < 4; ++i) {
+            pose.quaternion[i] = (yao2020_real)((double)pose.quaternion[i] / sqrt(squared));
+        }
+        for (int i = 0; i < 3; ++i) {
+            pose.position[i] = (yao2020_real)((1.0 - part) * (double)from.position[i]
+                + part * (double)to.position[i]);
+        }
+        if (k == 80) {
+            pose.position[0] = (yao2020_real)NAN;
+        }
+        cycle(&state, &pose);
+    }
+    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved,
+        state.held);
     return 0;
 }

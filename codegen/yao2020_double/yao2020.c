@@ -15,8 +15,10 @@
 #define YAO2020_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real values[], int count, yao2020_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real values[], int count,
+    yao2020_status otherwise)
 {
     yao2020_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,14 +30,17 @@ static YAO2020_COLD yao2020_status yao2020_check_finite(const yao2020_real value
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_real x[7])
 {
     const yao2020_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 556000.0) && (fabs(pose->position[1]) <= 556000.0) && (fabs(pose->position[2]) <= 556000.0);
-    const yao2020_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 556000.0) && (fabs(pose->position[1]) <= 556000.0)
+            && (fabs(pose->position[2]) <= 556000.0);
+    const yao2020_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        : 0.0;
     yao2020_status status = YAO2020_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -54,9 +59,10 @@ static yao2020_status yao2020_normalise_pose(const yao2020_pose *pose, yao2020_r
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int count, yao2020_real residual, yao2020_real size, yao2020_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int count,
+    yao2020_real residual, yao2020_real size, yao2020_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -68,24 +74,30 @@ static YAO2020_COLD void yao2020_write_info(yao2020_info *info, unsigned int cou
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static YAO2020_COLD yao2020_status yao2020_check_config(const yao2020_config *config, yao2020_status before)
+static YAO2020_COLD yao2020_status yao2020_check_config(const yao2020_config *config,
+    yao2020_status before)
 {
     const yao2020_real tolerance = config->tolerance;
     const yao2020_real longest = config->max_step;
     yao2020_status status = before;
-    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 556000.0 - longest)) && (before != YAO2020_NONFINITE)) {
-        const yao2020_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 556000.0 - longest))
+        && (before != YAO2020_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const yao2020_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0) ? YAO2020_OUT_OF_RANGE : YAO2020_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static YAO2020_SHARED uint8_t yao2020_first_beyond(const yao2020_real joints[6])
 {
-    static const yao2020_real low[6] = { -1000.000000001, -1000.000000001, -1000.000000001, -1000.000000001, -1000.000000001, -555022.5220661015 };
-    static const yao2020_real high[6] = { 1000.000000001, 1000.000000001, 1000.000000001, 1000.000000001, 1000.000000001, 555022.5220661015 };
+    static const yao2020_real low[6] = { -1000.000000001, -1000.000000001, -1000.000000001,
+        -1000.000000001, -1000.000000001, -555022.5220661015 };
+    static const yao2020_real high[6] = { 1000.000000001, 1000.000000001, 1000.000000001,
+        1000.000000001, 1000.000000001, 555022.5220661015 };
     uint8_t joint = 0U;
     while ((joint < 6U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
         ++joint;
@@ -108,7 +120,8 @@ static YAO2020_SHARED yao2020_status yao2020_check_limits(const yao2020_real joi
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and slides. */
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and
+ * slides. */
 static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
 {
     const yao2020_real t0 = cos(q[0]);
@@ -116,129 +129,129 @@ static void yao2020_forward(const yao2020_real q[6], yao2020_real x[7])
     const yao2020_real t2 = cos(q[2]);
     const yao2020_real t3 = cos(q[3]);
     const yao2020_real t4 = cos(q[4]);
-    const yao2020_real t5 = -545.0 + q[5];
-    const yao2020_real t6 = t5 - (-385.0);
-    const yao2020_real t7 = t4 * t6;
-    const yao2020_real t8 = -385.0 + t7;
-    const yao2020_real t9 = t8 - (-300.0);
-    const yao2020_real t10 = t3 * t9;
-    const yao2020_real t11 = sin(q[3]);
-    const yao2020_real t12 = 105.0 * t11;
-    const yao2020_real t13 = t10 + t12;
-    const yao2020_real t14 = -300.0 + t13;
-    const yao2020_real t15 = t2 * t14;
-    const yao2020_real t16 = 1.0 - t2;
-    const yao2020_real t17 = t16 * t14;
-    const yao2020_real t18 = t15 + t17;
-    const yao2020_real t19 = t1 * t18;
-    const yao2020_real t20 = sin(q[1]);
-    const yao2020_real t21 = 105.0 * t3;
-    const yao2020_real t22 = t11 * t9;
-    const yao2020_real t23 = t21 - t22;
-    const yao2020_real t24 = t2 * t23;
-    const yao2020_real t25 = sin(q[2]);
-    const yao2020_real t26 = sin(q[4]);
-    const yao2020_real t27 = t26 * t6;
-    const yao2020_real t28 = t3 * t27;
-    const yao2020_real t29 = 1.0 - t3;
-    const yao2020_real t30 = t29 * t27;
-    const yao2020_real t31 = t28 + t30;
-    const yao2020_real t32 = t25 * t31;
-    const yao2020_real t33 = t24 + t32;
-    const yao2020_real t34 = t20 * t33;
-    const yao2020_real t35 = t19 + t34;
-    const yao2020_real t36 = t0 * t35;
-    const yao2020_real t37 = sin(q[0]);
-    const yao2020_real t38 = t2 * t31;
-    const yao2020_real t39 = t25 * t23;
-    const yao2020_real t40 = t38 - t39;
-    const yao2020_real t41 = t1 * t40;
-    const yao2020_real t42 = 1.0 - t1;
-    const yao2020_real t43 = t42 * t40;
-    const yao2020_real t44 = t41 + t43;
-    const yao2020_real t45 = t37 * t44;
-    const yao2020_real t46 = t36 - t45;
-    const yao2020_real t47 = t0 * t44;
-    const yao2020_real t48 = t37 * t35;
-    const yao2020_real t49 = t47 + t48;
-    const yao2020_real t50 = t1 * t33;
-    const yao2020_real t51 = t20 * t18;
-    const yao2020_real t52 = t50 - t51;
-    const yao2020_real t53 = t0 * t52;
-    const yao2020_real t54 = 1.0 - t0;
-    const yao2020_real t55 = t54 * t52;
-    const yao2020_real t56 = t53 + t55;
-    const yao2020_real t57 = 0.5 * q[0];
+    const yao2020_real t5 = q[5] - 160.0;
+    const yao2020_real t6 = t4 * t5;
+    const yao2020_real t7 = t6 - 85.0;
+    const yao2020_real t8 = t3 * t7;
+    const yao2020_real t9 = sin(q[3]);
+    const yao2020_real t10 = 105.0 * t9;
+    const yao2020_real t11 = t8 + t10;
+    const yao2020_real t12 = t11 - 300.0;
+    const yao2020_real t13 = t2 * t12;
+    const yao2020_real t14 = 1.0 - t2;
+    const yao2020_real t15 = t14 * t12;
+    const yao2020_real t16 = t13 + t15;
+    const yao2020_real t17 = t1 * t16;
+    const yao2020_real t18 = sin(q[1]);
+    const yao2020_real t19 = 105.0 * t3;
+    const yao2020_real t20 = t9 * t7;
+    const yao2020_real t21 = t19 - t20;
+    const yao2020_real t22 = t2 * t21;
+    const yao2020_real t23 = sin(q[2]);
+    const yao2020_real t24 = sin(q[4]);
+    const yao2020_real t25 = t24 * t5;
+    const yao2020_real t26 = t3 * t25;
+    const yao2020_real t27 = 1.0 - t3;
+    const yao2020_real t28 = t27 * t25;
+    const yao2020_real t29 = t26 + t28;
+    const yao2020_real t30 = t23 * t29;
+    const yao2020_real t31 = t22 + t30;
+    const yao2020_real t32 = t18 * t31;
+    const yao2020_real t33 = t17 + t32;
+    const yao2020_real t34 = t0 * t33;
+    const yao2020_real t35 = sin(q[0]);
+    const yao2020_real t36 = t2 * t29;
+    const yao2020_real t37 = t23 * t21;
+    const yao2020_real t38 = t36 - t37;
+    const yao2020_real t39 = t1 * t38;
+    const yao2020_real t40 = 1.0 - t1;
+    const yao2020_real t41 = t40 * t38;
+    const yao2020_real t42 = t39 + t41;
+    const yao2020_real t43 = t35 * t42;
+    const yao2020_real t44 = t34 - t43;
+    const yao2020_real t45 = t0 * t42;
+    const yao2020_real t46 = t35 * t33;
+    const yao2020_real t47 = t45 + t46;
+    const yao2020_real t48 = t1 * t31;
+    const yao2020_real t49 = t18 * t16;
+    const yao2020_real t50 = t48 - t49;
+    const yao2020_real t51 = t0 * t50;
+    const yao2020_real t52 = 1.0 - t0;
+    const yao2020_real t53 = t52 * t50;
+    const yao2020_real t54 = t51 + t53;
+    const yao2020_real t55 = 0.5 * q[0];
+    const yao2020_real t56 = cos(t55);
+    const yao2020_real t57 = 0.5 * q[1];
     const yao2020_real t58 = cos(t57);
-    const yao2020_real t59 = 0.5 * q[1];
-    const yao2020_real t60 = cos(t59);
-    const yao2020_real t61 = t58 * t60;
-    const yao2020_real t62 = 0.5 * q[2];
-    const yao2020_real t63 = cos(t62);
-    const yao2020_real t64 = t61 * t63;
-    const yao2020_real t65 = sin(t57);
-    const yao2020_real t66 = sin(t59);
+    const yao2020_real t59 = t56 * t58;
+    const yao2020_real t60 = 0.5 * q[2];
+    const yao2020_real t61 = cos(t60);
+    const yao2020_real t62 = t59 * t61;
+    const yao2020_real t63 = sin(t55);
+    const yao2020_real t64 = sin(t57);
+    const yao2020_real t65 = t63 * t64;
+    const yao2020_real t66 = sin(t60);
     const yao2020_real t67 = t65 * t66;
-    const yao2020_real t68 = sin(t62);
-    const yao2020_real t69 = t67 * t68;
-    const yao2020_real t70 = t64 + t69;
-    const yao2020_real t71 = 0.5 * q[3];
-    const yao2020_real t72 = cos(t71);
-    const yao2020_real t73 = t70 * t72;
-    const yao2020_real t74 = t58 * t66;
-    const yao2020_real t75 = t74 * t63;
-    const yao2020_real t76 = t65 * t60;
-    const yao2020_real t77 = t76 * t68;
-    const yao2020_real t78 = t75 + t77;
-    const yao2020_real t79 = sin(t71);
-    const yao2020_real t80 = t78 * t79;
-    const yao2020_real t81 = t73 - t80;
-    const yao2020_real t82 = 0.5 * q[4];
-    const yao2020_real t83 = cos(t82);
-    const yao2020_real t84 = t81 * t83;
-    const yao2020_real t85 = t61 * t68;
-    const yao2020_real t86 = t67 * t63;
-    const yao2020_real t87 = t85 - t86;
-    const yao2020_real t88 = t87 * t79;
-    const yao2020_real t89 = t76 * t63;
-    const yao2020_real t90 = t74 * t68;
-    const yao2020_real t91 = t89 - t90;
-    const yao2020_real t92 = t91 * t72;
-    const yao2020_real t93 = t88 + t92;
-    const yao2020_real t94 = sin(t82);
-    const yao2020_real t95 = t93 * t94;
-    const yao2020_real t96 = t84 - t95;
-    const yao2020_real t97 = t87 * t72;
-    const yao2020_real t98 = t91 * t79;
-    const yao2020_real t99 = t97 - t98;
-    const yao2020_real t100 = t99 * t83;
-    const yao2020_real t101 = t70 * t79;
-    const yao2020_real t102 = t78 * t72;
-    const yao2020_real t103 = t101 + t102;
-    const yao2020_real t104 = t103 * t94;
-    const yao2020_real t105 = t100 + t104;
-    const yao2020_real t106 = t103 * t83;
-    const yao2020_real t107 = t99 * t94;
-    const yao2020_real t108 = t106 - t107;
-    const yao2020_real t109 = t81 * t94;
-    const yao2020_real t110 = t93 * t83;
-    const yao2020_real t111 = t109 + t110;
-    x[0] = t46;
-    x[1] = t49;
-    x[2] = t56;
-    x[3] = t96;
-    x[4] = t105;
-    x[5] = t108;
-    x[6] = t111;
+    const yao2020_real t68 = t62 + t67;
+    const yao2020_real t69 = 0.5 * q[3];
+    const yao2020_real t70 = cos(t69);
+    const yao2020_real t71 = t68 * t70;
+    const yao2020_real t72 = t56 * t64;
+    const yao2020_real t73 = t72 * t61;
+    const yao2020_real t74 = t63 * t58;
+    const yao2020_real t75 = t74 * t66;
+    const yao2020_real t76 = t73 + t75;
+    const yao2020_real t77 = sin(t69);
+    const yao2020_real t78 = t76 * t77;
+    const yao2020_real t79 = t71 - t78;
+    const yao2020_real t80 = 0.5 * q[4];
+    const yao2020_real t81 = cos(t80);
+    const yao2020_real t82 = t79 * t81;
+    const yao2020_real t83 = t59 * t66;
+    const yao2020_real t84 = t65 * t61;
+    const yao2020_real t85 = t83 - t84;
+    const yao2020_real t86 = t85 * t77;
+    const yao2020_real t87 = t74 * t61;
+    const yao2020_real t88 = t72 * t66;
+    const yao2020_real t89 = t87 - t88;
+    const yao2020_real t90 = t89 * t70;
+    const yao2020_real t91 = t86 + t90;
+    const yao2020_real t92 = sin(t80);
+    const yao2020_real t93 = t91 * t92;
+    const yao2020_real t94 = t82 - t93;
+    const yao2020_real t95 = t85 * t70;
+    const yao2020_real t96 = t89 * t77;
+    const yao2020_real t97 = t95 - t96;
+    const yao2020_real t98 = t97 * t81;
+    const yao2020_real t99 = t68 * t77;
+    const yao2020_real t100 = t76 * t70;
+    const yao2020_real t101 = t99 + t100;
+    const yao2020_real t102 = t101 * t92;
+    const yao2020_real t103 = t98 + t102;
+    const yao2020_real t104 = t101 * t81;
+    const yao2020_real t105 = t97 * t92;
+    const yao2020_real t106 = t104 - t105;
+    const yao2020_real t107 = t79 * t92;
+    const yao2020_real t108 = t91 * t81;
+    const yao2020_real t109 = t107 + t108;
+    x[0] = t44;
+    x[1] = t47;
+    x[2] = t54;
+    x[3] = t94;
+    x[4] = t103;
+    x[5] = t106;
+    x[6] = t109;
 }
 
-/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many turns. */
+/* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
+ * turns. */
 static yao2020_real yao2020_sine(yao2020_real angle)
 {
     const yao2020_real number = angle * 0.15915494309189535;
     yao2020_real sine = 0.0;
     if (fabs(number) < 10000.0) {
-        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+        yao2020_real x = angle - 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0)
+            ? -0.5 : 0.5));
         if (x > 1.5707963267948966) {
             x = 3.141592653589793 - x;
         } else if (x < -1.5707963267948966) {
@@ -247,23 +260,27 @@ static yao2020_real yao2020_sine(yao2020_real angle)
             /* within a quarter turn */
         }
         const yao2020_real square = x * x;
-        sine = x * (0.9999966155528762 + square * (-0.16664828239792243 + square * (0.008306323850167805 + square * -0.00018363616794956467)));
+        sine = x * (0.9999966155528762 + square * (-0.16664828239792243
+            + square * (0.008306323850167805 + square * -0.00018363616794956467)));
     }
     return sine;
 }
 
-/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two bits a choice, 1 for its first
- * solution, 2 for its second, 0 for the one nearest to the guess; near: cosine and sine of the guess's angle, or its slide and 0, of
- * each choice. *undecided is set where nothing decides a joint; margin: squares that vanish where steps decide nothing or two solutions
- * meet. */
-static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6], unsigned int wanted, yao2020_real found[][6], bool *undecided,
+/* Joint values of branches with the tool pose x (unit quaternion); returns how many. wanted: two
+ * bits a choice, 1 for its first solution, 2 for its second, 0 for the one nearest to the guess;
+ * near: cosine and sine of the guess's angle, or its slide and 0, of each choice. *undecided is set
+ * where nothing decides a joint; margin: squares that vanish where steps decide nothing or two
+ * solutions meet. */
+static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
+    unsigned int wanted, yao2020_real found[][6], bool *undecided,
     yao2020_real margin[5])
 {
     int count = 0;
     (void)margin;
     (void)near;
     (void)wanted;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
     const yao2020_real t0 = x[4] * x[6];
     const yao2020_real t1 = x[3] * x[5];
     const yao2020_real t2 = t0 + t1;
@@ -304,9 +321,10 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                 const yao2020_real t37 = 0.0033333333333333335 * t18;
                 const yao2020_real t38 = -t36;
                 const yao2020_real t39 = atan2(t37, t38);
-                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
+                /* the point where the axes of theta3, theta2, theta1 meet: its level across L6
+                 * tells theta5 */
                 const yao2020_real t40 = -300.0 - t35;
-                const yao2020_real t41 = t40 - (-385.0);
+                const yao2020_real t41 = t40 + 385.0;
                 const yao2020_real t42 = t41 * t41;
                 const yao2020_real t43 = t42 * 3.2462262619704594e-06;
                 if (t43 > 2.842170943040401e-14) {
@@ -347,7 +365,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                 const yao2020_real t79 = t41 * t78;
                                 const yao2020_real t80 = t79 * t72;
                                 const yao2020_real t81 = atan2(t73, t80);
-                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet to where it must be */
+                                /* L6 slides the point where the axes of theta3, theta2, theta1 meet
+                                 * to where it must be */
                                 const yao2020_real t82 = t0 - t1;
                                 const yao2020_real t83 = t82 + t82;
                                 const yao2020_real t84 = t12 + t50;
@@ -362,10 +381,11 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                 const yao2020_real t93 = t91 + t92;
                                 const yao2020_real t94 = -545.0 - t93;
                                 const yao2020_real t95 = t80 * t41;
-                                const yao2020_real t96 = -385.0 + t95;
+                                const yao2020_real t96 = t95 - 385.0;
                                 const yao2020_real t97 = t94 - t96;
                                 const yao2020_real t98 = -t97;
-                                /* the axis of theta3: its level along the axis of theta1 tells theta2 */
+                                /* the axis of theta3: its level along the axis of theta1 tells
+                                 * theta2 */
                                 const yao2020_real t99 = t73 * t36;
                                 const yao2020_real t100 = t57 * t99;
                                 const yao2020_real t101 = t80 * t36;
@@ -389,7 +409,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             const yao2020_real t119 = sign2 * t118;
                                             const yao2020_real t120 = -t105;
                                             const yao2020_real t121 = atan2(t120, t119);
-                                            /* theta1 turns the axis of theta3 to where it must be */
+                                            /* theta1 turns the axis of theta3 to where it must
+                                             * be */
                                             const yao2020_real t122 = t48 * t99;
                                             const yao2020_real t123 = t86 * t101;
                                             const yao2020_real t124 = t122 - t123;
@@ -409,7 +430,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
                                             if (t137 > 2.842170943040401e-14) {
                                                 margin[3] = t137;
                                                 const yao2020_real t140 = atan2(t134, t127);
-                                                /* theta3 turns a direction of the tool to where it must be */
+                                                /* theta3 turns a direction of the tool to where it
+                                                 * must be */
                                                 const yao2020_real t141 = 1.0 / t137;
                                                 const yao2020_real t142 = t127 * t141;
                                                 const yao2020_real t143 = t88 * t73;
@@ -478,7 +500,8 @@ static int yao2020_branches(const yao2020_real x[7], const yao2020_real near[6],
     return count;
 }
 
-/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of the range. */
+/* Turns angles to within half a turn of `about`, and, where that is out of range, of the middle of
+ * the range. */
 static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_real joints[6])
 {
     static const bool angular[6] = { true, true, true, true, true, false };
@@ -499,7 +522,8 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
 }
 
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
-static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6], unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
+static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6],
+    unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
 {
     yao2020_real x[7];
     yao2020_real found[1][6];
@@ -546,7 +570,8 @@ int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
 }
 
 /* The branch named by the choices' bits. */
-yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch, yao2020_real joints[6])
+yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch,
+    yao2020_real joints[6])
 {
     static const yao2020_real near[6] = { 0.0 };
     static const yao2020_real middle[6] = { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 };
@@ -562,7 +587,8 @@ yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int bra
 }
 
 /* The branch nearest to the guess, choice by choice. */
-yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6])
+yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[6],
+    yao2020_real joints[6])
 {
     yao2020_status status = yao2020_check_finite(guess, 6, YAO2020_OK);
     if (status == YAO2020_OK) {
@@ -575,9 +601,10 @@ yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_r
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's steps there (README.md), and the
- * bits of the branch on which they lie. */
-static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_real x[7], yao2020_real margin[5])
+/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
+ * steps there (README.md), and the bits of the branch on which they lie. */
+static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_real x[7],
+    yao2020_real margin[5])
 {
     yao2020_real u[12];
     unsigned int wanted = 0U;
@@ -606,191 +633,191 @@ static unsigned int yao2020_read_joints(const yao2020_real joints[6], yao2020_re
     const yao2020_real t9 = u[8] * u[8];
     const yao2020_real t10 = u[9] * u[9];
     const yao2020_real t11 = t9 - t10;
-    const yao2020_real t12 = -545.0 + u[10];
-    const yao2020_real t13 = t12 - (-385.0);
-    const yao2020_real t14 = t11 * t13;
-    const yao2020_real t15 = -385.0 + t14;
-    const yao2020_real t16 = t15 - (-300.0);
-    const yao2020_real t17 = t8 * t16;
-    const yao2020_real t18 = -300.0 + t17;
-    const yao2020_real t19 = u[6] + u[6];
-    const yao2020_real t20 = t19 * u[7];
-    const yao2020_real t21 = 105.0 * t20;
-    const yao2020_real t22 = t18 + t21;
-    const yao2020_real t23 = t5 * t22;
-    const yao2020_real t24 = u[2] + u[2];
-    const yao2020_real t25 = t24 * u[3];
-    const yao2020_real t26 = u[4] * u[4];
-    const yao2020_real t27 = u[5] * u[5];
-    const yao2020_real t28 = t26 - t27;
-    const yao2020_real t29 = 105.0 * t8;
-    const yao2020_real t30 = t20 * t16;
-    const yao2020_real t31 = t29 - t30;
-    const yao2020_real t32 = t28 * t31;
-    const yao2020_real t33 = u[4] + u[4];
-    const yao2020_real t34 = t33 * u[5];
-    const yao2020_real t35 = u[8] + u[8];
-    const yao2020_real t36 = t35 * u[9];
-    const yao2020_real t37 = t36 * t13;
-    const yao2020_real t38 = t34 * t37;
-    const yao2020_real t39 = t32 + t38;
-    const yao2020_real t40 = t25 * t39;
-    const yao2020_real t41 = t23 + t40;
-    const yao2020_real t42 = t2 * t41;
-    const yao2020_real t43 = u[0] + u[0];
-    const yao2020_real t44 = t43 * u[1];
-    const yao2020_real t45 = t28 * t37;
-    const yao2020_real t46 = t34 * t31;
-    const yao2020_real t47 = t45 - t46;
-    const yao2020_real t48 = t44 * t47;
-    const yao2020_real t49 = t42 - t48;
-    x[0] = t49;
-    const yao2020_real t51 = t2 * t47;
-    const yao2020_real t52 = t44 * t41;
-    const yao2020_real t53 = t51 + t52;
-    x[1] = t53;
-    const yao2020_real t55 = t5 * t39;
-    const yao2020_real t56 = t25 * t22;
-    const yao2020_real t57 = t55 - t56;
-    x[2] = t57;
-    const yao2020_real t59 = u[6] * u[8];
-    const yao2020_real t60 = u[4] * t59;
-    const yao2020_real t61 = u[7] * u[9];
-    const yao2020_real t62 = u[5] * t61;
-    const yao2020_real t63 = t60 - t62;
-    const yao2020_real t64 = u[2] * t63;
-    const yao2020_real t65 = u[7] * u[8];
-    const yao2020_real t66 = u[4] * t65;
-    const yao2020_real t67 = u[6] * u[9];
-    const yao2020_real t68 = u[5] * t67;
-    const yao2020_real t69 = t66 - t68;
-    const yao2020_real t70 = u[3] * t69;
-    const yao2020_real t71 = t64 - t70;
-    const yao2020_real t72 = u[0] * t71;
-    const yao2020_real t73 = u[4] * t67;
-    const yao2020_real t74 = u[5] * t65;
-    const yao2020_real t75 = t73 + t74;
-    const yao2020_real t76 = u[2] * t75;
-    const yao2020_real t77 = u[4] * t61;
-    const yao2020_real t78 = u[5] * t59;
-    const yao2020_real t79 = t77 + t78;
-    const yao2020_real t80 = u[3] * t79;
-    const yao2020_real t81 = t76 - t80;
-    const yao2020_real t82 = u[1] * t81;
-    const yao2020_real t83 = t72 - t82;
-    x[3] = t83;
-    const yao2020_real t85 = u[2] * t79;
-    const yao2020_real t86 = u[3] * t75;
-    const yao2020_real t87 = t85 + t86;
-    const yao2020_real t88 = u[0] * t87;
-    const yao2020_real t89 = u[2] * t69;
-    const yao2020_real t90 = u[3] * t63;
-    const yao2020_real t91 = t89 + t90;
-    const yao2020_real t92 = u[1] * t91;
-    const yao2020_real t93 = t88 - t92;
-    x[4] = t93;
-    const yao2020_real t95 = u[0] * t91;
-    const yao2020_real t96 = u[1] * t87;
-    const yao2020_real t97 = t95 + t96;
-    x[5] = t97;
-    const yao2020_real t99 = u[0] * t81;
-    const yao2020_real t100 = u[1] * t71;
-    const yao2020_real t101 = t99 + t100;
-    x[6] = t101;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
-    const yao2020_real t103 = 300.0 * t8;
-    const yao2020_real t104 = t103 * 0.0018017286871142555;
-    const yao2020_real t105 = -t104;
-    margin[0] = t105 * t105;
-    wanted |= (t105 < 0.0) ? 2U : 1U;
+    const yao2020_real t12 = u[10] - 160.0;
+    const yao2020_real t13 = t11 * t12;
+    const yao2020_real t14 = t13 - 85.0;
+    const yao2020_real t15 = t8 * t14;
+    const yao2020_real t16 = t15 - 300.0;
+    const yao2020_real t17 = u[6] + u[6];
+    const yao2020_real t18 = t17 * u[7];
+    const yao2020_real t19 = 105.0 * t18;
+    const yao2020_real t20 = t16 + t19;
+    const yao2020_real t21 = t5 * t20;
+    const yao2020_real t22 = u[2] + u[2];
+    const yao2020_real t23 = t22 * u[3];
+    const yao2020_real t24 = u[4] * u[4];
+    const yao2020_real t25 = u[5] * u[5];
+    const yao2020_real t26 = t24 - t25;
+    const yao2020_real t27 = 105.0 * t8;
+    const yao2020_real t28 = t18 * t14;
+    const yao2020_real t29 = t27 - t28;
+    const yao2020_real t30 = t26 * t29;
+    const yao2020_real t31 = u[4] + u[4];
+    const yao2020_real t32 = t31 * u[5];
+    const yao2020_real t33 = u[8] + u[8];
+    const yao2020_real t34 = t33 * u[9];
+    const yao2020_real t35 = t34 * t12;
+    const yao2020_real t36 = t32 * t35;
+    const yao2020_real t37 = t30 + t36;
+    const yao2020_real t38 = t23 * t37;
+    const yao2020_real t39 = t21 + t38;
+    const yao2020_real t40 = t2 * t39;
+    const yao2020_real t41 = u[0] + u[0];
+    const yao2020_real t42 = t41 * u[1];
+    const yao2020_real t43 = t26 * t35;
+    const yao2020_real t44 = t32 * t29;
+    const yao2020_real t45 = t43 - t44;
+    const yao2020_real t46 = t42 * t45;
+    const yao2020_real t47 = t40 - t46;
+    x[0] = t47;
+    const yao2020_real t49 = t2 * t45;
+    const yao2020_real t50 = t42 * t39;
+    const yao2020_real t51 = t49 + t50;
+    x[1] = t51;
+    const yao2020_real t53 = t5 * t37;
+    const yao2020_real t54 = t23 * t20;
+    const yao2020_real t55 = t53 - t54;
+    x[2] = t55;
+    const yao2020_real t57 = u[6] * u[8];
+    const yao2020_real t58 = u[4] * t57;
+    const yao2020_real t59 = u[7] * u[9];
+    const yao2020_real t60 = u[5] * t59;
+    const yao2020_real t61 = t58 - t60;
+    const yao2020_real t62 = u[2] * t61;
+    const yao2020_real t63 = u[7] * u[8];
+    const yao2020_real t64 = u[4] * t63;
+    const yao2020_real t65 = u[6] * u[9];
+    const yao2020_real t66 = u[5] * t65;
+    const yao2020_real t67 = t64 - t66;
+    const yao2020_real t68 = u[3] * t67;
+    const yao2020_real t69 = t62 - t68;
+    const yao2020_real t70 = u[0] * t69;
+    const yao2020_real t71 = u[4] * t65;
+    const yao2020_real t72 = u[5] * t63;
+    const yao2020_real t73 = t71 + t72;
+    const yao2020_real t74 = u[2] * t73;
+    const yao2020_real t75 = u[4] * t59;
+    const yao2020_real t76 = u[5] * t57;
+    const yao2020_real t77 = t75 + t76;
+    const yao2020_real t78 = u[3] * t77;
+    const yao2020_real t79 = t74 - t78;
+    const yao2020_real t80 = u[1] * t79;
+    const yao2020_real t81 = t70 - t80;
+    x[3] = t81;
+    const yao2020_real t83 = u[2] * t77;
+    const yao2020_real t84 = u[3] * t73;
+    const yao2020_real t85 = t83 + t84;
+    const yao2020_real t86 = u[0] * t85;
+    const yao2020_real t87 = u[2] * t67;
+    const yao2020_real t88 = u[3] * t61;
+    const yao2020_real t89 = t87 + t88;
+    const yao2020_real t90 = u[1] * t89;
+    const yao2020_real t91 = t86 - t90;
+    x[4] = t91;
+    const yao2020_real t93 = u[0] * t89;
+    const yao2020_real t94 = u[1] * t85;
+    const yao2020_real t95 = t93 + t94;
+    x[5] = t95;
+    const yao2020_real t97 = u[0] * t79;
+    const yao2020_real t98 = u[1] * t69;
+    const yao2020_real t99 = t97 + t98;
+    x[6] = t99;
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
+    const yao2020_real t101 = 300.0 * t8;
+    const yao2020_real t102 = t101 * 0.0018017286871142555;
+    const yao2020_real t103 = -t102;
+    margin[0] = t103 * t103;
+    wanted |= (t103 < 0.0) ? 2U : 1U;
     /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
-    const yao2020_real t108 = -300.0 + t103;
-    const yao2020_real t109 = t108 - (-385.0);
-    const yao2020_real t110 = t109 * t11;
-    const yao2020_real t111 = t110 * 0.0018017286871142555;
-    margin[1] = t111 * t111;
-    wanted |= (t111 < 0.0) ? 8U : 4U;
+    const yao2020_real t106 = t101 + 85.0;
+    const yao2020_real t107 = t106 * t11;
+    const yao2020_real t108 = t107 * 0.0018017286871142555;
+    margin[1] = t108 * t108;
+    wanted |= (t108 < 0.0) ? 8U : 4U;
     /* the axis of theta3: its level along the axis of theta1 tells theta2 */
     margin[2] = t5 * t5;
     wanted |= (t5 < 0.0) ? 32U : 16U;
     /* theta1 turns the axis of theta3 to where it must be */
-    const yao2020_real t116 = t97 * t97;
-    const yao2020_real t117 = t101 * t101;
-    const yao2020_real t118 = t116 + t117;
-    const yao2020_real t119 = t118 + t118;
-    const yao2020_real t120 = 1.0 - t119;
-    const yao2020_real t121 = t11 * t8;
-    const yao2020_real t122 = t120 * t121;
-    const yao2020_real t123 = t93 * t97;
-    const yao2020_real t124 = t83 * t101;
-    const yao2020_real t125 = t123 - t124;
-    const yao2020_real t126 = t125 + t125;
-    const yao2020_real t127 = t36 * t8;
-    const yao2020_real t128 = t126 * t127;
-    const yao2020_real t129 = t122 - t128;
-    const yao2020_real t130 = t93 * t101;
-    const yao2020_real t131 = t83 * t97;
-    const yao2020_real t132 = t130 + t131;
-    const yao2020_real t133 = t132 + t132;
-    const yao2020_real t134 = t133 * t20;
-    const yao2020_real t135 = t129 + t134;
-    const yao2020_real t136 = t5 * t135;
-    const yao2020_real t137 = t136 * t136;
-    const yao2020_real t138 = t123 + t124;
-    const yao2020_real t139 = t138 + t138;
-    const yao2020_real t140 = t139 * t121;
-    const yao2020_real t141 = t93 * t93;
-    const yao2020_real t142 = t141 + t117;
-    const yao2020_real t143 = t142 + t142;
-    const yao2020_real t144 = 1.0 - t143;
-    const yao2020_real t145 = t144 * t127;
-    const yao2020_real t146 = t140 - t145;
-    const yao2020_real t147 = t97 * t101;
-    const yao2020_real t148 = t83 * t93;
-    const yao2020_real t149 = t147 - t148;
-    const yao2020_real t150 = t149 + t149;
-    const yao2020_real t151 = t150 * t20;
-    const yao2020_real t152 = t146 + t151;
-    const yao2020_real t153 = t5 * t152;
-    const yao2020_real t154 = t153 * t153;
-    const yao2020_real t155 = t137 + t154;
-    const yao2020_real t156 = sqrt(t155);
-    margin[3] = t156;
+    const yao2020_real t113 = t95 * t95;
+    const yao2020_real t114 = t99 * t99;
+    const yao2020_real t115 = t113 + t114;
+    const yao2020_real t116 = t115 + t115;
+    const yao2020_real t117 = 1.0 - t116;
+    const yao2020_real t118 = t11 * t8;
+    const yao2020_real t119 = t117 * t118;
+    const yao2020_real t120 = t91 * t95;
+    const yao2020_real t121 = t81 * t99;
+    const yao2020_real t122 = t120 - t121;
+    const yao2020_real t123 = t122 + t122;
+    const yao2020_real t124 = t34 * t8;
+    const yao2020_real t125 = t123 * t124;
+    const yao2020_real t126 = t119 - t125;
+    const yao2020_real t127 = t91 * t99;
+    const yao2020_real t128 = t81 * t95;
+    const yao2020_real t129 = t127 + t128;
+    const yao2020_real t130 = t129 + t129;
+    const yao2020_real t131 = t130 * t18;
+    const yao2020_real t132 = t126 + t131;
+    const yao2020_real t133 = t5 * t132;
+    const yao2020_real t134 = t133 * t133;
+    const yao2020_real t135 = t120 + t121;
+    const yao2020_real t136 = t135 + t135;
+    const yao2020_real t137 = t136 * t118;
+    const yao2020_real t138 = t91 * t91;
+    const yao2020_real t139 = t138 + t114;
+    const yao2020_real t140 = t139 + t139;
+    const yao2020_real t141 = 1.0 - t140;
+    const yao2020_real t142 = t141 * t124;
+    const yao2020_real t143 = t137 - t142;
+    const yao2020_real t144 = t95 * t99;
+    const yao2020_real t145 = t81 * t91;
+    const yao2020_real t146 = t144 - t145;
+    const yao2020_real t147 = t146 + t146;
+    const yao2020_real t148 = t147 * t18;
+    const yao2020_real t149 = t143 + t148;
+    const yao2020_real t150 = t5 * t149;
+    const yao2020_real t151 = t150 * t150;
+    const yao2020_real t152 = t134 + t151;
+    const yao2020_real t153 = sqrt(t152);
+    margin[3] = t153;
     /* theta3 turns a direction of the tool to where it must be */
-    const yao2020_real t158 = t139 * t36;
-    const yao2020_real t159 = t144 * t11;
-    const yao2020_real t160 = t158 + t159;
-    const yao2020_real t161 = t2 * t160;
-    const yao2020_real t162 = t120 * t36;
-    const yao2020_real t163 = t126 * t11;
-    const yao2020_real t164 = t162 + t163;
-    const yao2020_real t165 = t44 * t164;
-    const yao2020_real t166 = t161 - t165;
-    const yao2020_real t167 = t166 * t166;
-    const yao2020_real t168 = t130 - t131;
+    const yao2020_real t155 = t136 * t34;
+    const yao2020_real t156 = t141 * t11;
+    const yao2020_real t157 = t155 + t156;
+    const yao2020_real t158 = t2 * t157;
+    const yao2020_real t159 = t117 * t34;
+    const yao2020_real t160 = t123 * t11;
+    const yao2020_real t161 = t159 + t160;
+    const yao2020_real t162 = t42 * t161;
+    const yao2020_real t163 = t158 - t162;
+    const yao2020_real t164 = t163 * t163;
+    const yao2020_real t165 = t127 - t128;
+    const yao2020_real t166 = t165 + t165;
+    const yao2020_real t167 = t166 * t34;
+    const yao2020_real t168 = t144 + t145;
     const yao2020_real t169 = t168 + t168;
-    const yao2020_real t170 = t169 * t36;
-    const yao2020_real t171 = t147 + t148;
-    const yao2020_real t172 = t171 + t171;
-    const yao2020_real t173 = t172 * t11;
-    const yao2020_real t174 = t170 + t173;
-    const yao2020_real t175 = t5 * t174;
-    const yao2020_real t176 = t2 * t164;
-    const yao2020_real t177 = t44 * t160;
-    const yao2020_real t178 = t176 + t177;
-    const yao2020_real t179 = t25 * t178;
-    const yao2020_real t180 = t175 + t179;
-    const yao2020_real t181 = t180 * t180;
-    const yao2020_real t182 = t167 + t181;
-    const yao2020_real t183 = sqrt(t182);
-    margin[4] = t183;
+    const yao2020_real t170 = t169 * t11;
+    const yao2020_real t171 = t167 + t170;
+    const yao2020_real t172 = t5 * t171;
+    const yao2020_real t173 = t2 * t161;
+    const yao2020_real t174 = t42 * t157;
+    const yao2020_real t175 = t173 + t174;
+    const yao2020_real t176 = t23 * t175;
+    const yao2020_real t177 = t172 + t176;
+    const yao2020_real t178 = t177 * t177;
+    const yao2020_real t179 = t164 + t178;
+    const yao2020_real t180 = sqrt(t179);
+    margin[4] = t180;
     return wanted;
 }
 
-/* How much of what would keep the steps of the closed form from their singularities between two points of the line is used up, 1 being
- * all: a and b are the squares `margin` there, and a square bends away from its chord by no more than the squares of the tool's way
- * (place over the size, turn) and of the joints' (angles; slides over the size) allow (README.md). */
-static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_real b[5], yao2020_real place, yao2020_real turn, const yao2020_real moved[6])
+/* How much of what would keep the steps of the closed form from their singularities between two
+ * points of the line is used up, 1 being all: a and b are the squares `margin` there, and a square
+ * bends away from its chord by no more than the squares of the tool's way (place over the size,
+ * turn) and of the joints' (angles; slides over the size) allow (README.md). */
+static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_real b[5],
+    yao2020_real place, yao2020_real turn, const yao2020_real moved[6])
 {
     yao2020_real largest = 0.0;
     (void)a;
@@ -798,7 +825,8 @@ static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_re
     (void)place;
     (void)turn;
     (void)moved;
-    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6 and theta5 tells theta4 */
+    /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
+     * and theta5 tells theta4 */
     const yao2020_real bend0 = 9.74 * place + 11.6 * turn;
     const yao2020_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
     const yao2020_real share0 = bend0 / (2.0 * (a[0] + b[0]) + 4.0 * lesser0);
@@ -826,9 +854,11 @@ static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_re
     return largest;
 }
 
-/* The closed form along the line of tool poses from the guess's to the given one, on the guess's branch, in parts that are kept and
- * halved where they are not. Angles go on from part to part, whole turns included. */
-static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2020_config *config, yao2020_real joints[6], yao2020_info *info)
+/* The closed form along the line of tool poses from the guess's to the given one, on the guess's
+ * branch, in parts that are kept and halved where they are not. Angles go on from part to part,
+ * whole turns included. */
+static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2020_config *config,
+    yao2020_real joints[6], yao2020_info *info)
 {
     static const yao2020_real per_length[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 0.0018017286871142555 };
     static const bool angular[6] = { true, true, true, true, true, false };
@@ -869,27 +899,31 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
             x[i] = (end < 1.0) ? (at[i] + end * (goal - at[i])) : goal;
         }
         if (end < 1.0) {
-            const yao2020_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+            const yao2020_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+                + x[6] * x[6]);
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
         }
         if (yao2020_branches(x, near, wanted, found, &undecided, margin) != 1) {
             /* the guess's branch does not reach this point of the line */
-            status = undecided ? YAO2020_SINGULAR : ((end < 1.0) ? YAO2020_WRONG_BRANCH : YAO2020_OUT_OF_RANGE);
+            status = undecided ? YAO2020_SINGULAR : ((end < 1.0)
+                ? YAO2020_WRONG_BRANCH : YAO2020_OUT_OF_RANGE);
         } else {
             way2 = 0.0;
             for (int i = 0; i < 6; ++i) {
                 yao2020_real way = found[0][i] - joints[i];
                 const yao2020_real number = way * 0.15915494309189535;
                 if (angular[i] && (fabs(number) > 0.5)) {
-                    way -= 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0) ? -0.5 : 0.5));
+                    way -= 6.283185307179586 * (yao2020_real)(int)(number + ((number < 0.0)
+                        ? -0.5 : 0.5));
                 }
                 found[0][i] = joints[i] + way;
                 moved[i] = (way * per_length[i]) * (way * per_length[i]);
                 way2 += moved[i];
             }
-            const yao2020_real share = yao2020_line_share(left, margin, part * part * place2, part * part * turn2, moved);
+            const yao2020_real share = yao2020_line_share(left, margin, part * part * place2,
+                part * part * turn2, moved);
             if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
                 for (int i = 0; i < 6; ++i) {
                     joints[i] = found[0][i];
@@ -913,7 +947,8 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
     for (int k = 0; k < 5; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    yao2020_write_info(info, count, (status == YAO2020_OK) ? 2.468738804943144e-09 : HUGE_VAL, way2 * 308050.0, (least > 0.0) ? (1.0 / least) : 0.0);
+    yao2020_write_info(info, count, (status == YAO2020_OK) ? 2.468738804943144e-09 : HUGE_VAL,
+        way2 * 308050.0, (least > 0.0) ? (1.0 / least) : 0.0);
     return status;
 }
 
@@ -925,7 +960,8 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
         yao2020_real x[7];
         yao2020_forward(joints, x);
         const yao2020_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
-        const yao2020_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5] + x[6] * x[6]);
+        const yao2020_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
+            + x[6] * x[6]);
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];
@@ -938,14 +974,15 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
 }
 
 /* The joints by the closed form along the line of tool poses from the guess's to the given one. */
-yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[6], yao2020_real joints[6], yao2020_info *info)
+yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose,
+    const yao2020_real guess[6], yao2020_real joints[6], yao2020_info *info)
 {
     static const yao2020_config usual = { YAO2020_TOLERANCE, YAO2020_MAX_STEPS, YAO2020_MAX_STEP };
     yao2020_real at[6];
     yao2020_real to[7];
     yao2020_status status = yao2020_check_finite(guess, 6, yao2020_normalise_pose(pose, to));
     yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
-    for (int i = 6 - 1; i >= 0; --i) {
+    for (int i = 5; i >= 0; --i) {
         if (!(fabs(guess[i]) <= 555022.5220655465)) {
             status = (status == YAO2020_OK) ? YAO2020_OUT_OF_RANGE : status;
             if (info != NULL) {
@@ -991,566 +1028,566 @@ yao2020_status yao2020_jacobian(const yao2020_real joints[6], yao2020_real jacob
         const yao2020_real t1 = cos(joints[2]);
         const yao2020_real t2 = cos(joints[3]);
         const yao2020_real t3 = cos(joints[4]);
-        const yao2020_real t4 = -545.0 + joints[5];
-        const yao2020_real t5 = t4 - (-385.0);
-        const yao2020_real t6 = t3 * t5;
-        const yao2020_real t7 = -385.0 + t6;
-        const yao2020_real t8 = t7 - (-300.0);
-        const yao2020_real t9 = t2 * t8;
-        const yao2020_real t10 = sin(joints[3]);
-        const yao2020_real t11 = 105.0 * t10;
-        const yao2020_real t12 = t9 + t11;
-        const yao2020_real t13 = -300.0 + t12;
-        const yao2020_real t14 = t1 * t13;
-        const yao2020_real t15 = 1.0 - t1;
-        const yao2020_real t16 = t15 * t13;
-        const yao2020_real t17 = t14 + t16;
-        const yao2020_real t18 = t0 * t17;
-        const yao2020_real t19 = sin(joints[1]);
-        const yao2020_real t20 = 105.0 * t2;
-        const yao2020_real t21 = t10 * t8;
-        const yao2020_real t22 = t20 - t21;
-        const yao2020_real t23 = t1 * t22;
-        const yao2020_real t24 = sin(joints[2]);
-        const yao2020_real t25 = sin(joints[4]);
-        const yao2020_real t26 = t25 * t5;
-        const yao2020_real t27 = t2 * t26;
-        const yao2020_real t28 = 1.0 - t2;
-        const yao2020_real t29 = t28 * t26;
-        const yao2020_real t30 = t27 + t29;
-        const yao2020_real t31 = t24 * t30;
-        const yao2020_real t32 = t23 + t31;
-        const yao2020_real t33 = t19 * t32;
-        const yao2020_real t34 = t18 + t33;
-        const yao2020_real t35 = sin(joints[0]);
-        const yao2020_real t36 = t34 * t35;
-        const yao2020_real t37 = t1 * t30;
-        const yao2020_real t38 = t24 * t22;
-        const yao2020_real t39 = t37 - t38;
-        const yao2020_real t40 = t0 * t39;
-        const yao2020_real t41 = 1.0 - t0;
-        const yao2020_real t42 = t41 * t39;
-        const yao2020_real t43 = t40 + t42;
-        const yao2020_real t44 = cos(joints[0]);
-        const yao2020_real t45 = t43 * t44;
-        const yao2020_real t46 = t36 + t45;
-        const yao2020_real t47 = -t46;
-        const yao2020_real t48 = t32 * t0;
-        const yao2020_real t49 = t17 * t19;
-        const yao2020_real t50 = t48 - t49;
-        const yao2020_real t51 = t44 * t50;
-        const yao2020_real t52 = t30 * t1;
-        const yao2020_real t53 = t22 * t24;
-        const yao2020_real t54 = t52 - t53;
-        const yao2020_real t55 = t19 * t54;
-        const yao2020_real t56 = t44 * t55;
-        const yao2020_real t57 = t30 * t24;
-        const yao2020_real t58 = t22 * t1;
-        const yao2020_real t59 = t57 + t58;
-        const yao2020_real t60 = t0 * t59;
-        const yao2020_real t61 = t41 * t59;
-        const yao2020_real t62 = t60 + t61;
-        const yao2020_real t63 = t35 * t62;
-        const yao2020_real t64 = t56 + t63;
-        const yao2020_real t65 = t8 * t10;
-        const yao2020_real t66 = t20 - t65;
-        const yao2020_real t67 = t1 * t66;
-        const yao2020_real t68 = t15 * t66;
-        const yao2020_real t69 = t67 + t68;
-        const yao2020_real t70 = t0 * t69;
-        const yao2020_real t71 = t8 * t2;
-        const yao2020_real t72 = t11 + t71;
-        const yao2020_real t73 = t1 * t72;
-        const yao2020_real t74 = t19 * t73;
-        const yao2020_real t75 = t70 - t74;
-        const yao2020_real t76 = t44 * t75;
-        const yao2020_real t77 = t24 * t72;
-        const yao2020_real t78 = t0 * t77;
-        const yao2020_real t79 = t41 * t77;
-        const yao2020_real t80 = t78 + t79;
-        const yao2020_real t81 = t35 * t80;
-        const yao2020_real t82 = t76 - t81;
-        const yao2020_real t83 = t5 * t25;
-        const yao2020_real t84 = t10 * t83;
-        const yao2020_real t85 = t1 * t84;
-        const yao2020_real t86 = t5 * t3;
-        const yao2020_real t87 = t2 * t86;
-        const yao2020_real t88 = t28 * t86;
-        const yao2020_real t89 = t87 + t88;
-        const yao2020_real t90 = t24 * t89;
-        const yao2020_real t91 = t85 + t90;
-        const yao2020_real t92 = t19 * t91;
-        const yao2020_real t93 = t2 * t83;
-        const yao2020_real t94 = t1 * t93;
-        const yao2020_real t95 = t15 * t93;
-        const yao2020_real t96 = t94 + t95;
-        const yao2020_real t97 = t0 * t96;
-        const yao2020_real t98 = t92 - t97;
-        const yao2020_real t99 = t44 * t98;
-        const yao2020_real t100 = t1 * t89;
-        const yao2020_real t101 = t24 * t84;
-        const yao2020_real t102 = t100 - t101;
-        const yao2020_real t103 = t0 * t102;
-        const yao2020_real t104 = t41 * t102;
-        const yao2020_real t105 = t103 + t104;
-        const yao2020_real t106 = t35 * t105;
-        const yao2020_real t107 = t99 - t106;
-        const yao2020_real t108 = t2 * t3;
-        const yao2020_real t109 = t1 * t108;
-        const yao2020_real t110 = t15 * t108;
-        const yao2020_real t111 = t109 + t110;
-        const yao2020_real t112 = t0 * t111;
-        const yao2020_real t113 = t2 * t25;
-        const yao2020_real t114 = t28 * t25;
-        const yao2020_real t115 = t113 + t114;
-        const yao2020_real t116 = t24 * t115;
-        const yao2020_real t117 = t10 * t3;
-        const yao2020_real t118 = t1 * t117;
-        const yao2020_real t119 = t116 - t118;
-        const yao2020_real t120 = t19 * t119;
-        const yao2020_real t121 = t112 + t120;
-        const yao2020_real t122 = t44 * t121;
-        const yao2020_real t123 = t1 * t115;
-        const yao2020_real t124 = t24 * t117;
-        const yao2020_real t125 = t123 + t124;
-        const yao2020_real t126 = t0 * t125;
-        const yao2020_real t127 = t41 * t125;
-        const yao2020_real t128 = t126 + t127;
-        const yao2020_real t129 = t35 * t128;
-        const yao2020_real t130 = t122 - t129;
-        const yao2020_real t131 = t34 * t44;
-        const yao2020_real t132 = t43 * t35;
-        const yao2020_real t133 = t131 - t132;
-        const yao2020_real t134 = t35 * t50;
-        const yao2020_real t135 = t35 * t55;
-        const yao2020_real t136 = t44 * t62;
-        const yao2020_real t137 = t135 - t136;
-        const yao2020_real t138 = t44 * t80;
-        const yao2020_real t139 = t35 * t75;
-        const yao2020_real t140 = t138 + t139;
-        const yao2020_real t141 = t44 * t105;
-        const yao2020_real t142 = t35 * t98;
-        const yao2020_real t143 = t141 + t142;
-        const yao2020_real t144 = t44 * t128;
-        const yao2020_real t145 = t35 * t121;
-        const yao2020_real t146 = t144 + t145;
-        const yao2020_real t147 = t32 * t19;
-        const yao2020_real t148 = t17 * t0;
-        const yao2020_real t149 = t147 + t148;
-        const yao2020_real t150 = t44 * t149;
-        const yao2020_real t151 = 1.0 - t44;
-        const yao2020_real t152 = t151 * t149;
-        const yao2020_real t153 = t150 + t152;
-        const yao2020_real t154 = -t153;
-        const yao2020_real t155 = t0 * t54;
-        const yao2020_real t156 = t44 * t155;
-        const yao2020_real t157 = t151 * t155;
-        const yao2020_real t158 = t156 + t157;
-        const yao2020_real t159 = t0 * t73;
-        const yao2020_real t160 = t19 * t69;
-        const yao2020_real t161 = t159 + t160;
-        const yao2020_real t162 = t44 * t161;
-        const yao2020_real t163 = t151 * t161;
-        const yao2020_real t164 = t162 + t163;
-        const yao2020_real t165 = -t164;
-        const yao2020_real t166 = t0 * t91;
-        const yao2020_real t167 = t19 * t96;
-        const yao2020_real t168 = t166 + t167;
-        const yao2020_real t169 = t44 * t168;
-        const yao2020_real t170 = t151 * t168;
-        const yao2020_real t171 = t169 + t170;
-        const yao2020_real t172 = t0 * t119;
-        const yao2020_real t173 = t19 * t111;
-        const yao2020_real t174 = t172 - t173;
-        const yao2020_real t175 = t44 * t174;
-        const yao2020_real t176 = t151 * t174;
-        const yao2020_real t177 = t175 + t176;
-        const yao2020_real t178 = 0.5 * joints[4];
+        const yao2020_real t4 = joints[5] - 160.0;
+        const yao2020_real t5 = t3 * t4;
+        const yao2020_real t6 = t5 - 85.0;
+        const yao2020_real t7 = t2 * t6;
+        const yao2020_real t8 = sin(joints[3]);
+        const yao2020_real t9 = 105.0 * t8;
+        const yao2020_real t10 = t7 + t9;
+        const yao2020_real t11 = t10 - 300.0;
+        const yao2020_real t12 = t1 * t11;
+        const yao2020_real t13 = 1.0 - t1;
+        const yao2020_real t14 = t13 * t11;
+        const yao2020_real t15 = t12 + t14;
+        const yao2020_real t16 = t0 * t15;
+        const yao2020_real t17 = sin(joints[1]);
+        const yao2020_real t18 = 105.0 * t2;
+        const yao2020_real t19 = t8 * t6;
+        const yao2020_real t20 = t18 - t19;
+        const yao2020_real t21 = t1 * t20;
+        const yao2020_real t22 = sin(joints[2]);
+        const yao2020_real t23 = sin(joints[4]);
+        const yao2020_real t24 = t23 * t4;
+        const yao2020_real t25 = t2 * t24;
+        const yao2020_real t26 = 1.0 - t2;
+        const yao2020_real t27 = t26 * t24;
+        const yao2020_real t28 = t25 + t27;
+        const yao2020_real t29 = t22 * t28;
+        const yao2020_real t30 = t21 + t29;
+        const yao2020_real t31 = t17 * t30;
+        const yao2020_real t32 = t16 + t31;
+        const yao2020_real t33 = sin(joints[0]);
+        const yao2020_real t34 = t32 * t33;
+        const yao2020_real t35 = t1 * t28;
+        const yao2020_real t36 = t22 * t20;
+        const yao2020_real t37 = t35 - t36;
+        const yao2020_real t38 = t0 * t37;
+        const yao2020_real t39 = 1.0 - t0;
+        const yao2020_real t40 = t39 * t37;
+        const yao2020_real t41 = t38 + t40;
+        const yao2020_real t42 = cos(joints[0]);
+        const yao2020_real t43 = t41 * t42;
+        const yao2020_real t44 = t34 + t43;
+        const yao2020_real t45 = -t44;
+        const yao2020_real t46 = t30 * t0;
+        const yao2020_real t47 = t15 * t17;
+        const yao2020_real t48 = t46 - t47;
+        const yao2020_real t49 = t42 * t48;
+        const yao2020_real t50 = t28 * t1;
+        const yao2020_real t51 = t20 * t22;
+        const yao2020_real t52 = t50 - t51;
+        const yao2020_real t53 = t17 * t52;
+        const yao2020_real t54 = t42 * t53;
+        const yao2020_real t55 = t28 * t22;
+        const yao2020_real t56 = t20 * t1;
+        const yao2020_real t57 = t55 + t56;
+        const yao2020_real t58 = t0 * t57;
+        const yao2020_real t59 = t39 * t57;
+        const yao2020_real t60 = t58 + t59;
+        const yao2020_real t61 = t33 * t60;
+        const yao2020_real t62 = t54 + t61;
+        const yao2020_real t63 = t6 * t8;
+        const yao2020_real t64 = t18 - t63;
+        const yao2020_real t65 = t1 * t64;
+        const yao2020_real t66 = t13 * t64;
+        const yao2020_real t67 = t65 + t66;
+        const yao2020_real t68 = t0 * t67;
+        const yao2020_real t69 = t6 * t2;
+        const yao2020_real t70 = t9 + t69;
+        const yao2020_real t71 = t1 * t70;
+        const yao2020_real t72 = t17 * t71;
+        const yao2020_real t73 = t68 - t72;
+        const yao2020_real t74 = t42 * t73;
+        const yao2020_real t75 = t22 * t70;
+        const yao2020_real t76 = t0 * t75;
+        const yao2020_real t77 = t39 * t75;
+        const yao2020_real t78 = t76 + t77;
+        const yao2020_real t79 = t33 * t78;
+        const yao2020_real t80 = t74 - t79;
+        const yao2020_real t81 = t4 * t23;
+        const yao2020_real t82 = t8 * t81;
+        const yao2020_real t83 = t1 * t82;
+        const yao2020_real t84 = t4 * t3;
+        const yao2020_real t85 = t2 * t84;
+        const yao2020_real t86 = t26 * t84;
+        const yao2020_real t87 = t85 + t86;
+        const yao2020_real t88 = t22 * t87;
+        const yao2020_real t89 = t83 + t88;
+        const yao2020_real t90 = t17 * t89;
+        const yao2020_real t91 = t2 * t81;
+        const yao2020_real t92 = t1 * t91;
+        const yao2020_real t93 = t13 * t91;
+        const yao2020_real t94 = t92 + t93;
+        const yao2020_real t95 = t0 * t94;
+        const yao2020_real t96 = t90 - t95;
+        const yao2020_real t97 = t42 * t96;
+        const yao2020_real t98 = t1 * t87;
+        const yao2020_real t99 = t22 * t82;
+        const yao2020_real t100 = t98 - t99;
+        const yao2020_real t101 = t0 * t100;
+        const yao2020_real t102 = t39 * t100;
+        const yao2020_real t103 = t101 + t102;
+        const yao2020_real t104 = t33 * t103;
+        const yao2020_real t105 = t97 - t104;
+        const yao2020_real t106 = t2 * t3;
+        const yao2020_real t107 = t1 * t106;
+        const yao2020_real t108 = t13 * t106;
+        const yao2020_real t109 = t107 + t108;
+        const yao2020_real t110 = t0 * t109;
+        const yao2020_real t111 = t2 * t23;
+        const yao2020_real t112 = t26 * t23;
+        const yao2020_real t113 = t111 + t112;
+        const yao2020_real t114 = t22 * t113;
+        const yao2020_real t115 = t8 * t3;
+        const yao2020_real t116 = t1 * t115;
+        const yao2020_real t117 = t114 - t116;
+        const yao2020_real t118 = t17 * t117;
+        const yao2020_real t119 = t110 + t118;
+        const yao2020_real t120 = t42 * t119;
+        const yao2020_real t121 = t1 * t113;
+        const yao2020_real t122 = t22 * t115;
+        const yao2020_real t123 = t121 + t122;
+        const yao2020_real t124 = t0 * t123;
+        const yao2020_real t125 = t39 * t123;
+        const yao2020_real t126 = t124 + t125;
+        const yao2020_real t127 = t33 * t126;
+        const yao2020_real t128 = t120 - t127;
+        const yao2020_real t129 = t32 * t42;
+        const yao2020_real t130 = t41 * t33;
+        const yao2020_real t131 = t129 - t130;
+        const yao2020_real t132 = t33 * t48;
+        const yao2020_real t133 = t33 * t53;
+        const yao2020_real t134 = t42 * t60;
+        const yao2020_real t135 = t133 - t134;
+        const yao2020_real t136 = t42 * t78;
+        const yao2020_real t137 = t33 * t73;
+        const yao2020_real t138 = t136 + t137;
+        const yao2020_real t139 = t42 * t103;
+        const yao2020_real t140 = t33 * t96;
+        const yao2020_real t141 = t139 + t140;
+        const yao2020_real t142 = t42 * t126;
+        const yao2020_real t143 = t33 * t119;
+        const yao2020_real t144 = t142 + t143;
+        const yao2020_real t145 = t30 * t17;
+        const yao2020_real t146 = t15 * t0;
+        const yao2020_real t147 = t145 + t146;
+        const yao2020_real t148 = t42 * t147;
+        const yao2020_real t149 = 1.0 - t42;
+        const yao2020_real t150 = t149 * t147;
+        const yao2020_real t151 = t148 + t150;
+        const yao2020_real t152 = -t151;
+        const yao2020_real t153 = t0 * t52;
+        const yao2020_real t154 = t42 * t153;
+        const yao2020_real t155 = t149 * t153;
+        const yao2020_real t156 = t154 + t155;
+        const yao2020_real t157 = t0 * t71;
+        const yao2020_real t158 = t17 * t67;
+        const yao2020_real t159 = t157 + t158;
+        const yao2020_real t160 = t42 * t159;
+        const yao2020_real t161 = t149 * t159;
+        const yao2020_real t162 = t160 + t161;
+        const yao2020_real t163 = -t162;
+        const yao2020_real t164 = t0 * t89;
+        const yao2020_real t165 = t17 * t94;
+        const yao2020_real t166 = t164 + t165;
+        const yao2020_real t167 = t42 * t166;
+        const yao2020_real t168 = t149 * t166;
+        const yao2020_real t169 = t167 + t168;
+        const yao2020_real t170 = t0 * t117;
+        const yao2020_real t171 = t17 * t109;
+        const yao2020_real t172 = t170 - t171;
+        const yao2020_real t173 = t42 * t172;
+        const yao2020_real t174 = t149 * t172;
+        const yao2020_real t175 = t173 + t174;
+        const yao2020_real t176 = 0.5 * joints[4];
+        const yao2020_real t177 = sin(t176);
+        const yao2020_real t178 = 0.5 * joints[3];
         const yao2020_real t179 = sin(t178);
-        const yao2020_real t180 = 0.5 * joints[3];
+        const yao2020_real t180 = 0.5 * joints[2];
         const yao2020_real t181 = sin(t180);
-        const yao2020_real t182 = 0.5 * joints[2];
+        const yao2020_real t182 = 0.5 * joints[1];
         const yao2020_real t183 = sin(t182);
-        const yao2020_real t184 = 0.5 * joints[1];
-        const yao2020_real t185 = sin(t184);
-        const yao2020_real t186 = 0.5 * joints[0];
-        const yao2020_real t187 = cos(t186);
-        const yao2020_real t188 = 0.5 * t187;
-        const yao2020_real t189 = t185 * t188;
-        const yao2020_real t190 = t183 * t189;
-        const yao2020_real t191 = cos(t182);
-        const yao2020_real t192 = cos(t184);
-        const yao2020_real t193 = sin(t186);
-        const yao2020_real t194 = 0.5 * t193;
-        const yao2020_real t195 = t192 * t194;
-        const yao2020_real t196 = t191 * t195;
-        const yao2020_real t197 = t190 - t196;
-        const yao2020_real t198 = t181 * t197;
-        const yao2020_real t199 = cos(t180);
-        const yao2020_real t200 = t192 * t188;
-        const yao2020_real t201 = t183 * t200;
-        const yao2020_real t202 = t185 * t194;
-        const yao2020_real t203 = t191 * t202;
-        const yao2020_real t204 = t201 - t203;
-        const yao2020_real t205 = t199 * t204;
-        const yao2020_real t206 = t198 + t205;
-        const yao2020_real t207 = t179 * t206;
-        const yao2020_real t208 = cos(t178);
-        const yao2020_real t209 = t183 * t195;
-        const yao2020_real t210 = t191 * t189;
-        const yao2020_real t211 = t209 + t210;
-        const yao2020_real t212 = t199 * t211;
-        const yao2020_real t213 = t191 * t200;
-        const yao2020_real t214 = t183 * t202;
-        const yao2020_real t215 = t213 + t214;
-        const yao2020_real t216 = t181 * t215;
-        const yao2020_real t217 = t212 + t216;
-        const yao2020_real t218 = t208 * t217;
-        const yao2020_real t219 = t207 - t218;
-        const yao2020_real t220 = t219 + t219;
-        const yao2020_real t221 = t187 * t192;
-        const yao2020_real t222 = t221 * t191;
-        const yao2020_real t223 = t193 * t185;
-        const yao2020_real t224 = t223 * t183;
-        const yao2020_real t225 = t222 + t224;
-        const yao2020_real t226 = t225 * t199;
-        const yao2020_real t227 = t187 * t185;
-        const yao2020_real t228 = t227 * t191;
-        const yao2020_real t229 = t193 * t192;
-        const yao2020_real t230 = t229 * t183;
-        const yao2020_real t231 = t228 + t230;
-        const yao2020_real t232 = t231 * t181;
-        const yao2020_real t233 = t226 - t232;
-        const yao2020_real t234 = t233 * t208;
-        const yao2020_real t235 = t221 * t183;
-        const yao2020_real t236 = t223 * t191;
-        const yao2020_real t237 = t235 - t236;
-        const yao2020_real t238 = t237 * t181;
-        const yao2020_real t239 = t229 * t191;
-        const yao2020_real t240 = t227 * t183;
-        const yao2020_real t241 = t239 - t240;
-        const yao2020_real t242 = t241 * t199;
-        const yao2020_real t243 = t238 + t242;
-        const yao2020_real t244 = t243 * t179;
-        const yao2020_real t245 = t234 - t244;
-        const yao2020_real t246 = t220 * t245;
-        const yao2020_real t247 = t199 * t197;
-        const yao2020_real t248 = t181 * t204;
-        const yao2020_real t249 = t247 - t248;
-        const yao2020_real t250 = t208 * t249;
-        const yao2020_real t251 = t199 * t215;
-        const yao2020_real t252 = t181 * t211;
-        const yao2020_real t253 = t251 - t252;
-        const yao2020_real t254 = t179 * t253;
-        const yao2020_real t255 = t250 - t254;
-        const yao2020_real t256 = t255 + t255;
-        const yao2020_real t257 = t237 * t199;
-        const yao2020_real t258 = t241 * t181;
-        const yao2020_real t259 = t257 - t258;
-        const yao2020_real t260 = t259 * t208;
-        const yao2020_real t261 = t225 * t181;
-        const yao2020_real t262 = t231 * t199;
-        const yao2020_real t263 = t261 + t262;
-        const yao2020_real t264 = t263 * t179;
-        const yao2020_real t265 = t260 + t264;
-        const yao2020_real t266 = t256 * t265;
-        const yao2020_real t267 = t246 - t266;
-        const yao2020_real t268 = t208 * t206;
-        const yao2020_real t269 = t179 * t217;
-        const yao2020_real t270 = t268 + t269;
-        const yao2020_real t271 = t270 + t270;
-        const yao2020_real t272 = t233 * t179;
-        const yao2020_real t273 = t243 * t208;
-        const yao2020_real t274 = t272 + t273;
-        const yao2020_real t275 = t271 * t274;
-        const yao2020_real t276 = t267 - t275;
-        const yao2020_real t277 = t179 * t249;
-        const yao2020_real t278 = t208 * t253;
-        const yao2020_real t279 = t277 + t278;
-        const yao2020_real t280 = t279 + t279;
-        const yao2020_real t281 = t263 * t208;
-        const yao2020_real t282 = t259 * t179;
-        const yao2020_real t283 = t281 - t282;
-        const yao2020_real t284 = t280 * t283;
-        const yao2020_real t285 = t276 + t284;
-        const yao2020_real t286 = 0.5 * t185;
-        const yao2020_real t287 = t193 * t286;
-        const yao2020_real t288 = t191 * t287;
-        const yao2020_real t289 = 0.5 * t192;
-        const yao2020_real t290 = t187 * t289;
-        const yao2020_real t291 = t183 * t290;
-        const yao2020_real t292 = t288 + t291;
+        const yao2020_real t184 = 0.5 * joints[0];
+        const yao2020_real t185 = cos(t184);
+        const yao2020_real t186 = 0.5 * t185;
+        const yao2020_real t187 = t183 * t186;
+        const yao2020_real t188 = t181 * t187;
+        const yao2020_real t189 = cos(t180);
+        const yao2020_real t190 = cos(t182);
+        const yao2020_real t191 = sin(t184);
+        const yao2020_real t192 = 0.5 * t191;
+        const yao2020_real t193 = t190 * t192;
+        const yao2020_real t194 = t189 * t193;
+        const yao2020_real t195 = t188 - t194;
+        const yao2020_real t196 = t179 * t195;
+        const yao2020_real t197 = cos(t178);
+        const yao2020_real t198 = t190 * t186;
+        const yao2020_real t199 = t181 * t198;
+        const yao2020_real t200 = t183 * t192;
+        const yao2020_real t201 = t189 * t200;
+        const yao2020_real t202 = t199 - t201;
+        const yao2020_real t203 = t197 * t202;
+        const yao2020_real t204 = t196 + t203;
+        const yao2020_real t205 = t177 * t204;
+        const yao2020_real t206 = cos(t176);
+        const yao2020_real t207 = t181 * t193;
+        const yao2020_real t208 = t189 * t187;
+        const yao2020_real t209 = t207 + t208;
+        const yao2020_real t210 = t197 * t209;
+        const yao2020_real t211 = t189 * t198;
+        const yao2020_real t212 = t181 * t200;
+        const yao2020_real t213 = t211 + t212;
+        const yao2020_real t214 = t179 * t213;
+        const yao2020_real t215 = t210 + t214;
+        const yao2020_real t216 = t206 * t215;
+        const yao2020_real t217 = t205 - t216;
+        const yao2020_real t218 = t217 + t217;
+        const yao2020_real t219 = t185 * t190;
+        const yao2020_real t220 = t219 * t189;
+        const yao2020_real t221 = t191 * t183;
+        const yao2020_real t222 = t221 * t181;
+        const yao2020_real t223 = t220 + t222;
+        const yao2020_real t224 = t223 * t197;
+        const yao2020_real t225 = t185 * t183;
+        const yao2020_real t226 = t225 * t189;
+        const yao2020_real t227 = t191 * t190;
+        const yao2020_real t228 = t227 * t181;
+        const yao2020_real t229 = t226 + t228;
+        const yao2020_real t230 = t229 * t179;
+        const yao2020_real t231 = t224 - t230;
+        const yao2020_real t232 = t231 * t206;
+        const yao2020_real t233 = t219 * t181;
+        const yao2020_real t234 = t221 * t189;
+        const yao2020_real t235 = t233 - t234;
+        const yao2020_real t236 = t235 * t179;
+        const yao2020_real t237 = t227 * t189;
+        const yao2020_real t238 = t225 * t181;
+        const yao2020_real t239 = t237 - t238;
+        const yao2020_real t240 = t239 * t197;
+        const yao2020_real t241 = t236 + t240;
+        const yao2020_real t242 = t241 * t177;
+        const yao2020_real t243 = t232 - t242;
+        const yao2020_real t244 = t218 * t243;
+        const yao2020_real t245 = t197 * t195;
+        const yao2020_real t246 = t179 * t202;
+        const yao2020_real t247 = t245 - t246;
+        const yao2020_real t248 = t206 * t247;
+        const yao2020_real t249 = t197 * t213;
+        const yao2020_real t250 = t179 * t209;
+        const yao2020_real t251 = t249 - t250;
+        const yao2020_real t252 = t177 * t251;
+        const yao2020_real t253 = t248 - t252;
+        const yao2020_real t254 = t253 + t253;
+        const yao2020_real t255 = t235 * t197;
+        const yao2020_real t256 = t239 * t179;
+        const yao2020_real t257 = t255 - t256;
+        const yao2020_real t258 = t257 * t206;
+        const yao2020_real t259 = t223 * t179;
+        const yao2020_real t260 = t229 * t197;
+        const yao2020_real t261 = t259 + t260;
+        const yao2020_real t262 = t261 * t177;
+        const yao2020_real t263 = t258 + t262;
+        const yao2020_real t264 = t254 * t263;
+        const yao2020_real t265 = t244 - t264;
+        const yao2020_real t266 = t206 * t204;
+        const yao2020_real t267 = t177 * t215;
+        const yao2020_real t268 = t266 + t267;
+        const yao2020_real t269 = t268 + t268;
+        const yao2020_real t270 = t231 * t177;
+        const yao2020_real t271 = t241 * t206;
+        const yao2020_real t272 = t270 + t271;
+        const yao2020_real t273 = t269 * t272;
+        const yao2020_real t274 = t265 - t273;
+        const yao2020_real t275 = t177 * t247;
+        const yao2020_real t276 = t206 * t251;
+        const yao2020_real t277 = t275 + t276;
+        const yao2020_real t278 = t277 + t277;
+        const yao2020_real t279 = t261 * t206;
+        const yao2020_real t280 = t257 * t177;
+        const yao2020_real t281 = t279 - t280;
+        const yao2020_real t282 = t278 * t281;
+        const yao2020_real t283 = t274 + t282;
+        const yao2020_real t284 = 0.5 * t183;
+        const yao2020_real t285 = t191 * t284;
+        const yao2020_real t286 = t189 * t285;
+        const yao2020_real t287 = 0.5 * t190;
+        const yao2020_real t288 = t185 * t287;
+        const yao2020_real t289 = t181 * t288;
+        const yao2020_real t290 = t286 + t289;
+        const yao2020_real t291 = t179 * t290;
+        const yao2020_real t292 = t185 * t284;
         const yao2020_real t293 = t181 * t292;
-        const yao2020_real t294 = t187 * t286;
-        const yao2020_real t295 = t183 * t294;
-        const yao2020_real t296 = t193 * t289;
-        const yao2020_real t297 = t191 * t296;
-        const yao2020_real t298 = t295 + t297;
-        const yao2020_real t299 = t199 * t298;
-        const yao2020_real t300 = t293 - t299;
-        const yao2020_real t301 = t208 * t300;
-        const yao2020_real t302 = t183 * t296;
-        const yao2020_real t303 = t191 * t294;
-        const yao2020_real t304 = t302 - t303;
-        const yao2020_real t305 = t181 * t304;
-        const yao2020_real t306 = t191 * t290;
-        const yao2020_real t307 = t183 * t287;
-        const yao2020_real t308 = t306 - t307;
-        const yao2020_real t309 = t199 * t308;
-        const yao2020_real t310 = t305 + t309;
-        const yao2020_real t311 = t179 * t310;
-        const yao2020_real t312 = t301 + t311;
-        const yao2020_real t313 = t312 + t312;
-        const yao2020_real t314 = t313 * t245;
-        const yao2020_real t315 = t199 * t304;
-        const yao2020_real t316 = t181 * t308;
-        const yao2020_real t317 = t315 - t316;
-        const yao2020_real t318 = t208 * t317;
-        const yao2020_real t319 = t181 * t298;
-        const yao2020_real t320 = t199 * t292;
-        const yao2020_real t321 = t319 + t320;
-        const yao2020_real t322 = t179 * t321;
-        const yao2020_real t323 = t318 + t322;
-        const yao2020_real t324 = t323 + t323;
-        const yao2020_real t325 = t324 * t265;
-        const yao2020_real t326 = t314 - t325;
-        const yao2020_real t327 = t208 * t310;
-        const yao2020_real t328 = t179 * t300;
-        const yao2020_real t329 = t327 - t328;
-        const yao2020_real t330 = t329 + t329;
-        const yao2020_real t331 = t330 * t274;
-        const yao2020_real t332 = t326 - t331;
-        const yao2020_real t333 = t179 * t317;
-        const yao2020_real t334 = t208 * t321;
-        const yao2020_real t335 = t333 - t334;
-        const yao2020_real t336 = t335 + t335;
-        const yao2020_real t337 = t336 * t283;
-        const yao2020_real t338 = t332 + t337;
-        const yao2020_real t339 = 0.5 * t191;
+        const yao2020_real t294 = t191 * t287;
+        const yao2020_real t295 = t189 * t294;
+        const yao2020_real t296 = t293 + t295;
+        const yao2020_real t297 = t197 * t296;
+        const yao2020_real t298 = t291 - t297;
+        const yao2020_real t299 = t206 * t298;
+        const yao2020_real t300 = t181 * t294;
+        const yao2020_real t301 = t189 * t292;
+        const yao2020_real t302 = t300 - t301;
+        const yao2020_real t303 = t179 * t302;
+        const yao2020_real t304 = t189 * t288;
+        const yao2020_real t305 = t181 * t285;
+        const yao2020_real t306 = t304 - t305;
+        const yao2020_real t307 = t197 * t306;
+        const yao2020_real t308 = t303 + t307;
+        const yao2020_real t309 = t177 * t308;
+        const yao2020_real t310 = t299 + t309;
+        const yao2020_real t311 = t310 + t310;
+        const yao2020_real t312 = t311 * t243;
+        const yao2020_real t313 = t197 * t302;
+        const yao2020_real t314 = t179 * t306;
+        const yao2020_real t315 = t313 - t314;
+        const yao2020_real t316 = t206 * t315;
+        const yao2020_real t317 = t179 * t296;
+        const yao2020_real t318 = t197 * t290;
+        const yao2020_real t319 = t317 + t318;
+        const yao2020_real t320 = t177 * t319;
+        const yao2020_real t321 = t316 + t320;
+        const yao2020_real t322 = t321 + t321;
+        const yao2020_real t323 = t322 * t263;
+        const yao2020_real t324 = t312 - t323;
+        const yao2020_real t325 = t206 * t308;
+        const yao2020_real t326 = t177 * t298;
+        const yao2020_real t327 = t325 - t326;
+        const yao2020_real t328 = t327 + t327;
+        const yao2020_real t329 = t328 * t272;
+        const yao2020_real t330 = t324 - t329;
+        const yao2020_real t331 = t177 * t315;
+        const yao2020_real t332 = t206 * t319;
+        const yao2020_real t333 = t331 - t332;
+        const yao2020_real t334 = t333 + t333;
+        const yao2020_real t335 = t334 * t281;
+        const yao2020_real t336 = t330 + t335;
+        const yao2020_real t337 = 0.5 * t189;
+        const yao2020_real t338 = t219 * t337;
+        const yao2020_real t339 = 0.5 * t181;
         const yao2020_real t340 = t221 * t339;
-        const yao2020_real t341 = 0.5 * t183;
-        const yao2020_real t342 = t223 * t341;
-        const yao2020_real t343 = t340 + t342;
-        const yao2020_real t344 = t199 * t343;
-        const yao2020_real t345 = t229 * t341;
-        const yao2020_real t346 = t227 * t339;
-        const yao2020_real t347 = t345 + t346;
-        const yao2020_real t348 = t181 * t347;
-        const yao2020_real t349 = t344 + t348;
-        const yao2020_real t350 = t208 * t349;
-        const yao2020_real t351 = t223 * t339;
-        const yao2020_real t352 = t221 * t341;
-        const yao2020_real t353 = t351 - t352;
-        const yao2020_real t354 = t181 * t353;
-        const yao2020_real t355 = t229 * t339;
-        const yao2020_real t356 = t227 * t341;
-        const yao2020_real t357 = t355 - t356;
-        const yao2020_real t358 = t199 * t357;
-        const yao2020_real t359 = t354 + t358;
-        const yao2020_real t360 = t179 * t359;
-        const yao2020_real t361 = t350 + t360;
-        const yao2020_real t362 = t361 + t361;
-        const yao2020_real t363 = t362 * t245;
-        const yao2020_real t364 = t199 * t353;
-        const yao2020_real t365 = t181 * t357;
-        const yao2020_real t366 = t364 - t365;
-        const yao2020_real t367 = t208 * t366;
-        const yao2020_real t368 = t181 * t343;
-        const yao2020_real t369 = t199 * t347;
-        const yao2020_real t370 = t368 - t369;
-        const yao2020_real t371 = t179 * t370;
-        const yao2020_real t372 = t367 - t371;
-        const yao2020_real t373 = t372 + t372;
-        const yao2020_real t374 = t373 * t265;
-        const yao2020_real t375 = t363 - t374;
-        const yao2020_real t376 = t208 * t359;
-        const yao2020_real t377 = t179 * t349;
-        const yao2020_real t378 = t376 - t377;
-        const yao2020_real t379 = t378 + t378;
-        const yao2020_real t380 = t379 * t274;
-        const yao2020_real t381 = t375 - t380;
-        const yao2020_real t382 = t179 * t366;
-        const yao2020_real t383 = t208 * t370;
-        const yao2020_real t384 = t382 + t383;
-        const yao2020_real t385 = t384 + t384;
-        const yao2020_real t386 = t385 * t283;
-        const yao2020_real t387 = t381 + t386;
-        const yao2020_real t388 = 0.5 * t199;
-        const yao2020_real t389 = t225 * t388;
-        const yao2020_real t390 = 0.5 * t181;
-        const yao2020_real t391 = t231 * t390;
-        const yao2020_real t392 = t389 - t391;
-        const yao2020_real t393 = t179 * t392;
-        const yao2020_real t394 = t237 * t390;
-        const yao2020_real t395 = t241 * t388;
-        const yao2020_real t396 = t394 + t395;
-        const yao2020_real t397 = t208 * t396;
-        const yao2020_real t398 = t393 - t397;
-        const yao2020_real t399 = t398 + t398;
-        const yao2020_real t400 = t399 * t245;
-        const yao2020_real t401 = t225 * t390;
-        const yao2020_real t402 = t231 * t388;
-        const yao2020_real t403 = t401 + t402;
-        const yao2020_real t404 = t208 * t403;
-        const yao2020_real t405 = t237 * t388;
-        const yao2020_real t406 = t241 * t390;
-        const yao2020_real t407 = t405 - t406;
-        const yao2020_real t408 = t179 * t407;
-        const yao2020_real t409 = t404 + t408;
-        const yao2020_real t410 = -t409;
-        const yao2020_real t411 = t410 + t410;
-        const yao2020_real t412 = t411 * t265;
-        const yao2020_real t413 = t400 - t412;
-        const yao2020_real t414 = t208 * t392;
-        const yao2020_real t415 = t179 * t396;
-        const yao2020_real t416 = t414 + t415;
-        const yao2020_real t417 = t416 + t416;
-        const yao2020_real t418 = t417 * t274;
-        const yao2020_real t419 = t413 - t418;
-        const yao2020_real t420 = t208 * t407;
-        const yao2020_real t421 = t179 * t403;
-        const yao2020_real t422 = t420 - t421;
-        const yao2020_real t423 = t422 + t422;
-        const yao2020_real t424 = t423 * t283;
-        const yao2020_real t425 = t419 + t424;
-        const yao2020_real t426 = 0.5 * t208;
-        const yao2020_real t427 = t263 * t426;
-        const yao2020_real t428 = 0.5 * t179;
-        const yao2020_real t429 = t259 * t428;
-        const yao2020_real t430 = t427 - t429;
-        const yao2020_real t431 = t430 + t430;
-        const yao2020_real t432 = t431 * t245;
-        const yao2020_real t433 = t233 * t428;
-        const yao2020_real t434 = t243 * t426;
-        const yao2020_real t435 = t433 + t434;
-        const yao2020_real t436 = -t435;
-        const yao2020_real t437 = t436 + t436;
-        const yao2020_real t438 = t437 * t265;
-        const yao2020_real t439 = t432 - t438;
-        const yao2020_real t440 = t263 * t428;
-        const yao2020_real t441 = t259 * t426;
-        const yao2020_real t442 = t440 + t441;
-        const yao2020_real t443 = -t442;
-        const yao2020_real t444 = t443 + t443;
-        const yao2020_real t445 = t444 * t274;
-        const yao2020_real t446 = t439 - t445;
-        const yao2020_real t447 = t233 * t426;
-        const yao2020_real t448 = t243 * t428;
-        const yao2020_real t449 = t447 - t448;
-        const yao2020_real t450 = t449 + t449;
-        const yao2020_real t451 = t450 * t283;
-        const yao2020_real t452 = t446 + t451;
-        const yao2020_real t453 = t220 * t274;
-        const yao2020_real t454 = t256 * t283;
-        const yao2020_real t455 = t453 - t454;
-        const yao2020_real t456 = t271 * t245;
-        const yao2020_real t457 = t455 + t456;
-        const yao2020_real t458 = t280 * t265;
-        const yao2020_real t459 = t457 - t458;
-        const yao2020_real t460 = t313 * t274;
-        const yao2020_real t461 = t324 * t283;
-        const yao2020_real t462 = t460 - t461;
-        const yao2020_real t463 = t330 * t245;
-        const yao2020_real t464 = t462 + t463;
-        const yao2020_real t465 = t336 * t265;
-        const yao2020_real t466 = t464 - t465;
-        const yao2020_real t467 = t362 * t274;
-        const yao2020_real t468 = t373 * t283;
-        const yao2020_real t469 = t467 - t468;
-        const yao2020_real t470 = t379 * t245;
-        const yao2020_real t471 = t469 + t470;
-        const yao2020_real t472 = t385 * t265;
-        const yao2020_real t473 = t471 - t472;
-        const yao2020_real t474 = t399 * t274;
-        const yao2020_real t475 = t411 * t283;
-        const yao2020_real t476 = t474 - t475;
-        const yao2020_real t477 = t417 * t245;
-        const yao2020_real t478 = t476 + t477;
-        const yao2020_real t479 = t423 * t265;
-        const yao2020_real t480 = t478 - t479;
-        const yao2020_real t481 = t431 * t274;
-        const yao2020_real t482 = t437 * t283;
-        const yao2020_real t483 = t481 - t482;
-        const yao2020_real t484 = t444 * t245;
-        const yao2020_real t485 = t483 + t484;
-        const yao2020_real t486 = t450 * t265;
-        const yao2020_real t487 = t485 - t486;
-        const yao2020_real t488 = t271 * t265;
-        const yao2020_real t489 = t256 * t274;
-        const yao2020_real t490 = t220 * t283;
-        const yao2020_real t491 = t489 + t490;
-        const yao2020_real t492 = t488 - t491;
-        const yao2020_real t493 = t280 * t245;
-        const yao2020_real t494 = t492 + t493;
-        const yao2020_real t495 = t330 * t265;
-        const yao2020_real t496 = t324 * t274;
-        const yao2020_real t497 = t313 * t283;
-        const yao2020_real t498 = t496 + t497;
-        const yao2020_real t499 = t495 - t498;
-        const yao2020_real t500 = t336 * t245;
-        const yao2020_real t501 = t499 + t500;
-        const yao2020_real t502 = t379 * t265;
-        const yao2020_real t503 = t373 * t274;
-        const yao2020_real t504 = t362 * t283;
-        const yao2020_real t505 = t503 + t504;
-        const yao2020_real t506 = t502 - t505;
-        const yao2020_real t507 = t385 * t245;
-        const yao2020_real t508 = t506 + t507;
-        const yao2020_real t509 = t417 * t265;
-        const yao2020_real t510 = t411 * t274;
-        const yao2020_real t511 = t399 * t283;
-        const yao2020_real t512 = t510 + t511;
-        const yao2020_real t513 = t509 - t512;
-        const yao2020_real t514 = t423 * t245;
-        const yao2020_real t515 = t513 + t514;
-        const yao2020_real t516 = t444 * t265;
-        const yao2020_real t517 = t437 * t274;
-        const yao2020_real t518 = t431 * t283;
-        const yao2020_real t519 = t517 + t518;
-        const yao2020_real t520 = t516 - t519;
-        const yao2020_real t521 = t450 * t245;
-        const yao2020_real t522 = t520 + t521;
-        jacobian[0] = t47;
-        jacobian[1] = t51;
-        jacobian[2] = t64;
-        jacobian[3] = t82;
-        jacobian[4] = t107;
-        jacobian[5] = t130;
-        jacobian[6] = t133;
-        jacobian[7] = t134;
-        jacobian[8] = t137;
-        jacobian[9] = t140;
-        jacobian[10] = t143;
-        jacobian[11] = t146;
+        const yao2020_real t341 = t338 + t340;
+        const yao2020_real t342 = t197 * t341;
+        const yao2020_real t343 = t227 * t339;
+        const yao2020_real t344 = t225 * t337;
+        const yao2020_real t345 = t343 + t344;
+        const yao2020_real t346 = t179 * t345;
+        const yao2020_real t347 = t342 + t346;
+        const yao2020_real t348 = t206 * t347;
+        const yao2020_real t349 = t221 * t337;
+        const yao2020_real t350 = t219 * t339;
+        const yao2020_real t351 = t349 - t350;
+        const yao2020_real t352 = t179 * t351;
+        const yao2020_real t353 = t227 * t337;
+        const yao2020_real t354 = t225 * t339;
+        const yao2020_real t355 = t353 - t354;
+        const yao2020_real t356 = t197 * t355;
+        const yao2020_real t357 = t352 + t356;
+        const yao2020_real t358 = t177 * t357;
+        const yao2020_real t359 = t348 + t358;
+        const yao2020_real t360 = t359 + t359;
+        const yao2020_real t361 = t360 * t243;
+        const yao2020_real t362 = t197 * t351;
+        const yao2020_real t363 = t179 * t355;
+        const yao2020_real t364 = t362 - t363;
+        const yao2020_real t365 = t206 * t364;
+        const yao2020_real t366 = t179 * t341;
+        const yao2020_real t367 = t197 * t345;
+        const yao2020_real t368 = t366 - t367;
+        const yao2020_real t369 = t177 * t368;
+        const yao2020_real t370 = t365 - t369;
+        const yao2020_real t371 = t370 + t370;
+        const yao2020_real t372 = t371 * t263;
+        const yao2020_real t373 = t361 - t372;
+        const yao2020_real t374 = t206 * t357;
+        const yao2020_real t375 = t177 * t347;
+        const yao2020_real t376 = t374 - t375;
+        const yao2020_real t377 = t376 + t376;
+        const yao2020_real t378 = t377 * t272;
+        const yao2020_real t379 = t373 - t378;
+        const yao2020_real t380 = t177 * t364;
+        const yao2020_real t381 = t206 * t368;
+        const yao2020_real t382 = t380 + t381;
+        const yao2020_real t383 = t382 + t382;
+        const yao2020_real t384 = t383 * t281;
+        const yao2020_real t385 = t379 + t384;
+        const yao2020_real t386 = 0.5 * t197;
+        const yao2020_real t387 = t223 * t386;
+        const yao2020_real t388 = 0.5 * t179;
+        const yao2020_real t389 = t229 * t388;
+        const yao2020_real t390 = t387 - t389;
+        const yao2020_real t391 = t177 * t390;
+        const yao2020_real t392 = t235 * t388;
+        const yao2020_real t393 = t239 * t386;
+        const yao2020_real t394 = t392 + t393;
+        const yao2020_real t395 = t206 * t394;
+        const yao2020_real t396 = t391 - t395;
+        const yao2020_real t397 = t396 + t396;
+        const yao2020_real t398 = t397 * t243;
+        const yao2020_real t399 = t223 * t388;
+        const yao2020_real t400 = t229 * t386;
+        const yao2020_real t401 = t399 + t400;
+        const yao2020_real t402 = t206 * t401;
+        const yao2020_real t403 = t235 * t386;
+        const yao2020_real t404 = t239 * t388;
+        const yao2020_real t405 = t403 - t404;
+        const yao2020_real t406 = t177 * t405;
+        const yao2020_real t407 = t402 + t406;
+        const yao2020_real t408 = -t407;
+        const yao2020_real t409 = t408 + t408;
+        const yao2020_real t410 = t409 * t263;
+        const yao2020_real t411 = t398 - t410;
+        const yao2020_real t412 = t206 * t390;
+        const yao2020_real t413 = t177 * t394;
+        const yao2020_real t414 = t412 + t413;
+        const yao2020_real t415 = t414 + t414;
+        const yao2020_real t416 = t415 * t272;
+        const yao2020_real t417 = t411 - t416;
+        const yao2020_real t418 = t206 * t405;
+        const yao2020_real t419 = t177 * t401;
+        const yao2020_real t420 = t418 - t419;
+        const yao2020_real t421 = t420 + t420;
+        const yao2020_real t422 = t421 * t281;
+        const yao2020_real t423 = t417 + t422;
+        const yao2020_real t424 = 0.5 * t206;
+        const yao2020_real t425 = t261 * t424;
+        const yao2020_real t426 = 0.5 * t177;
+        const yao2020_real t427 = t257 * t426;
+        const yao2020_real t428 = t425 - t427;
+        const yao2020_real t429 = t428 + t428;
+        const yao2020_real t430 = t429 * t243;
+        const yao2020_real t431 = t231 * t426;
+        const yao2020_real t432 = t241 * t424;
+        const yao2020_real t433 = t431 + t432;
+        const yao2020_real t434 = -t433;
+        const yao2020_real t435 = t434 + t434;
+        const yao2020_real t436 = t435 * t263;
+        const yao2020_real t437 = t430 - t436;
+        const yao2020_real t438 = t261 * t426;
+        const yao2020_real t439 = t257 * t424;
+        const yao2020_real t440 = t438 + t439;
+        const yao2020_real t441 = -t440;
+        const yao2020_real t442 = t441 + t441;
+        const yao2020_real t443 = t442 * t272;
+        const yao2020_real t444 = t437 - t443;
+        const yao2020_real t445 = t231 * t424;
+        const yao2020_real t446 = t241 * t426;
+        const yao2020_real t447 = t445 - t446;
+        const yao2020_real t448 = t447 + t447;
+        const yao2020_real t449 = t448 * t281;
+        const yao2020_real t450 = t444 + t449;
+        const yao2020_real t451 = t218 * t272;
+        const yao2020_real t452 = t254 * t281;
+        const yao2020_real t453 = t451 - t452;
+        const yao2020_real t454 = t269 * t243;
+        const yao2020_real t455 = t453 + t454;
+        const yao2020_real t456 = t278 * t263;
+        const yao2020_real t457 = t455 - t456;
+        const yao2020_real t458 = t311 * t272;
+        const yao2020_real t459 = t322 * t281;
+        const yao2020_real t460 = t458 - t459;
+        const yao2020_real t461 = t328 * t243;
+        const yao2020_real t462 = t460 + t461;
+        const yao2020_real t463 = t334 * t263;
+        const yao2020_real t464 = t462 - t463;
+        const yao2020_real t465 = t360 * t272;
+        const yao2020_real t466 = t371 * t281;
+        const yao2020_real t467 = t465 - t466;
+        const yao2020_real t468 = t377 * t243;
+        const yao2020_real t469 = t467 + t468;
+        const yao2020_real t470 = t383 * t263;
+        const yao2020_real t471 = t469 - t470;
+        const yao2020_real t472 = t397 * t272;
+        const yao2020_real t473 = t409 * t281;
+        const yao2020_real t474 = t472 - t473;
+        const yao2020_real t475 = t415 * t243;
+        const yao2020_real t476 = t474 + t475;
+        const yao2020_real t477 = t421 * t263;
+        const yao2020_real t478 = t476 - t477;
+        const yao2020_real t479 = t429 * t272;
+        const yao2020_real t480 = t435 * t281;
+        const yao2020_real t481 = t479 - t480;
+        const yao2020_real t482 = t442 * t243;
+        const yao2020_real t483 = t481 + t482;
+        const yao2020_real t484 = t448 * t263;
+        const yao2020_real t485 = t483 - t484;
+        const yao2020_real t486 = t269 * t263;
+        const yao2020_real t487 = t254 * t272;
+        const yao2020_real t488 = t218 * t281;
+        const yao2020_real t489 = t487 + t488;
+        const yao2020_real t490 = t486 - t489;
+        const yao2020_real t491 = t278 * t243;
+        const yao2020_real t492 = t490 + t491;
+        const yao2020_real t493 = t328 * t263;
+        const yao2020_real t494 = t322 * t272;
+        const yao2020_real t495 = t311 * t281;
+        const yao2020_real t496 = t494 + t495;
+        const yao2020_real t497 = t493 - t496;
+        const yao2020_real t498 = t334 * t243;
+        const yao2020_real t499 = t497 + t498;
+        const yao2020_real t500 = t377 * t263;
+        const yao2020_real t501 = t371 * t272;
+        const yao2020_real t502 = t360 * t281;
+        const yao2020_real t503 = t501 + t502;
+        const yao2020_real t504 = t500 - t503;
+        const yao2020_real t505 = t383 * t243;
+        const yao2020_real t506 = t504 + t505;
+        const yao2020_real t507 = t415 * t263;
+        const yao2020_real t508 = t409 * t272;
+        const yao2020_real t509 = t397 * t281;
+        const yao2020_real t510 = t508 + t509;
+        const yao2020_real t511 = t507 - t510;
+        const yao2020_real t512 = t421 * t243;
+        const yao2020_real t513 = t511 + t512;
+        const yao2020_real t514 = t442 * t263;
+        const yao2020_real t515 = t435 * t272;
+        const yao2020_real t516 = t429 * t281;
+        const yao2020_real t517 = t515 + t516;
+        const yao2020_real t518 = t514 - t517;
+        const yao2020_real t519 = t448 * t243;
+        const yao2020_real t520 = t518 + t519;
+        jacobian[0] = t45;
+        jacobian[1] = t49;
+        jacobian[2] = t62;
+        jacobian[3] = t80;
+        jacobian[4] = t105;
+        jacobian[5] = t128;
+        jacobian[6] = t131;
+        jacobian[7] = t132;
+        jacobian[8] = t135;
+        jacobian[9] = t138;
+        jacobian[10] = t141;
+        jacobian[11] = t144;
         jacobian[12] = 0.0;
-        jacobian[13] = t154;
-        jacobian[14] = t158;
-        jacobian[15] = t165;
-        jacobian[16] = t171;
-        jacobian[17] = t177;
-        jacobian[18] = t285;
-        jacobian[19] = t338;
-        jacobian[20] = t387;
-        jacobian[21] = t425;
-        jacobian[22] = t452;
+        jacobian[13] = t152;
+        jacobian[14] = t156;
+        jacobian[15] = t163;
+        jacobian[16] = t169;
+        jacobian[17] = t175;
+        jacobian[18] = t283;
+        jacobian[19] = t336;
+        jacobian[20] = t385;
+        jacobian[21] = t423;
+        jacobian[22] = t450;
         jacobian[23] = 0.0;
-        jacobian[24] = t459;
-        jacobian[25] = t466;
-        jacobian[26] = t473;
-        jacobian[27] = t480;
-        jacobian[28] = t487;
+        jacobian[24] = t457;
+        jacobian[25] = t464;
+        jacobian[26] = t471;
+        jacobian[27] = t478;
+        jacobian[28] = t485;
         jacobian[29] = 0.0;
-        jacobian[30] = t494;
-        jacobian[31] = t501;
-        jacobian[32] = t508;
-        jacobian[33] = t515;
-        jacobian[34] = t522;
+        jacobian[30] = t492;
+        jacobian[31] = t499;
+        jacobian[32] = t506;
+        jacobian[33] = t513;
+        jacobian[34] = t520;
         jacobian[35] = 0.0;
     }
     return status;
 }
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int count, yao2020_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int count,
+    yao2020_status status)
 {
     yao2020_status found = yao2020_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1561,12 +1598,15 @@ static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int coun
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and lengths over the size. Solves the
- * 6 normal equations with exchanges on the diagonal; where their smallest pivot is below 0.0004 of the mean, the
- * diagonal is raised, the more the smaller it is. Returns that pivot over the mean. */
-static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao2020_real e[6], yao2020_real y[6])
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao2020_real e[6],
+    yao2020_real y[6])
 {
-    static const yao2020_real row_scale[6] = { 0.0018017286871142555, 0.0018017286871142555, 0.0018017286871142555, 1.0, 1.0, 1.0 };
+    static const yao2020_real row_scale[6] = { 0.0018017286871142555, 0.0018017286871142555,
+        0.0018017286871142555, 1.0, 1.0, 1.0 };
     static const yao2020_real column_scale[6] = { 1.0, 1.0, 1.0, 1.0, 1.0, 555.0225220655465 };
     yao2020_real a[6][6];
     yao2020_real g[6][6];
@@ -1662,10 +1702,12 @@ static yao2020_real yao2020_length_of(const yao2020_real e[6])
 }
 
 /* The twist of joint rates: the Jacobian times the rates. */
-yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6], yao2020_real twist[6])
+yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6],
+    yao2020_real twist[6])
 {
     yao2020_real jacobian[36];
-    const yao2020_status status = yao2020_check_speeds(rates, 6, yao2020_jacobian(joints, jacobian));
+    const yao2020_status status = yao2020_check_speeds(rates, 6, yao2020_jacobian(joints,
+        jacobian));
     if (status == YAO2020_OK) {
         for (int i = 0; i < 6; ++i) {
             yao2020_real sum = 0.0;
@@ -1679,10 +1721,12 @@ yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real ra
 }
 
 /* Joint rates next to a twist, damped near singularities. */
-yao2020_status yao2020_rates(const yao2020_real joints[6], const yao2020_real twist[6], yao2020_real rates[6], yao2020_info *info)
+yao2020_status yao2020_rates(const yao2020_real joints[6], const yao2020_real twist[6],
+    yao2020_real rates[6], yao2020_info *info)
 {
     yao2020_real jacobian[36];
-    const yao2020_status status = yao2020_check_speeds(twist, 6, yao2020_jacobian(joints, jacobian));
+    const yao2020_status status = yao2020_check_speeds(twist, 6, yao2020_jacobian(joints,
+        jacobian));
     yao2020_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
     if (status == YAO2020_OK) {
         yao2020_real e[6];
@@ -1702,16 +1746,19 @@ yao2020_status yao2020_rates(const yao2020_real joints[6], const yao2020_real tw
         for (int i = 0; i < 6; ++i) {
             rates[i] = found[i];
         }
-        yao2020_write_info(info, 1U, yao2020_length_of(e), 0.0, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        yao2020_write_info(info, 1U, yao2020_length_of(e), 0.0,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
     }
     return status;
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twist[6], const yao2020_real rate_limits[6], yao2020_real *feed)
+yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twist[6],
+    const yao2020_real rate_limits[6], yao2020_real *feed)
 {
     yao2020_real rates[6];
-    yao2020_status status = yao2020_check_finite(rate_limits, 6, yao2020_rates(joints, twist, rates, NULL));
+    yao2020_status status = yao2020_check_finite(rate_limits, 6, yao2020_rates(joints, twist,
+        rates, NULL));
     yao2020_real most = 1.0;
     for (int i = 0; (i < 6) && (status == YAO2020_OK); ++i) {
         const yao2020_real rate = fabs(rates[i]);
@@ -1729,9 +1776,10 @@ yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twi
     return status;
 }
 
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector of the turn's quaternion. Returns
- * its length. */
-static yao2020_real yao2020_pose_error(const yao2020_real q[6], const yao2020_real to[7], yao2020_real e[6])
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static yao2020_real yao2020_pose_error(const yao2020_real q[6], const yao2020_real to[7],
+    yao2020_real e[6])
 {
     yao2020_real x[7];
     yao2020_forward(q, x);
@@ -1795,7 +1843,8 @@ yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[6], y
             }
         }
         status = yao2020_check_limits(moved);
-        yao2020_write_info(info, 1U, after, part * part * size * YAO2020_SIZE * YAO2020_SIZE, (pivot > 0.0) ? (1.0 / pivot) : 0.0);
+        yao2020_write_info(info, 1U, after, part * part * size * YAO2020_SIZE * YAO2020_SIZE,
+            (pivot > 0.0) ? (1.0 / pivot) : 0.0);
         if (status == YAO2020_OK) {
             for (int i = 0; i < 6; ++i) {
                 joints[i] = moved[i];

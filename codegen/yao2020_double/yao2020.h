@@ -10,12 +10,13 @@
  * joints[5] L6: mm, no limits given
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * YAO2020_OK only; `info` always. config and info may be NULL, guess and pose the same object.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with YAO2020_OK only; `info` always. config and info may be NULL, guess and pose the same
+ * object.
  *
- * One step of Newton's method: 278 additions, 20 cos, 6 divisions, 464 multiplications, 20 sin (rows, matrix, factors, step).
- * Predicted error of an answer: YAO2020_TOLERANCE and the rounding of the type, about
- * 4.92959e-13 mm (angles times the size) where the matrix is well conditioned.
+ * One step of Newton's method: 274 additions, 20 cos, 6 divisions, 464 multiplications, 20 sin
+ * (rows, matrix, factors, step). Predicted error of an answer: YAO2020_TOLERANCE and the rounding
+ * of the type, about 4.92959e-13 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */
 #ifndef YAO2020_H
@@ -35,8 +36,10 @@ typedef enum {
     YAO2020_MAX_ITERATIONS, /* not settled within the iterations allowed */
     YAO2020_SINGULAR, /* the linear system lost rank on the way */
     YAO2020_NONFINITE, /* NaN or infinity among the inputs */
-    YAO2020_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    YAO2020_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    YAO2020_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    YAO2020_WRONG_BRANCH
 } yao2020_status;
 
 /* Position in mm, unit quaternion (w, x, y, z), both of the tool frame in the base frame. */
@@ -45,26 +48,29 @@ typedef struct {
     yao2020_real quaternion[4];
 } yao2020_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 556000.0 (a thousand sizes), else the status is YAO2020_OUT_OF_RANGE, of NaN and infinity YAO2020_NONFINITE;
- * 0 iterations are YAO2020_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 556000.0 (a thousand sizes), else the status is YAO2020_OUT_OF_RANGE, of NaN
+ * and infinity YAO2020_NONFINITE; 0 iterations are YAO2020_MAX_ITERATIONS. NULL in place of a
+ * config means the values below. */
 typedef struct {
     yao2020_real tolerance;
     uint8_t max_iterations;
     yao2020_real max_step;
 } yao2020_config;
 
-#define YAO2020_SIZE ((yao2020_real)555.0225220655465) /* largest distance of joint points at the reference, mm */
+/* largest distance of joint points at the reference, mm */
+#define YAO2020_SIZE ((yao2020_real)555.0225220655465)
 #define YAO2020_TOLERANCE ((yao2020_real)6.161987831826937e-10) /* mm */
 #define YAO2020_MAX_STEPS (100U)
 #define YAO2020_MAX_STEP ((yao2020_real)555.0225220655465) /* mm */
 #define YAO2020_JOINTS (6)
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, YAO2020_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+ * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and
+ * columns scaled, 0 near a singularity; joint: the first joint, from 0, whose value is outside its
+ * range or not finite, YAO2020_JOINTS where it is none of them. Written by every call, whatever its
+ * status. */
 typedef struct {
     uint8_t iterations;
     yao2020_real residual;
@@ -76,57 +82,73 @@ typedef struct {
 /* Tool pose of joint values; its quaternion has w >= 0. */
 yao2020_status yao2020_direct(const yao2020_real joints[YAO2020_JOINTS], yao2020_pose *pose);
 
-/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to the given one, positions
- * in a straight line and orientations along the shorter arc, without meeting a singularity; where that is not
- * assured, YAO2020_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
- * as a guess: an error of them moves the beginning of the line by as much.
+/* The joint values that the arm reaches from `guess` when its tool moves from the guess's pose to
+ * the given one, positions in a straight line and orientations along the shorter arc, without
+ * meeting a singularity; where that is not assured, YAO2020_WRONG_BRANCH. Angles are near the
+ * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
+ * of the line by as much.
  */
-yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS],
+yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose *pose,
+    const yao2020_real guess[YAO2020_JOINTS],
     yao2020_real joints[YAO2020_JOINTS], yao2020_info *info);
 
 
-/* The closed form: joint values by formulas (README.md derives them), without iteration and without a guess. Each choice has two
- * solutions; a branch is a sum of the names below, 0 for the first solution of each. yao2020_inverse_all lists them in this order. */
+/* The closed form: joint values by formulas (README.md derives them), without iteration and without
+ * a guess. Each choice has two solutions; a branch is a sum of the names below, 0 for the first
+ * solution of each. yao2020_inverse_all lists them in this order. */
 #define YAO2020_BRANCHES (8)
 #define YAO2020_SHOULDER (4U) /* the other solution of joint theta4 */
 #define YAO2020_ELBOW (2U) /* the other solution of joint theta5 */
 #define YAO2020_WRIST (1U) /* the other solution of joint theta2 */
 
-/* All joint values with the given tool pose that lie within their ranges, angles about the middle of these; returns how many: 0 for
- * a pose that the arm cannot take, that is singular, or that is not finite. */
-int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[YAO2020_BRANCHES][YAO2020_JOINTS]);
+/* All joint values with the given tool pose that lie within their ranges, angles about the middle
+ * of these; returns how many: 0 for a pose that the arm cannot take, that is singular, or that is
+ * not finite. */
+int yao2020_inverse_all(const yao2020_pose *pose,
+    yao2020_real joints[YAO2020_BRANCHES][YAO2020_JOINTS]);
 
-/* The joint values of one branch. YAO2020_OUT_OF_RANGE where it has none, YAO2020_SINGULAR where nothing decides a joint. */
-yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch, yao2020_real joints[YAO2020_JOINTS]);
+/* The joint values of one branch. YAO2020_OUT_OF_RANGE where it has none, YAO2020_SINGULAR where
+ * nothing decides a joint. */
+yao2020_status yao2020_inverse_branch(const yao2020_pose *pose, unsigned int branch,
+    yao2020_real joints[YAO2020_JOINTS]);
 
-/* The joint values nearest to the guess, one choice after the other, angles near the guess's. Whether the arm can move there
- * from the guess is not asked: yao2020_inverse does. Statuses as of yao2020_inverse_branch. */
-yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose, const yao2020_real guess[YAO2020_JOINTS], yao2020_real joints[YAO2020_JOINTS]);
+/* The joint values nearest to the guess, one choice after the other, angles near the guess's.
+ * Whether the arm can move there from the guess is not asked: yao2020_inverse does. Statuses as of
+ * yao2020_inverse_branch. */
+yao2020_status yao2020_inverse_nearest(const yao2020_pose *pose,
+    const yao2020_real guess[YAO2020_JOINTS], yao2020_real joints[YAO2020_JOINTS]);
 /* Row-major 6 x 6: (velocity of the tool's origin, angular velocity) = jacobian * joint rates. */
-yao2020_status yao2020_jacobian(const yao2020_real joints[YAO2020_JOINTS], yao2020_real jacobian[6 * YAO2020_JOINTS]);
+yao2020_status yao2020_jacobian(const yao2020_real joints[YAO2020_JOINTS],
+    yao2020_real jacobian[6 * YAO2020_JOINTS]);
 
-/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular velocity): of the shortest, and damped
- * where the arm is near a singularity, that is where info->min_pivot is below 0.02. info->residual is how far the twist
- * of these rates is from the given one (mm for each unit of time, angles times the size): a loop that must
- * keep to its path slows down or stops by it. Speeds above 6e+08 are YAO2020_OUT_OF_RANGE. */
-yao2020_status yao2020_rates(const yao2020_real joints[YAO2020_JOINTS], const yao2020_real twist[6], yao2020_real rates[YAO2020_JOINTS],
+/* Joint rates whose twist is next to the given one (velocity of the tool's origin, angular
+ * velocity): of the shortest, and damped where the arm is near a singularity, that is where
+ * info->min_pivot is below 0.02. info->residual is how far the twist of these rates is from the
+ * given one (mm for each unit of time, angles times the size): a loop that must keep to its path
+ * slows down or stops by it. Speeds above 6e+08 are YAO2020_OUT_OF_RANGE. */
+yao2020_status yao2020_rates(const yao2020_real joints[YAO2020_JOINTS],
+    const yao2020_real twist[6], yao2020_real rates[YAO2020_JOINTS],
     yao2020_info *info);
 
 /* The twist of joint rates. */
-yao2020_status yao2020_twist(const yao2020_real joints[YAO2020_JOINTS], const yao2020_real rates[YAO2020_JOINTS], yao2020_real twist[6]);
+yao2020_status yao2020_twist(const yao2020_real joints[YAO2020_JOINTS],
+    const yao2020_real rates[YAO2020_JOINTS], yao2020_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps the rates of yao2020_rates within their limits (0 or more, in mm or radians
- * for each unit of time). */
-yao2020_status yao2020_feed(const yao2020_real joints[YAO2020_JOINTS], const yao2020_real twist[6], const yao2020_real rate_limits[YAO2020_JOINTS],
+/* The largest factor, 0 to 1, by which a twist keeps the rates of yao2020_rates within their limits
+ * (0 or more, in mm or radians for each unit of time). */
+yao2020_status yao2020_feed(const yao2020_real joints[YAO2020_JOINTS], const yao2020_real twist[6],
+    const yao2020_real rate_limits[YAO2020_JOINTS],
     yao2020_real *feed);
 
-/* For a control loop: one damped step from the last joint values (joints) towards the pose, which becomes the next ones. It goes on
- * through and beside singularities, where the arm cannot follow every pose: YAO2020_OK says that the joint values are
- * within their ranges, and info->residual how far their tool pose is from the given one, as measured (mm, angles times the
- * size). While it is below YAO2020_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to
+/* For a control loop: one damped step from the last joint values (joints) towards the pose, which
+ * becomes the next ones. It goes on through and beside singularities, where the arm cannot follow
+ * every pose: YAO2020_OK says that the joint values are within their ranges, and info->residual how
+ * far their tool pose is from the given one, as measured (mm, angles times the size). While it is
+ * below YAO2020_TRACK_LIMIT the next step reaches an unmoved pose; farther away steps are cut to
  * 0.2 rad (slides: of the size). It never makes the error larger. */
 #define YAO2020_TRACK_LIMIT ((yao2020_real)0.000435) /* mm */
-yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[YAO2020_JOINTS], yao2020_info *info);
+yao2020_status yao2020_track(const yao2020_pose *pose, yao2020_real joints[YAO2020_JOINTS],
+    yao2020_info *info);
 #ifdef __cplusplus
 }
 #endif

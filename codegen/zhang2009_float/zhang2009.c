@@ -15,8 +15,10 @@
 #define ZHANG2009_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_real values[], int count, zhang2009_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_real values[],
+    int count, zhang2009_status otherwise)
 {
     zhang2009_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,8 +30,8 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
@@ -52,9 +54,10 @@ static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zha
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned int count, zhang2009_real residual, zhang2009_real size, zhang2009_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned int count,
+    zhang2009_real residual, zhang2009_real size, zhang2009_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -66,20 +69,24 @@ static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned i
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static ZHANG2009_COLD zhang2009_status zhang2009_check_config(const zhang2009_config *config, zhang2009_status before)
+static ZHANG2009_COLD zhang2009_status zhang2009_check_config(const zhang2009_config *config,
+    zhang2009_status before)
 {
     const zhang2009_real tolerance = config->tolerance;
     const zhang2009_real longest = config->max_step;
     zhang2009_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 532000.0f - longest)) && (before != ZHANG2009_NONFINITE)) {
-        const zhang2009_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 532000.0f - longest))
+        && (before != ZHANG2009_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const zhang2009_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static ZHANG2009_SHARED uint8_t zhang2009_first_beyond(const zhang2009_real joints[6])
 {
     uint8_t joint = 0U;
@@ -102,18 +109,21 @@ static zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
 /* Work space of zhang2009_direct_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: position p and unit quaternion q (w, x, y, z) of the platform
  * k: squared rod lengths L_i^2
- * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the platform where the
+ * f: L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i; then the step: (2 v, h): velocity v of the
+ * platform where the
  *    base's origin is, and half its turn h
  * d: rod vectors d_i, from the base point to the platform point
  */
 typedef struct {
     zhang2009_real x[7]; /* state */
-    zhang2009_real x0[7]; /* state at the part of the line that is done, to which a failed try returns */
+    /* state at the part of the line that is done, to which a failed try returns */
+    zhang2009_real x0[7];
     zhang2009_real k[6]; /* known values aimed at */
     zhang2009_real f[6]; /* rows; the linear solver leaves the step in their place */
     zhang2009_real d[18]; /* values that rows and matrix share */
     zhang2009_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    zhang2009_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    zhang2009_real spread;
     const zhang2009_pose *guess; /* where the line begins */
     uint8_t order[6]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
@@ -122,7 +132,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhang2009_direct_rows(zhang2009_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const zhang2009_real t0 = w->x[5] + w->x[5];
     const zhang2009_real t1 = t0 * w->x[5];
     const zhang2009_real t2 = w->x[6] + w->x[6];
@@ -146,7 +156,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     const zhang2009_real t20 = 1.0f - t19;
     const zhang2009_real t21 = 216.50635f * t20;
     const zhang2009_real t22 = t17 - t21;
-    const zhang2009_real t23 = t22 - (-275.0f);
+    const zhang2009_real t23 = t22 + 275.0f;
     const zhang2009_real t24 = t23 * t23;
     const zhang2009_real t25 = t14 + t24;
     const zhang2009_real t26 = t8 * w->x[6];
@@ -166,7 +176,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[0] = t13;
     w->d[1] = t23;
     w->d[2] = t35;
-    /* rod 2 */
+    /* row 2: leg2 */
     const zhang2009_real t43 = 125.0f * t11;
     const zhang2009_real t44 = w->x[0] - t43;
     const zhang2009_real t45 = 216.50635f * t5;
@@ -177,7 +187,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     const zhang2009_real t50 = w->x[1] - t49;
     const zhang2009_real t51 = 216.50635f * t15;
     const zhang2009_real t52 = t50 + t51;
-    const zhang2009_real t53 = t52 - (-238.15698f);
+    const zhang2009_real t53 = t52 + 238.15698f;
     const zhang2009_real t54 = t53 * t53;
     const zhang2009_real t55 = t48 + t54;
     const zhang2009_real t56 = 125.0f * t33;
@@ -191,7 +201,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[3] = t47;
     w->d[4] = t53;
     w->d[5] = t59;
-    /* rod 3 */
+    /* row 3: leg3 */
     const zhang2009_real t67 = 250.0f * t5;
     const zhang2009_real t68 = w->x[0] + t67;
     const zhang2009_real t69 = t68 - 238.15698f;
@@ -210,7 +220,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[6] = t69;
     w->d[7] = t73;
     w->d[8] = t77;
-    /* rod 4 */
+    /* row 4: leg4 */
     const zhang2009_real t85 = 250.0f * t11;
     const zhang2009_real t86 = w->x[0] + t85;
     const zhang2009_real t87 = t86 - 137.5f;
@@ -229,9 +239,9 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[9] = t87;
     w->d[10] = t91;
     w->d[11] = t95;
-    /* rod 5 */
+    /* row 5: leg5 */
     const zhang2009_real t103 = t7 + t12;
-    const zhang2009_real t104 = t103 - (-238.15698f);
+    const zhang2009_real t104 = t103 + 238.15698f;
     const zhang2009_real t105 = t104 * t104;
     const zhang2009_real t106 = t17 + t21;
     const zhang2009_real t107 = t106 - 137.5f;
@@ -245,9 +255,9 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     w->d[12] = t104;
     w->d[13] = t107;
     w->d[14] = t110;
-    /* rod 6 */
+    /* row 6: leg6 */
     const zhang2009_real t118 = t44 - t45;
-    const zhang2009_real t119 = t118 - (-275.0f);
+    const zhang2009_real t119 = t118 + 275.0f;
     const zhang2009_real t120 = t119 * t119;
     const zhang2009_real t121 = t50 - t51;
     const zhang2009_real t122 = t121 * t121;
@@ -272,8 +282,8 @@ static ZHANG2009_SHARED zhang2009_real zhang2009_direct_residual(const zhang2009
     return sqrtf(sum) * 0.0011309829f;
 }
 
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
+ * turned. Returns the squared length of the step, angles times the size. */
 static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
 {
     const zhang2009_real t0 = 4.0f * w->f[4];
@@ -308,7 +318,7 @@ static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
     const zhang2009_real t29 = t27 + t28;
     const zhang2009_real t30 = w->f[5] * w->f[5];
     const zhang2009_real t31 = t29 + t30;
-    const zhang2009_real t32 = 1.0f + t31;
+    const zhang2009_real t32 = t31 + 1.0f;
     const zhang2009_real t33 = sqrtf(t32);
     const zhang2009_real t34 = 1.0f / t33;
     const zhang2009_real t35 = t26 * t34;
@@ -368,7 +378,8 @@ static ZHANG2009_SHARED void zhang2009_rod_values(zhang2009_direct_work *w)
 }
 
 /* Sets w->k, the known values aimed at. */
-static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *w, const zhang2009_real to[6])
+static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *w,
+    const zhang2009_real to[6])
 {
     for (int i = 0; i < 6; ++i) {
         const zhang2009_real t0 = to[i] * to[i];
@@ -379,7 +390,9 @@ static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhang2009_direct_matrix(zhang2009_direct_work *w)
 {
-    static const zhang2009_real base[6][2] = { { 0.0f, -1100.0f }, { 550.0f, -952.6279f }, { 952.6279f, 550.0f }, { 550.0f, 952.6279f }, { -952.6279f, 550.0f }, { -1100.0f, 0.0f } }; /* 4 b */
+    /* 4 b */
+    static const zhang2009_real base[6][2] = { { 0.0f, -1100.0f }, { 550.0f, -952.6279f },
+        { 952.6279f, 550.0f }, { 550.0f, 952.6279f }, { -952.6279f, 550.0f }, { -1100.0f, 0.0f } };
     for (int i = 0; i < 6; ++i) {
         const zhang2009_real *const b = base[i];
         const zhang2009_real *const d = &w->d[3 * i];
@@ -393,10 +406,12 @@ static void zhang2009_direct_matrix(zhang2009_direct_work *w)
     }
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
+/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
+ * singular. */
 static ZHANG2009_COLD int zhang2009_direct_pivoted(zhang2009_direct_work *w)
 {
-    static const zhang2009_real scale[6] = { 183.0f, 182.0f, 472.0f, 467000.0f, 464000.0f, 226000.0f };
+    static const zhang2009_real scale[6] = { 183.0f, 182.0f, 472.0f, 467000.0f, 464000.0f,
+        226000.0f };
     int sign = 1;
     zhang2009_direct_matrix(w);
     w->pivoted = true;
@@ -457,7 +472,7 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const zhang2009_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -466,9 +481,10 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
     }
 }
 
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. What is added to pivots is below the rounding of any other, and
- * keeps divisions by zero away. */
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
+ * determinant, 0 where a pivot is far below its usual size, which is left to
+ * zhang2009_direct_pivoted. What is added to pivots is below the rounding of any other, and keeps
+ * divisions by zero away. */
 static int zhang2009_direct_factor(zhang2009_direct_work *w)
 {
     zhang2009_real det;
@@ -634,15 +650,19 @@ static void zhang2009_direct_solve(zhang2009_direct_work *w)
     const zhang2009_real y1 = w->f[2] - w->a[6] * y0;
     const zhang2009_real y2 = w->f[1] - w->a[12] * y0 - w->a[13] * y1;
     const zhang2009_real y3 = w->f[4] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const zhang2009_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const zhang2009_real y5 = w->f[0] - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    const zhang2009_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2
+        - w->a[27] * y3;
+    const zhang2009_real y5 = w->f[0] - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3
+        - w->a[34] * y4;
     /* back substitution */
     const zhang2009_real s5 = (y5) * w->a[35];
     const zhang2009_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const zhang2009_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const zhang2009_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const zhang2009_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
-    const zhang2009_real s0 = (y0 - w->a[5] * s5 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    const zhang2009_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3
+        - w->a[8] * s2) * w->a[7];
+    const zhang2009_real s0 = (y0 - w->a[5] * s5 - w->a[3] * s3 - w->a[2] * s2
+        - w->a[1] * s1) * w->a[0];
     /* the step in the order of the unknowns */
     w->f[4] = s0;
     w->f[2] = s1;
@@ -652,9 +672,11 @@ static void zhang2009_direct_solve(zhang2009_direct_work *w)
     w->f[0] = s5;
 }
 
-/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
- * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
-static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
+/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the
+ * state back to the part that is done. The guess's joint values are computed again, which takes
+ * less room than to keep them. */
+static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w,
+    const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
 {
     const zhang2009_real *goal = to;
     if (part < 1.0f) {
@@ -674,14 +696,17 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, c
     }
 }
 
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
+/* Newton's method along the straight line from the known values of the guess to the given ones
+ * (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
+ * first. Where the second step is longer than a quarter of the first, or a later one than three
+ * eighths of the one before, the theorem of Newton and Kantorovich does not tie the point to the
+ * part that is done (README.md says what is proved): the state is put back and a nearer point of
+ * the line is aimed at. Factors are kept for one more step where that is predicted to reach the
+ * tolerance. The answer's rows are evaluated before it is called OK. */
+static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
+    const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhang2009_real tolerance2 = config->tolerance * config->tolerance;
@@ -703,7 +728,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
+    /* whether the tolerance should be reached: the rows are evaluated once more */
+    bool verify = false;
     w->spread = 0.0f;
     zhang2009_direct_set_target(w, to);
     for (;;) {
@@ -738,7 +764,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
+         * later 3/8 (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
         size = zhang2009_direct_apply_step(w);
@@ -774,7 +801,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
+                /* accepted at a point of the line: go on from here, by twice the part where
+                 * convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;
                 aim += (quick ? (part + part) : part);
@@ -804,9 +832,10 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
-static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info, const zhang2009_real joints[6])
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
+static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info,
+    const zhang2009_real joints[6])
 {
     zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (info != NULL) {
@@ -814,8 +843,10 @@ static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info, const z
     }
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and
+ * within bounds. */
+static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w,
+    const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
     const zhang2009_status limits = zhang2009_check_limits(joints);
     zhang2009_status status;
@@ -826,7 +857,8 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_w
 }
 
 /* Writes the pose of the state. */
-static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w, zhang2009_pose *pose)
+static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w,
+    zhang2009_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -837,9 +869,11 @@ static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w
     pose->quaternion[3] = w->x[6];
 }
 
-zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
+zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6],
+    const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
-    static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
+    static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS,
+        ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, guess);
     if (config != NULL) {
@@ -856,7 +890,8 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
     return status;
 }
 
-zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose *pose, zhang2009_info *info)
+zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose *pose,
+    zhang2009_info *info)
 {
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, pose);
@@ -934,7 +969,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t20 = 1.0f - t19;
         const zhang2009_real t21 = 216.50635f * t20;
         const zhang2009_real t22 = t17 - t21;
-        const zhang2009_real t23 = t22 - (-275.0f);
+        const zhang2009_real t23 = t22 + 275.0f;
         const zhang2009_real t24 = t23 * t23;
         const zhang2009_real t25 = t14 + t24;
         const zhang2009_real t26 = t8 * x[6];
@@ -959,7 +994,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t45 = x[1] - t44;
         const zhang2009_real t46 = 216.50635f * t15;
         const zhang2009_real t47 = t45 + t46;
-        const zhang2009_real t48 = t47 - (-238.15698f);
+        const zhang2009_real t48 = t47 + 238.15698f;
         const zhang2009_real t49 = t48 * t48;
         const zhang2009_real t50 = t43 + t49;
         const zhang2009_real t51 = 125.0f * t33;
@@ -995,7 +1030,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t81 = t80 * t80;
         const zhang2009_real t82 = t78 + t81;
         const zhang2009_real t83 = t7 + t12;
-        const zhang2009_real t84 = t83 - (-238.15698f);
+        const zhang2009_real t84 = t83 + 238.15698f;
         const zhang2009_real t85 = t84 * t84;
         const zhang2009_real t86 = t17 + t21;
         const zhang2009_real t87 = t86 - 137.5f;
@@ -1005,7 +1040,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t91 = t90 * t90;
         const zhang2009_real t92 = t89 + t91;
         const zhang2009_real t93 = t39 - t40;
-        const zhang2009_real t94 = t93 - (-275.0f);
+        const zhang2009_real t94 = t93 + 275.0f;
         const zhang2009_real t95 = t94 * t94;
         const zhang2009_real t96 = t45 - t46;
         const zhang2009_real t97 = t96 * t96;
@@ -1184,8 +1219,10 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count, zhang2009_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count,
+    zhang2009_status status)
 {
     zhang2009_status found = zhang2009_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1197,10 +1234,12 @@ static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], in
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
-zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6], zhang2009_real rates[6])
+zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6],
+    zhang2009_real rates[6])
 {
     zhang2009_real jacobian[6 * 6];
-    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(pose, jacobian));
+    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(pose,
+        jacobian));
     if (status == ZHANG2009_OK) {
         for (int i = 0; i < 6; ++i) {
             zhang2009_real sum = 0.0f;
@@ -1214,10 +1253,12 @@ zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_rea
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6], const zhang2009_real rate_limits[6], zhang2009_real *feed)
+zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6],
+    const zhang2009_real rate_limits[6], zhang2009_real *feed)
 {
     zhang2009_real rates[6];
-    zhang2009_status status = zhang2009_check_finite(rate_limits, 6, zhang2009_rates(pose, twist, rates));
+    zhang2009_status status = zhang2009_check_finite(rate_limits, 6, zhang2009_rates(pose, twist,
+        rates));
     zhang2009_real most = 1.0f;
     for (int i = 0; (i < 6) && (status == ZHANG2009_OK); ++i) {
         const zhang2009_real rate = fabsf(rates[i]);
@@ -1235,11 +1276,14 @@ zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[6], zhang2009_real twist[6])
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
+zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[6],
+    zhang2009_real twist[6])
 {
     static const zhang2009_real row_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
-    static const zhang2009_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.0018823203f, 0.0018823203f, 0.0018823203f };
+    static const zhang2009_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.0018823203f, 0.0018823203f,
+        0.0018823203f };
     static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
     zhang2009_real jacobian[6 * 6];
     zhang2009_real a[6][6 + 1];

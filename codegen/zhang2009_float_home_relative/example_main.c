@@ -1,53 +1,74 @@
-/* How a control loop uses zhang2009: from a pose to joint values and back, then tracking.
+/* A control loop with zhang2009: where the platform is, cycle after cycle, and what to do when that
+ * is not known.
  * SPDX-License-Identifier: MIT */
 #include "zhang2009.h"
 #include "zhang2009_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, zhang2009_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    zhang2009_pose pose; /* the last one that was known */
+    int tracked; /* cycles answered by one step */
+    int recovered; /* cycles answered by the whole line from the last pose */
+    int held; /* cycles without an answer: the machine must not move */
+} loop_state;
+
+/* One cycle: the pose at the joint values that were read. */
+static void cycle(loop_state *state, const zhang2009_real joints[ZHANG2009_JOINTS])
 {
-    static const char *const names[] = {
-        "ZHANG2009_OK", "ZHANG2009_MAX_ITERATIONS", "ZHANG2009_SINGULAR", "ZHANG2009_NONFINITE", "ZHANG2009_OUT_OF_RANGE", "ZHANG2009_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    zhang2009_pose pose = state->pose;
+    zhang2009_info info;
+    if ((zhang2009_track(joints, &pose, &info) == ZHANG2009_OK)
+        && (info.residual <= ZHANG2009_TRACK_LIMIT)) {
+        ++state->tracked;
+        state->pose = pose;
+    } else if (zhang2009_direct(NULL, joints, &state->pose, &pose, &info) == ZHANG2009_OK) {
+        /* too long a step, as after a gap in the readings */
+        ++state->recovered;
+        state->pose = pose;
+    } else {
+        /* joint info.joint is to blame, if it is below ZHANG2009_JOINTS; the pose stays the last
+         * good one */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
-    zhang2009_pose pose;
-    zhang2009_real joints[ZHANG2009_JOINTS];
-    zhang2009_info info;
-    zhang2009_status status;
+    loop_state state = { { { 0.0f }, { 0.0f } }, 0, 0, 0 };
+    zhang2009_real begin[ZHANG2009_JOINTS];
     for (int i = 0; i < 3; ++i) {
-        pose.position[i] = zhang2009_vector_home[i];
+        state.pose.position[i] = zhang2009_vector_home[i];
     }
     for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = zhang2009_vector_home[3 + i];
+        state.pose.quaternion[i] = zhang2009_vector_home[3 + i];
     }
-    status = zhang2009_inverse(&pose, joints);
-    if (status != ZHANG2009_OK) {
-        return stopped("zhang2009_inverse", status);
-    }
-    /* Power-up: the machine's joints as they are read, home as the guess. Anything but OK: do not move. */
-    for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
-        joints[i] = zhang2009_vector_joints[0][i];
-    }
-    status = zhang2009_direct(NULL, joints, &pose, &pose, &info);
-    if (status != ZHANG2009_OK) {
-        return stopped("zhang2009_direct", status);
-    }
-    /* Each cycle: one step from the last pose; a predicted error that is too large asks for zhang2009_direct. */
-    status = zhang2009_track(joints, &pose, &info);
-    if (status != ZHANG2009_OK) {
-        return stopped("zhang2009_track", status);
-    }
-    if (info.residual > ZHANG2009_TRACK_LIMIT) {
-        (void)fprintf(stderr, "zhang2009_track: predicted error %g; call zhang2009_direct\n", (double)info.residual);
+    if (zhang2009_inverse(&state.pose, begin) != ZHANG2009_OK) {
+        (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    (void)printf("position %.6f %.6f %.6f\n", (double)pose.position[0], (double)pose.position[1], (double)pose.position[2]);
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a
+     * number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const zhang2009_real part = (zhang2009_real)k / (zhang2009_real)CYCLES;
+        zhang2009_real joints[ZHANG2009_JOINTS];
+        for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
+            joints[i] = begin[i] + part * (zhang2009_vector_joints[0][i] - begin[i]);
+        }
+        if (k == 80) {
+            joints[0] = (zhang2009_real)NAN;
+        }
+        if ((k < 40) || (k >= 70)) {
+            cycle(&state, joints);
+        }
+    }
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n",
+        (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked,
+            state.recovered, state.held);
     return 0;
 }

@@ -15,8 +15,10 @@
 #define ZHANG2009_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_real values[], int count, zhang2009_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_real values[],
+    int count, zhang2009_status otherwise)
 {
     zhang2009_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,8 +30,8 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
@@ -52,9 +54,10 @@ static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zha
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned int count, zhang2009_real residual, zhang2009_real size, zhang2009_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned int count,
+    zhang2009_real residual, zhang2009_real size, zhang2009_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -66,20 +69,24 @@ static ZHANG2009_COLD void zhang2009_write_info(zhang2009_info *info, unsigned i
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static ZHANG2009_COLD zhang2009_status zhang2009_check_config(const zhang2009_config *config, zhang2009_status before)
+static ZHANG2009_COLD zhang2009_status zhang2009_check_config(const zhang2009_config *config,
+    zhang2009_status before)
 {
     const zhang2009_real tolerance = config->tolerance;
     const zhang2009_real longest = config->max_step;
     zhang2009_status status = before;
-    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 532000.0f - longest)) && (before != ZHANG2009_NONFINITE)) {
-        const zhang2009_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0f) && (longest > 0.0f) && (tolerance <= 532000.0f - longest))
+        && (before != ZHANG2009_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const zhang2009_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0f) ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_NONFINITE;
     }
     return status;
 }
 
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static ZHANG2009_SHARED uint8_t zhang2009_first_beyond(const zhang2009_real joints[6])
 {
     uint8_t joint = 0U;
@@ -102,18 +109,21 @@ static zhang2009_status zhang2009_check_limits(const zhang2009_real joints[6])
 /* Work space of zhang2009_direct_newton, which solves the rows f(x; k) = 0 for the state x.
  * x: displacement p and turn q (w, x, y, z) of the platform from home
  * k: (2 L0_i + dL_i) dL_i of the rods' changes dL_i from their lengths L0_i at home
- * f: k_i - (2 d0_i + delta_i) . delta_i, delta_i the change of rod vector d_i from home; then the step: (2 v, h):
+ * f: k_i - (2 d0_i + delta_i) . delta_i, delta_i the change of rod vector d_i from home; then the
+ * step: (2 v, h):
  *    velocity v of the platform where the base's origin is, and half its turn h
  * d: rod vectors d_i, from the base point to the platform point
  */
 typedef struct {
     zhang2009_real x[7]; /* state */
-    zhang2009_real x0[7]; /* state at the part of the line that is done, to which a failed try returns */
+    /* state at the part of the line that is done, to which a failed try returns */
+    zhang2009_real x0[7];
     zhang2009_real k[6]; /* known values aimed at */
     zhang2009_real f[6]; /* rows; the linear solver leaves the step in their place */
     zhang2009_real d[18]; /* values that rows and matrix share */
     zhang2009_real a[36]; /* matrix -df/dstep, row by row; then its LU factors in its place */
-    zhang2009_real spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
+    zhang2009_real spread;
     const zhang2009_pose *guess; /* where the line begins */
     uint8_t order[6]; /* rows exchanged by the pivoting fallback */
     bool pivoted; /* whether w->a holds the factors of the fallback */
@@ -122,7 +132,7 @@ typedef struct {
 /* The rows f(x; k) into w->f, and what the matrix shares with them. */
 static void zhang2009_direct_rows(zhang2009_direct_work *w)
 {
-    /* rod 1 */
+    /* row 1: leg1 */
     const zhang2009_real t0 = w->x[5] + w->x[5];
     const zhang2009_real t1 = t0 * w->x[5];
     const zhang2009_real t2 = w->x[6] + w->x[6];
@@ -136,7 +146,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     const zhang2009_real t10 = t8 - t9;
     const zhang2009_real t11 = 216.50635f * t10;
     const zhang2009_real t12 = t6 - t11;
-    const zhang2009_real t13 = -250.0f + t12;
+    const zhang2009_real t13 = t12 - 250.0f;
     const zhang2009_real t14 = t13 * t12;
     const zhang2009_real t15 = t8 + t9;
     const zhang2009_real t16 = 125.0f * t15;
@@ -145,7 +155,7 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     const zhang2009_real t19 = t18 + t3;
     const zhang2009_real t20 = 216.50635f * t19;
     const zhang2009_real t21 = t17 + t20;
-    const zhang2009_real t22 = 116.9873f + t21;
+    const zhang2009_real t22 = t21 + 116.9873f;
     const zhang2009_real t23 = t22 * t21;
     const zhang2009_real t24 = t14 + t23;
     const zhang2009_real t25 = t7 * w->x[6];
@@ -158,131 +168,131 @@ static void zhang2009_direct_rows(zhang2009_direct_work *w)
     const zhang2009_real t32 = t30 + t31;
     const zhang2009_real t33 = 216.50635f * t32;
     const zhang2009_real t34 = t29 - t33;
-    const zhang2009_real t35 = 840.0f + t34;
+    const zhang2009_real t35 = t34 + 840.0f;
     const zhang2009_real t36 = t35 * t34;
     const zhang2009_real t37 = t24 + t36;
     const zhang2009_real t38 = w->k[0] - t37;
     w->f[0] = t38;
-    const zhang2009_real t40 = -125.0f + t12;
+    const zhang2009_real t40 = t12 - 125.0f;
     w->d[0] = t40;
-    const zhang2009_real t42 = 58.49365f + t21;
+    const zhang2009_real t42 = t21 + 58.49365f;
     w->d[1] = t42;
-    const zhang2009_real t44 = 420.0f + t34;
+    const zhang2009_real t44 = t34 + 420.0f;
     w->d[2] = t44;
-    /* rod 2 */
+    /* row 2: leg2 */
     const zhang2009_real t46 = 125.0f * t10;
     const zhang2009_real t47 = w->x[0] - t46;
     const zhang2009_real t48 = 216.50635f * t4;
     const zhang2009_real t49 = t47 - t48;
-    const zhang2009_real t50 = 158.0127f + t49;
+    const zhang2009_real t50 = t49 + 158.0127f;
     const zhang2009_real t51 = t50 * t49;
     const zhang2009_real t52 = 125.0f * t19;
     const zhang2009_real t53 = w->x[1] + t52;
     const zhang2009_real t54 = 216.50635f * t15;
     const zhang2009_real t55 = t53 + t54;
-    const zhang2009_real t56 = 226.31396f + t55;
+    const zhang2009_real t56 = t55 + 226.31396f;
     const zhang2009_real t57 = t56 * t55;
     const zhang2009_real t58 = t51 + t57;
     const zhang2009_real t59 = 125.0f * t32;
     const zhang2009_real t60 = w->x[2] - t59;
     const zhang2009_real t61 = 216.50635f * t27;
     const zhang2009_real t62 = t60 + t61;
-    const zhang2009_real t63 = 840.0f + t62;
+    const zhang2009_real t63 = t62 + 840.0f;
     const zhang2009_real t64 = t63 * t62;
     const zhang2009_real t65 = t58 + t64;
     const zhang2009_real t66 = w->k[1] - t65;
     w->f[1] = t66;
-    const zhang2009_real t68 = 79.00635f + t49;
+    const zhang2009_real t68 = t49 + 79.00635f;
     w->d[3] = t68;
-    const zhang2009_real t70 = 113.15698f + t55;
+    const zhang2009_real t70 = t55 + 113.15698f;
     w->d[4] = t70;
-    const zhang2009_real t72 = 420.0f + t62;
+    const zhang2009_real t72 = t62 + 420.0f;
     w->d[5] = t72;
-    /* rod 3 */
+    /* row 3: leg3 */
     const zhang2009_real t74 = 250.0f * t4;
     const zhang2009_real t75 = w->x[0] - t74;
-    const zhang2009_real t76 = 23.686028f + t75;
+    const zhang2009_real t76 = t75 + 23.686028f;
     const zhang2009_real t77 = t76 * t75;
     const zhang2009_real t78 = 250.0f * t15;
     const zhang2009_real t79 = w->x[1] + t78;
-    const zhang2009_real t80 = -275.0f + t79;
+    const zhang2009_real t80 = t79 - 275.0f;
     const zhang2009_real t81 = t80 * t79;
     const zhang2009_real t82 = t77 + t81;
     const zhang2009_real t83 = 250.0f * t27;
     const zhang2009_real t84 = w->x[2] + t83;
-    const zhang2009_real t85 = 840.0f + t84;
+    const zhang2009_real t85 = t84 + 840.0f;
     const zhang2009_real t86 = t85 * t84;
     const zhang2009_real t87 = t82 + t86;
     const zhang2009_real t88 = w->k[2] - t87;
     w->f[2] = t88;
-    const zhang2009_real t90 = 11.843014f + t75;
+    const zhang2009_real t90 = t75 + 11.843014f;
     w->d[6] = t90;
-    const zhang2009_real t92 = -137.5f + t79;
+    const zhang2009_real t92 = t79 - 137.5f;
     w->d[7] = t92;
-    const zhang2009_real t94 = 420.0f + t84;
+    const zhang2009_real t94 = t84 + 420.0f;
     w->d[8] = t94;
-    /* rod 4 */
+    /* row 4: leg4 */
     const zhang2009_real t96 = 250.0f * t10;
     const zhang2009_real t97 = w->x[0] + t96;
-    const zhang2009_real t98 = -275.0f + t97;
+    const zhang2009_real t98 = t97 - 275.0f;
     const zhang2009_real t99 = t98 * t97;
     const zhang2009_real t100 = 250.0f * t19;
     const zhang2009_real t101 = w->x[1] - t100;
-    const zhang2009_real t102 = 23.686028f + t101;
+    const zhang2009_real t102 = t101 + 23.686028f;
     const zhang2009_real t103 = t102 * t101;
     const zhang2009_real t104 = t99 + t103;
     const zhang2009_real t105 = 250.0f * t32;
     const zhang2009_real t106 = w->x[2] + t105;
-    const zhang2009_real t107 = 840.0f + t106;
+    const zhang2009_real t107 = t106 + 840.0f;
     const zhang2009_real t108 = t107 * t106;
     const zhang2009_real t109 = t104 + t108;
     const zhang2009_real t110 = w->k[3] - t109;
     w->f[3] = t110;
-    const zhang2009_real t112 = -137.5f + t97;
+    const zhang2009_real t112 = t97 - 137.5f;
     w->d[9] = t112;
-    const zhang2009_real t114 = 11.843014f + t101;
+    const zhang2009_real t114 = t101 + 11.843014f;
     w->d[10] = t114;
-    const zhang2009_real t116 = 420.0f + t106;
+    const zhang2009_real t116 = t106 + 420.0f;
     w->d[11] = t116;
-    /* rod 5 */
+    /* row 5: leg5 */
     const zhang2009_real t118 = t6 + t11;
-    const zhang2009_real t119 = 226.31396f + t118;
+    const zhang2009_real t119 = t118 + 226.31396f;
     const zhang2009_real t120 = t119 * t118;
     const zhang2009_real t121 = t17 - t20;
-    const zhang2009_real t122 = 158.0127f + t121;
+    const zhang2009_real t122 = t121 + 158.0127f;
     const zhang2009_real t123 = t122 * t121;
     const zhang2009_real t124 = t120 + t123;
     const zhang2009_real t125 = t29 + t33;
-    const zhang2009_real t126 = 840.0f + t125;
+    const zhang2009_real t126 = t125 + 840.0f;
     const zhang2009_real t127 = t126 * t125;
     const zhang2009_real t128 = t124 + t127;
     const zhang2009_real t129 = w->k[4] - t128;
     w->f[4] = t129;
-    const zhang2009_real t131 = 113.15698f + t118;
+    const zhang2009_real t131 = t118 + 113.15698f;
     w->d[12] = t131;
-    const zhang2009_real t133 = 79.00635f + t121;
+    const zhang2009_real t133 = t121 + 79.00635f;
     w->d[13] = t133;
-    const zhang2009_real t135 = 420.0f + t125;
+    const zhang2009_real t135 = t125 + 420.0f;
     w->d[14] = t135;
-    /* rod 6 */
+    /* row 6: leg6 */
     const zhang2009_real t137 = t47 + t48;
-    const zhang2009_real t138 = 116.9873f + t137;
+    const zhang2009_real t138 = t137 + 116.9873f;
     const zhang2009_real t139 = t138 * t137;
     const zhang2009_real t140 = t53 - t54;
-    const zhang2009_real t141 = -250.0f + t140;
+    const zhang2009_real t141 = t140 - 250.0f;
     const zhang2009_real t142 = t141 * t140;
     const zhang2009_real t143 = t139 + t142;
     const zhang2009_real t144 = t60 - t61;
-    const zhang2009_real t145 = 840.0f + t144;
+    const zhang2009_real t145 = t144 + 840.0f;
     const zhang2009_real t146 = t145 * t144;
     const zhang2009_real t147 = t143 + t146;
     const zhang2009_real t148 = w->k[5] - t147;
     w->f[5] = t148;
-    const zhang2009_real t150 = 58.49365f + t137;
+    const zhang2009_real t150 = t137 + 58.49365f;
     w->d[15] = t150;
-    const zhang2009_real t152 = -125.0f + t140;
+    const zhang2009_real t152 = t140 - 125.0f;
     w->d[16] = t152;
-    const zhang2009_real t154 = 420.0f + t144;
+    const zhang2009_real t154 = t144 + 420.0f;
     w->d[17] = t154;
 }
 
@@ -296,8 +306,8 @@ static ZHANG2009_SHARED zhang2009_real zhang2009_direct_residual(const zhang2009
     return sqrtf(sum) * 0.0011309829f;
 }
 
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are turned. Returns the squared
- * length of the step, angles times the size. */
+/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
+ * turned. Returns the squared length of the step, angles times the size. */
 static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
 {
     const zhang2009_real t0 = 4.0f * w->f[4];
@@ -333,7 +343,7 @@ static zhang2009_real zhang2009_direct_apply_step(zhang2009_direct_work *w)
     const zhang2009_real t30 = t28 + t29;
     const zhang2009_real t31 = w->f[5] * w->f[5];
     const zhang2009_real t32 = t30 + t31;
-    const zhang2009_real t33 = 1.0f + t32;
+    const zhang2009_real t33 = t32 + 1.0f;
     const zhang2009_real t34 = sqrtf(t33);
     const zhang2009_real t35 = 1.0f / t34;
     const zhang2009_real t36 = t27 * t35;
@@ -396,10 +406,11 @@ static ZHANG2009_SHARED void zhang2009_rod_values(zhang2009_direct_work *w)
 }
 
 /* Sets w->k, the known values aimed at. */
-static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *w, const zhang2009_real to[6])
+static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *w,
+    const zhang2009_real to[6])
 {
     for (int i = 0; i < 6; ++i) {
-        const zhang2009_real t0 = 884.18665f + to[i];
+        const zhang2009_real t0 = to[i] + 884.18665f;
         const zhang2009_real t1 = t0 * to[i];
         w->k[i] = t1;
     }
@@ -408,7 +419,9 @@ static ZHANG2009_SHARED void zhang2009_direct_set_target(zhang2009_direct_work *
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
 static void zhang2009_direct_matrix(zhang2009_direct_work *w)
 {
-    static const zhang2009_real base[6][2] = { { 0.0f, -1100.0f }, { 550.0f, -952.6279f }, { 952.6279f, 550.0f }, { 550.0f, 952.6279f }, { -952.6279f, 550.0f }, { -1100.0f, 0.0f } }; /* 4 b */
+    /* 4 b */
+    static const zhang2009_real base[6][2] = { { 0.0f, -1100.0f }, { 550.0f, -952.6279f },
+        { 952.6279f, 550.0f }, { 550.0f, 952.6279f }, { -952.6279f, 550.0f }, { -1100.0f, 0.0f } };
     for (int i = 0; i < 6; ++i) {
         const zhang2009_real *const b = base[i];
         const zhang2009_real *const d = &w->d[3 * i];
@@ -422,10 +435,12 @@ static void zhang2009_direct_matrix(zhang2009_direct_work *w)
     }
 }
 
-/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is singular. */
+/* LU in loops with partial pivoting; the sign of the determinant, 0 where the matrix is
+ * singular. */
 static ZHANG2009_COLD int zhang2009_direct_pivoted(zhang2009_direct_work *w)
 {
-    static const zhang2009_real scale[6] = { 183.0f, 182.0f, 472.0f, 467000.0f, 464000.0f, 226000.0f };
+    static const zhang2009_real scale[6] = { 183.0f, 182.0f, 472.0f, 467000.0f, 464000.0f,
+        226000.0f };
     int sign = 1;
     zhang2009_direct_matrix(w);
     w->pivoted = true;
@@ -486,7 +501,7 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
         }
     }
     /* back substitution */
-    for (int c = 6 - 1; c >= 0; --c) {
+    for (int c = 5; c >= 0; --c) {
         const zhang2009_real t = w->f[c] * w->a[6 * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {
@@ -495,9 +510,10 @@ static ZHANG2009_COLD void zhang2009_direct_pivoted_solve(zhang2009_direct_work 
     }
 }
 
-/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the determinant, 0 where a
- * pivot is far below its usual size, which is left to zhang2009_direct_pivoted. What is added to pivots is below the rounding of any other, and
- * keeps divisions by zero away. */
+/* LU of the matrix, unrolled in an order of pivots chosen over sampled poses; the sign of the
+ * determinant, 0 where a pivot is far below its usual size, which is left to
+ * zhang2009_direct_pivoted. What is added to pivots is below the rounding of any other, and keeps
+ * divisions by zero away. */
 static int zhang2009_direct_factor(zhang2009_direct_work *w)
 {
     zhang2009_real det;
@@ -663,15 +679,19 @@ static void zhang2009_direct_solve(zhang2009_direct_work *w)
     const zhang2009_real y1 = w->f[2] - w->a[6] * y0;
     const zhang2009_real y2 = w->f[1] - w->a[12] * y0 - w->a[13] * y1;
     const zhang2009_real y3 = w->f[4] - w->a[18] * y0 - w->a[19] * y1 - w->a[20] * y2;
-    const zhang2009_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2 - w->a[27] * y3;
-    const zhang2009_real y5 = w->f[0] - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3 - w->a[34] * y4;
+    const zhang2009_real y4 = w->f[3] - w->a[24] * y0 - w->a[25] * y1 - w->a[26] * y2
+        - w->a[27] * y3;
+    const zhang2009_real y5 = w->f[0] - w->a[31] * y1 - w->a[32] * y2 - w->a[33] * y3
+        - w->a[34] * y4;
     /* back substitution */
     const zhang2009_real s5 = (y5) * w->a[35];
     const zhang2009_real s4 = (y4 - w->a[29] * s5) * w->a[28];
     const zhang2009_real s3 = (y3 - w->a[23] * s5 - w->a[22] * s4) * w->a[21];
     const zhang2009_real s2 = (y2 - w->a[17] * s5 - w->a[16] * s4 - w->a[15] * s3) * w->a[14];
-    const zhang2009_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3 - w->a[8] * s2) * w->a[7];
-    const zhang2009_real s0 = (y0 - w->a[5] * s5 - w->a[3] * s3 - w->a[2] * s2 - w->a[1] * s1) * w->a[0];
+    const zhang2009_real s1 = (y1 - w->a[11] * s5 - w->a[10] * s4 - w->a[9] * s3
+        - w->a[8] * s2) * w->a[7];
+    const zhang2009_real s0 = (y0 - w->a[5] * s5 - w->a[3] * s3 - w->a[2] * s2
+        - w->a[1] * s1) * w->a[0];
     /* the step in the order of the unknowns */
     w->f[4] = s0;
     w->f[2] = s1;
@@ -681,9 +701,11 @@ static void zhang2009_direct_solve(zhang2009_direct_work *w)
     w->f[0] = s5;
 }
 
-/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the state back to the part
- * that is done. The guess's joint values are computed again, which takes less room than to keep them. */
-static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
+/* Aims anew at a part of the line from the guess's joint values to the given ones, and puts the
+ * state back to the part that is done. The guess's joint values are computed again, which takes
+ * less room than to keep them. */
+static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w,
+    const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
 {
     const zhang2009_real *goal = to;
     if (part < 1.0f) {
@@ -703,14 +725,17 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w, c
     }
 }
 
-/* Newton's method along the straight line from the known values of the guess to the given ones (to).
+/* Newton's method along the straight line from the known values of the guess to the given ones
+ * (to).
  *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried first.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
- * reach the tolerance. The answer's rows are evaluated before it is called OK. */
-static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
+ * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
+ * first. Where the second step is longer than a quarter of the first, or a later one than three
+ * eighths of the one before, the theorem of Newton and Kantorovich does not tie the point to the
+ * part that is done (README.md says what is proved): the state is put back and a nearer point of
+ * the line is aimed at. Factors are kept for one more step where that is predicted to reach the
+ * tolerance. The answer's rows are evaluated before it is called OK. */
+static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
+    const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
     /* squares of lengths and of ratios of lengths, so that no step needs a root */
     const zhang2009_real tolerance2 = config->tolerance * config->tolerance;
@@ -732,7 +757,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
+    /* whether the tolerance should be reached: the rows are evaluated once more */
+    bool verify = false;
     w->spread = 0.0f;
     zhang2009_direct_set_target(w, to);
     for (;;) {
@@ -767,7 +793,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
+         * later 3/8 (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
         size = zhang2009_direct_apply_step(w);
@@ -803,7 +830,8 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
                 fresh = false;
                 ++taken;
             } else {
-                /* accepted at a point of the line: go on from here, by twice the part where convergence was quick */
+                /* accepted at a point of the line: go on from here, by twice the part where
+                 * convergence was quick */
                 const zhang2009_real part = aim - done;
                 done = aim;
                 aim += (quick ? (part + part) : part);
@@ -833,9 +861,10 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w, const 
     zhang2009_write_info(info, count, residual, size, w->spread);
     return status;
 }
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
-static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info, const zhang2009_real joints[6])
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
+static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info,
+    const zhang2009_real joints[6])
 {
     zhang2009_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
     if (info != NULL) {
@@ -843,8 +872,10 @@ static ZHANG2009_COLD void zhang2009_write_no_step(zhang2009_info *info, const z
     }
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and within bounds. */
-static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w, const zhang2009_real joints[6], const zhang2009_pose *guess)
+/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and
+ * within bounds. */
+static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_work *w,
+    const zhang2009_real joints[6], const zhang2009_pose *guess)
 {
     const zhang2009_status limits = zhang2009_check_limits(joints);
     zhang2009_status status;
@@ -855,7 +886,8 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(zhang2009_direct_w
 }
 
 /* Writes the pose of the state. */
-static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w, zhang2009_pose *pose)
+static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w,
+    zhang2009_pose *pose)
 {
     pose->position[0] = w->x[0];
     pose->position[1] = w->x[1];
@@ -866,9 +898,11 @@ static ZHANG2009_SHARED void zhang2009_write_pose(const zhang2009_direct_work *w
     pose->quaternion[3] = w->x[6];
 }
 
-zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6], const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
+zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[6],
+    const zhang2009_pose *guess, zhang2009_pose *pose, zhang2009_info *info)
 {
-    static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, ZHANG2009_MAX_STEP };
+    static const zhang2009_config usual = { ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS,
+        ZHANG2009_MAX_STEP };
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, guess);
     if (config != NULL) {
@@ -885,7 +919,8 @@ zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang200
     return status;
 }
 
-zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose *pose, zhang2009_info *info)
+zhang2009_status zhang2009_track(const zhang2009_real joints[6], zhang2009_pose *pose,
+    zhang2009_info *info)
 {
     zhang2009_direct_work w;
     zhang2009_status status = zhang2009_read_guess(&w, joints, pose);
@@ -970,12 +1005,12 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t27 = t25 + t26;
         const zhang2009_real t28 = 216.50635f * t27;
         const zhang2009_real t29 = t24 - t28;
-        const zhang2009_real t30 = -125.0f + t12;
+        const zhang2009_real t30 = t12 - 125.0f;
         const zhang2009_real t31 = t30 * t30;
-        const zhang2009_real t32 = 58.49365f + t19;
+        const zhang2009_real t32 = t19 + 58.49365f;
         const zhang2009_real t33 = t32 * t32;
         const zhang2009_real t34 = t31 + t33;
-        const zhang2009_real t35 = 420.0f + t29;
+        const zhang2009_real t35 = t29 + 420.0f;
         const zhang2009_real t36 = t35 * t35;
         const zhang2009_real t37 = t34 + t36;
         const zhang2009_real t38 = 125.0f * t10;
@@ -990,12 +1025,12 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t47 = x[2] - t46;
         const zhang2009_real t48 = 216.50635f * t22;
         const zhang2009_real t49 = t47 + t48;
-        const zhang2009_real t50 = 79.00635f + t41;
+        const zhang2009_real t50 = t41 + 79.00635f;
         const zhang2009_real t51 = t50 * t50;
-        const zhang2009_real t52 = 113.15698f + t45;
+        const zhang2009_real t52 = t45 + 113.15698f;
         const zhang2009_real t53 = t52 * t52;
         const zhang2009_real t54 = t51 + t53;
-        const zhang2009_real t55 = 420.0f + t49;
+        const zhang2009_real t55 = t49 + 420.0f;
         const zhang2009_real t56 = t55 * t55;
         const zhang2009_real t57 = t54 + t56;
         const zhang2009_real t58 = 250.0f * t4;
@@ -1004,12 +1039,12 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t61 = x[1] + t60;
         const zhang2009_real t62 = 250.0f * t22;
         const zhang2009_real t63 = x[2] + t62;
-        const zhang2009_real t64 = 11.843014f + t59;
+        const zhang2009_real t64 = t59 + 11.843014f;
         const zhang2009_real t65 = t64 * t64;
-        const zhang2009_real t66 = -137.5f + t61;
+        const zhang2009_real t66 = t61 - 137.5f;
         const zhang2009_real t67 = t66 * t66;
         const zhang2009_real t68 = t65 + t67;
-        const zhang2009_real t69 = 420.0f + t63;
+        const zhang2009_real t69 = t63 + 420.0f;
         const zhang2009_real t70 = t69 * t69;
         const zhang2009_real t71 = t68 + t70;
         const zhang2009_real t72 = 250.0f * t10;
@@ -1018,34 +1053,34 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t75 = x[1] - t74;
         const zhang2009_real t76 = 250.0f * t27;
         const zhang2009_real t77 = x[2] + t76;
-        const zhang2009_real t78 = -137.5f + t73;
+        const zhang2009_real t78 = t73 - 137.5f;
         const zhang2009_real t79 = t78 * t78;
-        const zhang2009_real t80 = 11.843014f + t75;
+        const zhang2009_real t80 = t75 + 11.843014f;
         const zhang2009_real t81 = t80 * t80;
         const zhang2009_real t82 = t79 + t81;
-        const zhang2009_real t83 = 420.0f + t77;
+        const zhang2009_real t83 = t77 + 420.0f;
         const zhang2009_real t84 = t83 * t83;
         const zhang2009_real t85 = t82 + t84;
         const zhang2009_real t86 = t6 + t11;
         const zhang2009_real t87 = t15 - t18;
         const zhang2009_real t88 = t24 + t28;
-        const zhang2009_real t89 = 113.15698f + t86;
+        const zhang2009_real t89 = t86 + 113.15698f;
         const zhang2009_real t90 = t89 * t89;
-        const zhang2009_real t91 = 79.00635f + t87;
+        const zhang2009_real t91 = t87 + 79.00635f;
         const zhang2009_real t92 = t91 * t91;
         const zhang2009_real t93 = t90 + t92;
-        const zhang2009_real t94 = 420.0f + t88;
+        const zhang2009_real t94 = t88 + 420.0f;
         const zhang2009_real t95 = t94 * t94;
         const zhang2009_real t96 = t93 + t95;
         const zhang2009_real t97 = t39 + t40;
         const zhang2009_real t98 = t43 - t44;
         const zhang2009_real t99 = t47 - t48;
-        const zhang2009_real t100 = 58.49365f + t97;
+        const zhang2009_real t100 = t97 + 58.49365f;
         const zhang2009_real t101 = t100 * t100;
-        const zhang2009_real t102 = -125.0f + t98;
+        const zhang2009_real t102 = t98 - 125.0f;
         const zhang2009_real t103 = t102 * t102;
         const zhang2009_real t104 = t101 + t103;
-        const zhang2009_real t105 = 420.0f + t99;
+        const zhang2009_real t105 = t99 + 420.0f;
         const zhang2009_real t106 = t105 * t105;
         const zhang2009_real t107 = t104 + t106;
         const zhang2009_real t108 = t37 * 3.5431299e-06f;
@@ -1065,7 +1100,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t122 = t32 * t120;
         const zhang2009_real t123 = t35 * t120;
         const zhang2009_real t124 = t18 - t14;
-        const zhang2009_real t125 = t124 + (-216.50635f);
+        const zhang2009_real t125 = t124 - 216.50635f;
         const zhang2009_real t126 = t125 * t35;
         const zhang2009_real t127 = t23 + t28;
         const zhang2009_real t128 = t127 * t32;
@@ -1073,7 +1108,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t130 = t129 * t120;
         const zhang2009_real t131 = t127 * t30;
         const zhang2009_real t132 = t5 - t11;
-        const zhang2009_real t133 = t132 + (-125.0f);
+        const zhang2009_real t133 = t132 - 125.0f;
         const zhang2009_real t134 = t133 * t35;
         const zhang2009_real t135 = t131 + t134;
         const zhang2009_real t136 = t135 * t120;
@@ -1088,7 +1123,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t145 = t52 * t143;
         const zhang2009_real t146 = t55 * t143;
         const zhang2009_real t147 = t44 + t42;
-        const zhang2009_real t148 = t147 + (-125.0f);
+        const zhang2009_real t148 = t147 - 125.0f;
         const zhang2009_real t149 = t148 * t55;
         const zhang2009_real t150 = t48 - t46;
         const zhang2009_real t151 = t150 * t52;
@@ -1154,7 +1189,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t211 = t210 * t201;
         const zhang2009_real t212 = t208 * t89;
         const zhang2009_real t213 = t5 + t11;
-        const zhang2009_real t214 = t213 + (-125.0f);
+        const zhang2009_real t214 = t213 - 125.0f;
         const zhang2009_real t215 = t214 * t94;
         const zhang2009_real t216 = t212 - t215;
         const zhang2009_real t217 = t216 * t201;
@@ -1168,7 +1203,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t225 = t102 * t223;
         const zhang2009_real t226 = t105 * t223;
         const zhang2009_real t227 = t42 - t44;
-        const zhang2009_real t228 = t227 + (-125.0f);
+        const zhang2009_real t228 = t227 - 125.0f;
         const zhang2009_real t229 = t228 * t105;
         const zhang2009_real t230 = t48 + t46;
         const zhang2009_real t231 = t230 * t102;
@@ -1176,7 +1211,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
         const zhang2009_real t233 = t232 * t223;
         const zhang2009_real t234 = t230 * t100;
         const zhang2009_real t235 = t40 - t38;
-        const zhang2009_real t236 = t235 + (-216.50635f);
+        const zhang2009_real t236 = t235 - 216.50635f;
         const zhang2009_real t237 = t236 * t105;
         const zhang2009_real t238 = t234 + t237;
         const zhang2009_real t239 = t238 * t223;
@@ -1231,8 +1266,10 @@ zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real j
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count, zhang2009_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], int count,
+    zhang2009_status status)
 {
     zhang2009_status found = zhang2009_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1244,10 +1281,12 @@ static zhang2009_status zhang2009_check_speeds(const zhang2009_real speeds[], in
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
-zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6], zhang2009_real rates[6])
+zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6],
+    zhang2009_real rates[6])
 {
     zhang2009_real jacobian[6 * 6];
-    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(pose, jacobian));
+    const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(pose,
+        jacobian));
     if (status == ZHANG2009_OK) {
         for (int i = 0; i < 6; ++i) {
             zhang2009_real sum = 0.0f;
@@ -1261,10 +1300,12 @@ zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_rea
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6], const zhang2009_real rate_limits[6], zhang2009_real *feed)
+zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6],
+    const zhang2009_real rate_limits[6], zhang2009_real *feed)
 {
     zhang2009_real rates[6];
-    zhang2009_status status = zhang2009_check_finite(rate_limits, 6, zhang2009_rates(pose, twist, rates));
+    zhang2009_status status = zhang2009_check_finite(rate_limits, 6, zhang2009_rates(pose, twist,
+        rates));
     zhang2009_real most = 1.0f;
     for (int i = 0; (i < 6) && (status == ZHANG2009_OK); ++i) {
         const zhang2009_real rate = fabsf(rates[i]);
@@ -1282,11 +1323,14 @@ zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[6], zhang2009_real twist[6])
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
+zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[6],
+    zhang2009_real twist[6])
 {
     static const zhang2009_real row_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
-    static const zhang2009_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.0018823203f, 0.0018823203f, 0.0018823203f };
+    static const zhang2009_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 0.0018823203f, 0.0018823203f,
+        0.0018823203f };
     static const uint8_t column[6] = { 0U, 1U, 2U, 3U, 4U, 5U };
     zhang2009_real jacobian[6 * 6];
     zhang2009_real a[6][6 + 1];

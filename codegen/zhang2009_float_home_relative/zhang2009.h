@@ -10,14 +10,15 @@
  * joints[5] leg6: mm, no limits given
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Joint values and positions are changes from home, orientations turns from home's (R = R_turn R_home), in base
- * axes. Home: 0, 0, 420, 1, 0, 0, 0.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * ZHANG2009_OK only; `info` always. config and info may be NULL, guess and pose the same object.
+ * Joint values and positions are changes from home, orientations turns from home's (R = R_turn
+ * R_home), in base axes. Home: 0, 0, 420, 1, 0, 0, 0.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with ZHANG2009_OK only; `info` always. config and info may be NULL, guess and pose the
+ * same object.
  *
- * One step of Newton's method: 171 additions, 7 divisions, 160 multiplications, 1 sqrt (rows, matrix, factors, step).
- * Predicted error of an answer: ZHANG2009_TOLERANCE and the rounding of the type, about
- * 0.000253324 mm (angles times the size) where the matrix is well conditioned.
+ * One step of Newton's method: 171 additions, 7 divisions, 160 multiplications, 1 sqrt (rows,
+ * matrix, factors, step). Predicted error of an answer: ZHANG2009_TOLERANCE and the rounding of the
+ * type, about 0.000253324 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */
 #ifndef ZHANG2009_H
@@ -37,36 +38,42 @@ typedef enum {
     ZHANG2009_MAX_ITERATIONS, /* not settled within the iterations allowed */
     ZHANG2009_SINGULAR, /* the linear system lost rank on the way */
     ZHANG2009_NONFINITE, /* NaN or infinity among the inputs */
-    ZHANG2009_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    ZHANG2009_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    ZHANG2009_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    ZHANG2009_WRONG_BRANCH
 } zhang2009_status;
 
-/* Position in mm, unit quaternion (w, x, y, z), both of the platform frame in the base frame, as changes from home. */
+/* Position in mm, unit quaternion (w, x, y, z), both of the platform frame in the base frame, as
+ * changes from home. */
 typedef struct {
     zhang2009_real position[3];
     zhang2009_real quaternion[4];
 } zhang2009_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 532000.0f (a thousand sizes), else the status is ZHANG2009_OUT_OF_RANGE, of NaN and infinity ZHANG2009_NONFINITE;
- * 0 iterations are ZHANG2009_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 532000.0f (a thousand sizes), else the status is ZHANG2009_OUT_OF_RANGE, of NaN
+ * and infinity ZHANG2009_NONFINITE; 0 iterations are ZHANG2009_MAX_ITERATIONS. NULL in place of a
+ * config means the values below. */
 typedef struct {
     zhang2009_real tolerance;
     uint8_t max_iterations;
     zhang2009_real max_step;
 } zhang2009_config;
 
-#define ZHANG2009_SIZE ((zhang2009_real)531.2592f) /* largest distance of joint points at the reference, mm */
+/* largest distance of joint points at the reference, mm */
+#define ZHANG2009_SIZE ((zhang2009_real)531.2592f)
 #define ZHANG2009_TOLERANCE ((zhang2009_real)3.1665517e-05f) /* mm */
 #define ZHANG2009_MAX_STEPS (100U)
 #define ZHANG2009_MAX_STEP ((zhang2009_real)531.2592f) /* mm */
 #define ZHANG2009_JOINTS (6)
 
-/* iterations: steps taken; residual: largest closure error of the answer (zhang2009_track: predicted error of the pose), in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, ZHANG2009_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+/* iterations: steps taken; residual: largest closure error of the answer (zhang2009_track:
+ * predicted error of the pose), in mm; step: length of the last step; min_pivot: smallest pivot of
+ * the last matrix with rows and columns scaled, 0 near a singularity; joint: the first joint, from
+ * 0, whose value is outside its range or not finite, ZHANG2009_JOINTS where it is none of them.
+ * Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     zhang2009_real residual;
@@ -75,33 +82,45 @@ typedef struct {
     uint8_t joint;
 } zhang2009_info;
 
-/* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, ZHANG2009_WRONG_BRANCH. The guess need not fit any
- * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth. */
-zhang2009_status zhang2009_direct(const zhang2009_config *config, const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *guess, zhang2009_pose *pose,
+/* The pose that the machine reaches from `guess` when its joints move in a straight line from the
+ * guess's joint values to the given ones without meeting a singularity; where that is not assured,
+ * ZHANG2009_WRONG_BRANCH. The guess need not fit any joint values that were read: an error of it
+ * moves the beginning of the line by as much. The length of its quaternion may be off by a
+ * hundredth. */
+zhang2009_status zhang2009_direct(const zhang2009_config *config,
+    const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *guess,
+    zhang2009_pose *pose,
     zhang2009_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to ZHANG2009_TRACK_LIMIT another call
- * with the same joints brings it below the tolerance; beyond it, call zhang2009_direct. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to
+ * ZHANG2009_TRACK_LIMIT another call with the same joints brings it below the tolerance; beyond it,
+ * call zhang2009_direct. */
 #define ZHANG2009_TRACK_LIMIT ((zhang2009_real)0.149f) /* mm */
-zhang2009_status zhang2009_track(const zhang2009_real joints[ZHANG2009_JOINTS], zhang2009_pose *pose, zhang2009_info *info);
+zhang2009_status zhang2009_track(const zhang2009_real joints[ZHANG2009_JOINTS],
+    zhang2009_pose *pose, zhang2009_info *info);
 
 /* Joint values of a pose. */
-zhang2009_status zhang2009_inverse(const zhang2009_pose *pose, zhang2009_real joints[ZHANG2009_JOINTS]);
+zhang2009_status zhang2009_inverse(const zhang2009_pose *pose,
+    zhang2009_real joints[ZHANG2009_JOINTS]);
 
-/* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
-zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose, zhang2009_real jacobian[ZHANG2009_JOINTS * 6]);
+/* Row-major 6 x 6: joint rates = jacobian * (velocity of the platform's origin, angular
+ * velocity). */
+zhang2009_status zhang2009_jacobian(const zhang2009_pose *pose,
+    zhang2009_real jacobian[ZHANG2009_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 5e+08 are
- * ZHANG2009_OUT_OF_RANGE. */
-zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6], zhang2009_real rates[ZHANG2009_JOINTS]);
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+ * above 5e+08 are ZHANG2009_OUT_OF_RANGE. */
+zhang2009_status zhang2009_rates(const zhang2009_pose *pose, const zhang2009_real twist[6],
+    zhang2009_real rates[ZHANG2009_JOINTS]);
 
 /* The twist of joint rates at a pose; ZHANG2009_SINGULAR where they do not decide it. */
-zhang2009_status zhang2009_twist(const zhang2009_pose *pose, const zhang2009_real rates[ZHANG2009_JOINTS], zhang2009_real twist[6]);
+zhang2009_status zhang2009_twist(const zhang2009_pose *pose,
+    const zhang2009_real rates[ZHANG2009_JOINTS], zhang2009_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in mm or radians for each unit
- * of time). */
-zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6], const zhang2009_real rate_limits[ZHANG2009_JOINTS], zhang2009_real *feed);
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more,
+ * in mm or radians for each unit of time). */
+zhang2009_status zhang2009_feed(const zhang2009_pose *pose, const zhang2009_real twist[6],
+    const zhang2009_real rate_limits[ZHANG2009_JOINTS], zhang2009_real *feed);
 #ifdef __cplusplus
 }
 #endif

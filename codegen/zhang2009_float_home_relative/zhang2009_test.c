@@ -1,4 +1,5 @@
-/* Test of zhang2009.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+/* Test of zhang2009.c against vectors from Python. Prints what failed; exit status 0 when nothing
+ * did.
  * SPDX-License-Identifier: MIT */
 #include "zhang2009.h"
 #include "zhang2009_vectors.h"
@@ -41,7 +42,8 @@ static double difference(const zhang2009_pose *a, const zhang2009_real b[7])
     }
     for (int i = 0; i < 4; ++i) {
         const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
-        largest = fmax(largest, 2.0 * (double)ZHANG2009_SIZE * fabs((double)a->quaternion[i] - other));
+        largest = fmax(largest, 2.0 * (double)ZHANG2009_SIZE * fabs((double)a->quaternion[i]
+            - other));
     }
     return (cosine == cosine) ? largest : HUGE_VAL;
 }
@@ -59,7 +61,8 @@ static int same_pose(const zhang2009_pose *a, const zhang2009_pose *b)
 }
 
 /* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static zhang2009_status refused(const zhang2009_config *config, const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *guess, const char *what)
+static zhang2009_status refused(const zhang2009_config *config,
+    const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *guess, const char *what)
 {
     const zhang2009_real marks[7] = { 1.0f, 2.0f, 4.0f, 1.0f, 2.0f, 4.0f, 1.0f };
     const zhang2009_pose untouched = pose_from(marks);
@@ -82,19 +85,23 @@ static void solve_all(void)
         zhang2009_pose pose = guess;
         zhang2009_info info;
         zhang2009_real joints[ZHANG2009_JOINTS];
-        expect(zhang2009_direct(NULL, zhang2009_vector_joints[k], &pose, &pose, &info) == ZHANG2009_OK, "direct", k);
+        expect(zhang2009_direct(NULL, zhang2009_vector_joints[k], &pose, &pose,
+            &info) == ZHANG2009_OK, "direct", k);
         expect(difference(&pose, zhang2009_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
         expect(info.joint == ZHANG2009_JOINTS, "no joint to blame", k);
         pose = guess;
-        expect(zhang2009_direct(NULL, zhang2009_vector_joints[k], &guess, &pose, NULL) == ZHANG2009_OK, "direct without info", k);
-        expect(zhang2009_track(zhang2009_vector_joints[k], &pose, &info) == ZHANG2009_OK, "track", k);
+        expect(zhang2009_direct(NULL, zhang2009_vector_joints[k], &guess, &pose,
+            NULL) == ZHANG2009_OK, "direct without info", k);
+        expect(zhang2009_track(zhang2009_vector_joints[k], &pose, &info) == ZHANG2009_OK, "track",
+            k);
         expect(difference(&pose, zhang2009_vector_poses[k]) <= bound, "track's pose", k);
         pose = pose_from(zhang2009_vector_poses[k]);
         expect(zhang2009_inverse(&pose, joints) == ZHANG2009_OK, "inverse", k);
         for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)zhang2009_vector_inverse[k][i]) <= bound, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)zhang2009_vector_inverse[k][i]) <= bound,
+                "inverse's joints", k);
         }
         if (k < ZHANG2009_VECTOR_JACOBIANS) {
             zhang2009_real jacobian[ZHANG2009_JOINTS * 6];
@@ -108,14 +115,17 @@ static void solve_all(void)
     }
 }
 
-static void refuse_configs(const zhang2009_real joints[ZHANG2009_JOINTS], const zhang2009_pose *home)
+static void refuse_configs(const zhang2009_real joints[ZHANG2009_JOINTS],
+    const zhang2009_pose *home)
 {
     const zhang2009_real wrong[4] = { 0.0f, -1.0f, (zhang2009_real)NAN, (zhang2009_real)INFINITY };
     for (int i = 0; i < 8; ++i) {
         const zhang2009_real other = wrong[i % 4];
-        const zhang2009_config config = { (i < 4) ? other : ZHANG2009_TOLERANCE, ZHANG2009_MAX_STEPS, (i < 4) ? ZHANG2009_MAX_STEP : other };
+        const zhang2009_config config = { (i < 4) ? other : ZHANG2009_TOLERANCE,
+            ZHANG2009_MAX_STEPS, (i < 4) ? ZHANG2009_MAX_STEP : other };
         const zhang2009_status wanted = (i % 4 < 2) ? ZHANG2009_OUT_OF_RANGE : ZHANG2009_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+        expect(refused(&config, joints, home, "wrong config") == wanted,
+            "status of a wrong config", i);
     }
 }
 
@@ -132,8 +142,10 @@ static void refuse_all(void)
     for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
         joints[i] = zhang2009_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == ZHANG2009_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
-    expect(refused(&none, joints, &home, "no step is not enough") == ZHANG2009_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    expect(refused(&one_step, joints, &home, "one step is not enough") == ZHANG2009_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 0);
+    expect(refused(&none, joints, &home, "no step is not enough") == ZHANG2009_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 1);
     refuse_configs(joints, &home);
     joints[ZHANG2009_JOINTS - 1] = (zhang2009_real)NAN;
     (void)zhang2009_direct(NULL, joints, &home, &pose, &info);
@@ -150,14 +162,18 @@ static void refuse_all(void)
     joints[0] = (zhang2009_real)INFINITY;
     expect(refused(NULL, joints, &home, "infinite joint") == ZHANG2009_NONFINITE, "NONFINITE", 1);
     joints[0] = -5.312592e+06f;
-    expect(refused(NULL, joints, &home, "joint out of range") == ZHANG2009_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    expect(refused(NULL, joints, &home, "joint out of range") == ZHANG2009_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 0);
     joints[0] = 5.312592e+06f;
     (void)refused(NULL, joints, &home, "joint beyond reach");
     joints[0] = zhang2009_vector_joints[0][0];
     wrong.quaternion[0] = 2.0f;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == ZHANG2009_OUT_OF_RANGE, "OUT_OF_RANGE", 1);
-    expect(zhang2009_inverse(&wrong, joints) == ZHANG2009_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
-    expect(zhang2009_jacobian(&wrong, jacobian) == ZHANG2009_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
+    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == ZHANG2009_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 1);
+    expect(zhang2009_inverse(&wrong, joints) == ZHANG2009_OUT_OF_RANGE, "OUT_OF_RANGE of inverse",
+        0);
+    expect(zhang2009_jacobian(&wrong, jacobian) == ZHANG2009_OUT_OF_RANGE,
+        "OUT_OF_RANGE of jacobian", 0);
     wrong = home;
     wrong.position[1] = (zhang2009_real)NAN;
     expect(refused(NULL, joints, &wrong, "NaN guess") == ZHANG2009_NONFINITE, "NONFINITE", 2);
@@ -166,7 +182,8 @@ static void refuse_all(void)
     wrong = pose_from(zhang2009_vector_far);
     pose = wrong;
 #if ZHANG2009_VECTOR_FAR > 0
-    expect(zhang2009_track(joints, &wrong, &info) == ZHANG2009_WRONG_BRANCH, "WRONG_BRANCH of a long step", 0);
+    expect(zhang2009_track(joints, &wrong, &info) == ZHANG2009_WRONG_BRANCH,
+        "WRONG_BRANCH of a long step", 0);
     expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
 #else
     (void)zhang2009_track(joints, &pose, &info);
@@ -174,12 +191,14 @@ static void refuse_all(void)
 #if ZHANG2009_VECTOR_SINGULAR > 0
     for (int k = 0; k < ZHANG2009_VECTOR_SINGULAR; ++k) {
         wrong = pose_from(zhang2009_vector_singular[k]);
-        expect(refused(NULL, joints, &wrong, "singular start") == ZHANG2009_SINGULAR, "SINGULAR", k);
+        expect(refused(NULL, joints, &wrong, "singular start") == ZHANG2009_SINGULAR, "SINGULAR",
+            k);
     }
 #endif
 }
 
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
+ * own. */
 static void speeds_of(const zhang2009_pose *pose, int k)
 {
     zhang2009_real rates[ZHANG2009_JOINTS];
@@ -205,17 +224,21 @@ static void speeds_of(const zhang2009_pose *pose, int k)
     for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
         limits[i] = 4.0f;
     }
-    expect((zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OK) && (feed == 1.0f), "no need for a feed", k);
+    expect((zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OK)
+        && (feed == 1.0f), "no need for a feed", k);
     limits[0] = -1.0f;
-    expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OUT_OF_RANGE, "a limit below 0", k);
+    expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_OUT_OF_RANGE, "a limit below 0",
+        k);
     limits[0] = (zhang2009_real)NAN;
-    expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_NONFINITE, "a limit that is not a number", k);
+    expect(zhang2009_feed(pose, twist, limits, &feed) == ZHANG2009_NONFINITE,
+        "a limit that is not a number", k);
     twist[5] = (zhang2009_real)INFINITY;
     expect(zhang2009_rates(pose, twist, again) == ZHANG2009_NONFINITE, "infinite twist", k);
     rates[0] = (zhang2009_real)NAN;
     expect(zhang2009_twist(pose, rates, twist) == ZHANG2009_NONFINITE, "NaN among rates", k);
     rates[0] = (zhang2009_real)1e30;
-    expect(zhang2009_twist(pose, rates, twist) == ZHANG2009_OUT_OF_RANGE, "rates beyond all bounds", k);
+    expect(zhang2009_twist(pose, rates, twist) == ZHANG2009_OUT_OF_RANGE,
+        "rates beyond all bounds", k);
 }
 
 int main(void)

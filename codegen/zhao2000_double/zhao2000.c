@@ -15,8 +15,10 @@
 #define ZHAO2000_SHARED
 #endif
 
-/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else `otherwise`. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real values[], int count, zhao2000_status otherwise)
+/* The status of refused input: NONFINITE where one of the values is NaN or infinite, else
+ * `otherwise`. */
+static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real values[], int count,
+    zhao2000_status otherwise)
 {
     zhao2000_status status = otherwise;
     for (int i = 0; i < count; ++i) {
@@ -28,14 +30,17 @@ static ZHAO2000_COLD zhao2000_status zhao2000_check_finite(const zhao2000_real v
     return status;
 }
 
-/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
- * and positions so far away that squares could overflow. */
+/* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
+ * more than 1e-2 are refused, and positions so far away that squares could overflow. */
 static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao2000_real x[7])
 {
     const zhao2000_real *const q = pose->quaternion;
-    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0) && (fabs(q[3]) <= 2.0)
-        && (fabs(pose->position[0]) <= 240000.0) && (fabs(pose->position[1]) <= 240000.0) && (fabs(pose->position[2]) <= 240000.0);
-    const zhao2000_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]) : 0.0;
+    const bool bounded = (fabs(q[0]) <= 2.0) && (fabs(q[1]) <= 2.0) && (fabs(q[2]) <= 2.0)
+        && (fabs(q[3]) <= 2.0)
+        && (fabs(pose->position[0]) <= 240000.0) && (fabs(pose->position[1]) <= 240000.0)
+            && (fabs(pose->position[2]) <= 240000.0);
+    const zhao2000_real squared = bounded ? (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]
+        + q[3] * q[3]) : 0.0;
     zhao2000_status status = ZHAO2000_OK;
     x[0] = pose->position[0];
     x[1] = pose->position[1];
@@ -54,9 +59,10 @@ static zhao2000_status zhao2000_normalise_pose(const zhao2000_pose *pose, zhao20
     return status;
 }
 
-/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest pivot from the spread of
- * the pivots. Never a NaN. */
-static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int count, zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
+/* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
+ * pivot from the spread of the pivots. Never a NaN. */
+static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int count,
+    zhao2000_real residual, zhao2000_real size, zhao2000_real spread)
 {
     if (info != NULL) {
         info->iterations = (uint8_t)count;
@@ -68,13 +74,16 @@ static ZHAO2000_COLD void zhao2000_write_info(zhao2000_info *info, unsigned int 
 }
 
 /* Checks a config; `before` is the status of the other inputs. NaN and infinities come first. */
-static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config *config, zhao2000_status before)
+static ZHAO2000_COLD zhao2000_status zhao2000_check_config(const zhao2000_config *config,
+    zhao2000_status before)
 {
     const zhao2000_real tolerance = config->tolerance;
     const zhao2000_real longest = config->max_step;
     zhao2000_status status = before;
-    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 240000.0 - longest)) && (before != ZHAO2000_NONFINITE)) {
-        const zhao2000_real none = (tolerance - tolerance) + (longest - longest); /* 0, but NaN for NaN and infinities */
+    if (!((tolerance > 0.0) && (longest > 0.0) && (tolerance <= 240000.0 - longest))
+        && (before != ZHAO2000_NONFINITE)) {
+        /* 0, but NaN for NaN and infinities */
+        const zhao2000_real none = (tolerance - tolerance) + (longest - longest);
         status = (none <= 0.0) ? ZHAO2000_OUT_OF_RANGE : ZHAO2000_NONFINITE;
     }
     return status;
@@ -108,11 +117,14 @@ static zhao2000_status zhao2000_pose_coordinates(const zhao2000_pose *pose, zhao
     return status;
 }
 
-/* The first joint, from 0, whose value is outside its range or not finite; the number of joints where none is. */
+/* The first joint, from 0, whose value is outside its range or not finite; the number of joints
+ * where none is. */
 static ZHAO2000_SHARED uint8_t zhao2000_first_beyond(const zhao2000_real joints[4])
 {
-    static const zhao2000_real low[4] = { -1000.000000001, -1000.000000001, -1000.000000001, 0.00023975999999999997 };
-    static const zhao2000_real high[4] = { 1000.000000001, 1000.000000001, 1000.000000001, 240000.00000024 };
+    static const zhao2000_real low[4] = { -1000.000000001, -1000.000000001, -1000.000000001,
+        0.00023975999999999997 };
+    static const zhao2000_real high[4] = { 1000.000000001, 1000.000000001, 1000.000000001,
+        240000.00000024 };
     uint8_t joint = 0U;
     while ((joint < 4U) && ((joints[joint] >= low[joint]) && (joints[joint] <= high[joint]))) {
         ++joint;
@@ -133,7 +145,8 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -148,7 +161,7 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t9 = t2 * t3;
     const zhao2000_real t10 = -t9;
     const zhao2000_real t11 = t10 + t10;
-    const zhao2000_real t12 = -69.28203230275508 + t11;
+    const zhao2000_real t12 = t11 - 69.28203230275508;
     const zhao2000_real t13 = c[1] + t12;
     const zhao2000_real t14 = t13 + 138.56406460551017;
     const zhao2000_real t15 = t14 * t14;
@@ -178,7 +191,8 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -193,7 +207,7 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t9 = t2 * t3;
     const zhao2000_real t10 = -t9;
     const zhao2000_real t11 = t10 + t10;
-    const zhao2000_real t12 = -69.28203230275508 + t11;
+    const zhao2000_real t12 = t11 - 69.28203230275508;
     const zhao2000_real t13 = c[1] + t12;
     const zhao2000_real t14 = t13 + 138.56406460551017;
     const zhao2000_real t15 = t14 * t14;
@@ -281,7 +295,8 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -294,17 +309,17 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = 60.0 + t9;
+    const zhao2000_real t10 = t9 + 60.0;
     const zhao2000_real t11 = c[0] + t10;
-    const zhao2000_real t12 = t11 + (-120.0);
+    const zhao2000_real t12 = t11 - 120.0;
     const zhao2000_real t13 = t12 * t12;
     const zhao2000_real t14 = t1 * t5;
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
@@ -333,7 +348,8 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -346,17 +362,17 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = 60.0 + t9;
+    const zhao2000_real t10 = t9 + 60.0;
     const zhao2000_real t11 = c[0] + t10;
-    const zhao2000_real t12 = t11 + (-120.0);
+    const zhao2000_real t12 = t11 - 120.0;
     const zhao2000_real t13 = t12 * t12;
     const zhao2000_real t14 = t1 * t5;
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
@@ -460,7 +476,8 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the reference's branch. */
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
 static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_real x[3])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -473,7 +490,7 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = -60.0 + t9;
+    const zhao2000_real t10 = t9 - 60.0;
     const zhao2000_real t11 = c[0] + t10;
     const zhao2000_real t12 = t11 + 120.0;
     const zhao2000_real t13 = t12 * t12;
@@ -481,9 +498,9 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
@@ -510,7 +527,8 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     return status;
 }
 
-/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a dead centre. */
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
 static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
     const zhao2000_real t0 = 0.5 * c[3];
@@ -523,7 +541,7 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t7 = t4 + t6;
     const zhao2000_real t8 = -t7;
     const zhao2000_real t9 = t8 + t8;
-    const zhao2000_real t10 = -60.0 + t9;
+    const zhao2000_real t10 = t9 - 60.0;
     const zhao2000_real t11 = c[0] + t10;
     const zhao2000_real t12 = t11 + 120.0;
     const zhao2000_real t13 = t12 * t12;
@@ -531,9 +549,9 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t15 = t2 * t3;
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = t16 + t16;
-    const zhao2000_real t18 = 34.64101615137754 + t17;
+    const zhao2000_real t18 = t17 + 34.64101615137754;
     const zhao2000_real t19 = c[1] + t18;
-    const zhao2000_real t20 = t19 + (-69.28203230275508);
+    const zhao2000_real t20 = t19 - 69.28203230275508;
     const zhao2000_real t21 = t20 * t20;
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
@@ -637,8 +655,10 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the reference configuration. */
-static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4], zhao2000_real passive[6])
+/* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
+ * reference configuration. */
+static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4],
+    zhao2000_real passive[6])
 {
     zhao2000_status status = ZHAO2000_OK;
     (void)passive;
@@ -677,8 +697,10 @@ static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_r
     return status;
 }
 
-/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from `at` is meant. */
-static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4], zhao2000_real given[4])
+/* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
+ * `at` is meant. */
+static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_real joints[4],
+    zhao2000_real given[4])
 {
     static const bool turns[4] = { true, true, true, false };
     for (int i = 0; i < 4; ++i) {
@@ -692,8 +714,8 @@ static void zhao2000_unwrap_joints(const zhao2000_real at[4], const zhao2000_rea
     }
 }
 
-/* Writes the info of a call that takes no step: no number is known but which joint is the first that is outside its range or not
- * finite. */
+/* Writes the info of a call that takes no step: no number is known but which joint is the first
+ * that is outside its range or not finite. */
 static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao2000_real joints[4])
 {
     zhao2000_write_info(info, 0U, HUGE_VAL, 0.0, 0.0);
@@ -702,9 +724,10 @@ static ZHAO2000_COLD void zhao2000_write_no_step(zhao2000_info *info, const zhao
     }
 }
 
-/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
- * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: largest square of a usual root over a root's. */
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
 typedef struct {
     zhao2000_real at[7];
     zhao2000_real u[7];
@@ -713,6 +736,7 @@ typedef struct {
     zhao2000_real guard[4];
     zhao2000_real y[11];
     zhao2000_real share;
+    zhao2000_real over;
     unsigned int reach;
 } zhao2000_direct_work;
 
@@ -727,149 +751,168 @@ static zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao20
         const zhao2000_real t2 = t1 + x[0];
         const zhao2000_real t3 = t2 * t2;
         const zhao2000_real t4 = x[6] * t0;
-        const zhao2000_real t5 = 69.28203230275508 + t4;
+        const zhao2000_real t5 = t4 + 69.28203230275508;
         const zhao2000_real t6 = t5 + x[1];
         const zhao2000_real t7 = t6 * t6;
         const zhao2000_real t8 = t3 + t7;
         const zhao2000_real d1 = t8;
         const zhao2000_real r1 = (d1 > 6.56e-26) ? sqrt(d1) : 1.0;
-        const zhao2000_real t11 = -60.0 + x[0];
+        const zhao2000_real t11 = x[0] - 60.0;
         const zhao2000_real t12 = -120.0 * x[6];
         const zhao2000_real t13 = 69.28203230275508 * x[3];
         const zhao2000_real t14 = t12 - t13;
         const zhao2000_real t15 = x[6] * t14;
         const zhao2000_real t16 = t11 + t15;
         const zhao2000_real t17 = t16 * t16;
-        const zhao2000_real t18 = -34.64101615137754 + x[1];
-        const zhao2000_real t19 = -69.28203230275508 * x[6];
-        const zhao2000_real t20 = 120.0 * x[3];
-        const zhao2000_real t21 = t19 + t20;
-        const zhao2000_real t22 = x[6] * t21;
-        const zhao2000_real t23 = t18 + t22;
-        const zhao2000_real t24 = t23 * t23;
-        const zhao2000_real t25 = t17 + t24;
-        const zhao2000_real d2 = t25;
+        const zhao2000_real t18 = 60.0 * x[6];
+        const zhao2000_real t19 = x[3] * t18;
+        const zhao2000_real t20 = 34.64101615137754 * x[6];
+        const zhao2000_real t21 = x[6] * t20;
+        const zhao2000_real t22 = t19 - t21;
+        const zhao2000_real t23 = t22 + t22;
+        const zhao2000_real t24 = t23 + 34.64101615137754;
+        const zhao2000_real t25 = x[1] + t24;
+        const zhao2000_real t26 = t25 - 69.28203230275508;
+        const zhao2000_real t27 = t26 * t26;
+        const zhao2000_real t28 = t17 + t27;
+        const zhao2000_real d2 = t28;
         const zhao2000_real r2 = (d2 > 5.98e-26) ? sqrt(d2) : 1.0;
-        const zhao2000_real t28 = 60.0 + x[0];
-        const zhao2000_real t29 = 120.0 * x[6];
-        const zhao2000_real t30 = t29 - t13;
-        const zhao2000_real t31 = x[6] * t30;
-        const zhao2000_real t32 = t28 + t31;
-        const zhao2000_real t33 = t32 * t32;
-        const zhao2000_real t34 = t19 - t20;
-        const zhao2000_real t35 = x[6] * t34;
-        const zhao2000_real t36 = t18 + t35;
-        const zhao2000_real t37 = t36 * t36;
-        const zhao2000_real t38 = t33 + t37;
-        const zhao2000_real d3 = t38;
+        const zhao2000_real t31 = x[0] + 60.0;
+        const zhao2000_real t32 = 120.0 * x[6];
+        const zhao2000_real t33 = t32 - t13;
+        const zhao2000_real t34 = x[6] * t33;
+        const zhao2000_real t35 = t31 + t34;
+        const zhao2000_real t36 = t35 * t35;
+        const zhao2000_real t37 = -60.0 * x[6];
+        const zhao2000_real t38 = x[3] * t37;
+        const zhao2000_real t39 = t38 - t21;
+        const zhao2000_real t40 = t39 + t39;
+        const zhao2000_real t41 = t40 + 34.64101615137754;
+        const zhao2000_real t42 = x[1] + t41;
+        const zhao2000_real t43 = t42 - 69.28203230275508;
+        const zhao2000_real t44 = t43 * t43;
+        const zhao2000_real t45 = t36 + t44;
+        const zhao2000_real d3 = t45;
         const zhao2000_real r3 = (d3 > 6.39e-26) ? sqrt(d3) : 1.0;
-        const zhao2000_real t41 = r1 * t2;
-        const zhao2000_real t42 = r1 * r1;
-        const zhao2000_real t43 = 1.0 / t42;
-        const zhao2000_real t44 = t41 * t43;
-        const zhao2000_real t45 = r1 * t6;
-        const zhao2000_real t46 = t45 * t43;
-        const zhao2000_real t47 = r2 * t16;
-        const zhao2000_real t48 = r2 * r2;
-        const zhao2000_real t49 = 1.0 / t48;
-        const zhao2000_real t50 = t47 * t49;
-        const zhao2000_real t51 = r2 * t23;
-        const zhao2000_real t52 = t51 * t49;
-        const zhao2000_real t53 = r3 * t32;
-        const zhao2000_real t54 = r3 * r3;
-        const zhao2000_real t55 = 1.0 / t54;
-        const zhao2000_real t56 = t53 * t55;
-        const zhao2000_real t57 = r3 * t36;
-        const zhao2000_real t58 = t57 * t55;
-        const zhao2000_real t59 = x[2] * x[2];
-        const zhao2000_real t60 = x[1] * x[1];
-        const zhao2000_real t61 = t59 + t60;
-        const zhao2000_real t62 = x[0] * x[0];
-        const zhao2000_real t63 = t61 + t62;
-        const zhao2000_real t64 = sqrt(t63);
-        w->at[0] = t44;
-        w->at[1] = t46;
-        w->at[2] = t50;
-        w->at[3] = t52;
-        w->at[4] = t56;
-        w->at[5] = t58;
-        w->at[6] = t64;
-        const zhao2000_real t72 = 60.0 * t56;
-        const zhao2000_real t73 = t52 * t72;
-        const zhao2000_real t74 = 60.0 * t58;
-        const zhao2000_real t75 = t50 * t74;
-        const zhao2000_real t76 = t73 + t75;
-        const zhao2000_real t77 = t46 * t76;
-        const zhao2000_real t78 = 103.92304845413261 * t58;
-        const zhao2000_real t79 = t50 * t78;
-        const zhao2000_real t80 = -120.0 * t58;
-        const zhao2000_real t81 = 103.92304845413261 * t56;
-        const zhao2000_real t82 = t80 - t81;
-        const zhao2000_real t83 = t52 * t82;
-        const zhao2000_real t84 = t79 + t83;
-        const zhao2000_real t85 = t44 * t84;
-        const zhao2000_real t86 = t77 + t85;
-        const zhao2000_real t87 = x[6] + x[6];
-        const zhao2000_real t88 = x[3] * t87;
-        const zhao2000_real t89 = t86 * t88;
-        const zhao2000_real t90 = -60.0 * t56;
-        const zhao2000_real t91 = t52 * t90;
-        const zhao2000_real t92 = -60.0 * t58;
-        const zhao2000_real t93 = t50 * t92;
-        const zhao2000_real t94 = t91 + t93;
-        const zhao2000_real t95 = t44 * t94;
-        const zhao2000_real t96 = t52 * t81;
-        const zhao2000_real t97 = -103.92304845413261 * t58;
-        const zhao2000_real t98 = 120.0 * t56;
-        const zhao2000_real t99 = t97 + t98;
-        const zhao2000_real t100 = t50 * t99;
-        const zhao2000_real t101 = t96 + t100;
-        const zhao2000_real t102 = t46 * t101;
-        const zhao2000_real t103 = t95 + t102;
-        const zhao2000_real t104 = x[3] * x[3];
-        const zhao2000_real t105 = x[6] * x[6];
-        const zhao2000_real t106 = t104 - t105;
-        const zhao2000_real t107 = t103 * t106;
-        const zhao2000_real t108 = t89 + t107;
-        const zhao2000_real t109 = -t108;
-        w->sign[0] = (t109 < 0.0) ? -1.0 : 1.0;
-        w->sign[1] = (x[2] < 0.0) ? -1.0 : 1.0;
-        const zhao2000_real t112 = t108 * t108;
-        w->left[0] = t112;
-        const zhao2000_real t114 = t86 * t86;
-        const zhao2000_real t115 = t103 * t103;
-        const zhao2000_real t116 = t114 + t115;
-        const zhao2000_real t117 = t116 * t116;
-        const zhao2000_real t118 = x[2] * t117;
-        const zhao2000_real t119 = x[2] * t118;
-        w->left[1] = t119;
-        w->left[2] = t116;
-        const zhao2000_real t122 = t58 * t58;
-        const zhao2000_real t123 = t52 * t52;
-        const zhao2000_real t124 = t122 + t123;
-        const zhao2000_real t125 = t46 * t46;
-        const zhao2000_real t126 = t124 + t125;
-        const zhao2000_real t127 = t56 * t56;
-        const zhao2000_real t128 = t50 * t50;
-        const zhao2000_real t129 = t127 + t128;
-        const zhao2000_real t130 = t44 * t44;
-        const zhao2000_real t131 = t129 + t130;
-        const zhao2000_real t132 = t126 * t131;
-        const zhao2000_real t133 = t56 * t58;
-        const zhao2000_real t134 = t50 * t52;
-        const zhao2000_real t135 = t133 + t134;
-        const zhao2000_real t136 = t44 * t46;
-        const zhao2000_real t137 = t135 + t136;
-        const zhao2000_real t138 = t137 * t137;
-        const zhao2000_real t139 = t132 - t138;
-        w->left[3] = t139;
-        const zhao2000_real t141 = 480.0 * x[4];
-        const zhao2000_real t142 = 480.0 * x[5];
-        if (!((d1 > 6.56e-26) && (d2 > 5.98e-26) && (d3 > 6.39e-26) && (fabs(t141) <= 0.00023999999999999998) && (fabs(t142) <= 0.00023999999999999998))) {
+        const zhao2000_real t48 = 480.0 * x[4];
+        const zhao2000_real t49 = 480.0 * x[5];
+        if (!((d1 > 6.56e-26) && (d2 > 5.98e-26) && (d3 > 6.39e-26)
+            && (fabs(t48) <= 0.00023999999999999998) && (fabs(t49) <= 0.00023999999999999998))) {
             status = ZHAO2000_OUT_OF_RANGE;
-        }
-        if ((status == ZHAO2000_OK) && !((w->left[0] > 6.91e-10) && (w->left[1] > 2.7) && (w->left[2] > 2.3e-10) && (w->left[3] > 2.13e-14))) {
-            status = ZHAO2000_SINGULAR;
+        } else {
+            const zhao2000_real t50 = r1 * t2;
+            const zhao2000_real t51 = r1 * r1;
+            const zhao2000_real t52 = 1.0 / t51;
+            const zhao2000_real t53 = t50 * t52;
+            const zhao2000_real t54 = r1 * t6;
+            const zhao2000_real t55 = t54 * t52;
+            const zhao2000_real t56 = r2 * t16;
+            const zhao2000_real t57 = r2 * r2;
+            const zhao2000_real t58 = 1.0 / t57;
+            const zhao2000_real t59 = t56 * t58;
+            const zhao2000_real t60 = r2 * t26;
+            const zhao2000_real t61 = t60 * t58;
+            const zhao2000_real t62 = r3 * t35;
+            const zhao2000_real t63 = r3 * r3;
+            const zhao2000_real t64 = 1.0 / t63;
+            const zhao2000_real t65 = t62 * t64;
+            const zhao2000_real t66 = r3 * t43;
+            const zhao2000_real t67 = t66 * t64;
+            const zhao2000_real t68 = x[2] * x[2];
+            const zhao2000_real t69 = x[1] * x[1];
+            const zhao2000_real t70 = t68 + t69;
+            const zhao2000_real t71 = x[0] * x[0];
+            const zhao2000_real t72 = t70 + t71;
+            const zhao2000_real t73 = sqrt(t72);
+            w->at[0] = t53;
+            w->at[1] = t55;
+            w->at[2] = t59;
+            w->at[3] = t61;
+            w->at[4] = t65;
+            w->at[5] = t67;
+            w->at[6] = t73;
+            const zhao2000_real t81 = t55 * t59;
+            const zhao2000_real t82 = t53 * t61;
+            const zhao2000_real t83 = t81 - t82;
+            const zhao2000_real t84 = 60.0 * t67;
+            const zhao2000_real t85 = 34.641016151377535 * t65;
+            const zhao2000_real t86 = t84 + t85;
+            const zhao2000_real t87 = t83 * t86;
+            const zhao2000_real t88 = t59 * t67;
+            const zhao2000_real t89 = t61 * t65;
+            const zhao2000_real t90 = t88 - t89;
+            const zhao2000_real t91 = -69.28203230275508 * t53;
+            const zhao2000_real t92 = t90 * t91;
+            const zhao2000_real t93 = t55 * t65;
+            const zhao2000_real t94 = t53 * t67;
+            const zhao2000_real t95 = t93 - t94;
+            const zhao2000_real t96 = -60.0 * t61;
+            const zhao2000_real t97 = 34.64101615137754 * t59;
+            const zhao2000_real t98 = t96 + t97;
+            const zhao2000_real t99 = t95 * t98;
+            const zhao2000_real t100 = t92 + t99;
+            const zhao2000_real t101 = t87 - t100;
+            const zhao2000_real t102 = 34.64101615137754 * t61;
+            const zhao2000_real t103 = 60.0 * t59;
+            const zhao2000_real t104 = t102 + t103;
+            const zhao2000_real t105 = t95 * t104;
+            const zhao2000_real t106 = 69.28203230275508 * t55;
+            const zhao2000_real t107 = t90 * t106;
+            const zhao2000_real t108 = t105 - t107;
+            const zhao2000_real t109 = 34.641016151377535 * t67;
+            const zhao2000_real t110 = 60.0 * t65;
+            const zhao2000_real t111 = t109 - t110;
+            const zhao2000_real t112 = t83 * t111;
+            const zhao2000_real t113 = t108 - t112;
+            const zhao2000_real t114 = t101 * t101;
+            const zhao2000_real t115 = t113 * t113;
+            const zhao2000_real t116 = t114 + t115;
+            w->left[2] = t116;
+            const zhao2000_real t118 = t61 * t61;
+            const zhao2000_real t119 = t55 * t55;
+            const zhao2000_real t120 = t118 + t119;
+            const zhao2000_real t121 = t67 * t67;
+            const zhao2000_real t122 = t120 + t121;
+            const zhao2000_real t123 = t59 * t59;
+            const zhao2000_real t124 = t53 * t53;
+            const zhao2000_real t125 = t123 + t124;
+            const zhao2000_real t126 = t65 * t65;
+            const zhao2000_real t127 = t125 + t126;
+            const zhao2000_real t128 = t122 * t127;
+            const zhao2000_real t129 = t59 * t61;
+            const zhao2000_real t130 = t53 * t55;
+            const zhao2000_real t131 = t129 + t130;
+            const zhao2000_real t132 = t67 * t65;
+            const zhao2000_real t133 = t131 + t132;
+            const zhao2000_real t134 = t65 * t67;
+            const zhao2000_real t135 = t131 + t134;
+            const zhao2000_real t136 = t133 * t135;
+            const zhao2000_real t137 = t128 - t136;
+            w->left[3] = t137;
+            if (!((w->left[2] > 2.3e-10) && (w->left[3] > 2.13e-14))) {
+                status = ZHAO2000_SINGULAR;
+            } else {
+                const zhao2000_real t139 = x[6] + x[6];
+                const zhao2000_real t140 = x[3] * t139;
+                const zhao2000_real t141 = t101 * t140;
+                const zhao2000_real t142 = x[3] * x[3];
+                const zhao2000_real t143 = x[6] * x[6];
+                const zhao2000_real t144 = t142 - t143;
+                const zhao2000_real t145 = t113 * t144;
+                const zhao2000_real t146 = t141 + t145;
+                const zhao2000_real t147 = -t146;
+                w->sign[0] = (t147 < 0.0) ? -1.0 : 1.0;
+                w->sign[1] = (x[2] < 0.0) ? -1.0 : 1.0;
+                const zhao2000_real t150 = t146 * t146;
+                w->left[0] = t150;
+                const zhao2000_real t152 = t116 * t116;
+                const zhao2000_real t153 = x[2] * t152;
+                const zhao2000_real t154 = x[2] * t153;
+                w->left[1] = t154;
+                if (!((w->left[0] > 6.91e-10) && (w->left[1] > 2.7))) {
+                    status = ZHAO2000_SINGULAR;
+                }
+            }
         }
     }
     return status;
@@ -878,181 +921,185 @@ static zhao2000_status zhao2000_read_guess(zhao2000_direct_work *w, const zhao20
 /* The formulas (README.md) at w->u: unknowns and guards. */
 static void zhao2000_direct_formulas(zhao2000_direct_work *w)
 {
-    const zhao2000_real t0 = 60.0 * w->u[4];
-    const zhao2000_real t1 = w->u[3] * t0;
-    const zhao2000_real t2 = 60.0 * w->u[5];
-    const zhao2000_real t3 = w->u[2] * t2;
-    const zhao2000_real t4 = t1 + t3;
-    const zhao2000_real t5 = w->u[1] * t4;
-    const zhao2000_real t6 = 103.92304845413261 * w->u[5];
-    const zhao2000_real t7 = w->u[2] * t6;
-    const zhao2000_real t8 = -120.0 * w->u[5];
-    const zhao2000_real t9 = 103.92304845413261 * w->u[4];
-    const zhao2000_real t10 = t8 - t9;
-    const zhao2000_real t11 = w->u[3] * t10;
-    const zhao2000_real t12 = t7 + t11;
-    const zhao2000_real t13 = w->u[0] * t12;
-    const zhao2000_real t14 = t5 + t13;
-    const zhao2000_real t15 = t14 * t14;
-    const zhao2000_real t16 = -60.0 * w->u[4];
-    const zhao2000_real t17 = w->u[3] * t16;
-    const zhao2000_real t18 = -60.0 * w->u[5];
-    const zhao2000_real t19 = w->u[2] * t18;
-    const zhao2000_real t20 = t17 + t19;
-    const zhao2000_real t21 = w->u[0] * t20;
-    const zhao2000_real t22 = w->u[3] * t9;
-    const zhao2000_real t23 = -103.92304845413261 * w->u[5];
-    const zhao2000_real t24 = 120.0 * w->u[4];
-    const zhao2000_real t25 = t23 + t24;
-    const zhao2000_real t26 = w->u[2] * t25;
-    const zhao2000_real t27 = t22 + t26;
-    const zhao2000_real t28 = w->u[1] * t27;
-    const zhao2000_real t29 = t21 + t28;
-    const zhao2000_real t30 = t29 * t29;
-    const zhao2000_real t31 = t15 + t30;
-    const zhao2000_real t32 = -120.0 * w->u[4];
-    const zhao2000_real t33 = w->u[3] * t32;
-    const zhao2000_real t34 = w->u[2] * t8;
-    const zhao2000_real t35 = t33 + t34;
-    const zhao2000_real t36 = w->u[1] * t35;
-    const zhao2000_real t37 = -207.84609690826522 * w->u[5];
-    const zhao2000_real t38 = w->u[2] * t37;
-    const zhao2000_real t39 = 240.0 * w->u[5];
-    const zhao2000_real t40 = 207.84609690826522 * w->u[4];
+    const zhao2000_real t0 = w->u[1] * w->u[2];
+    const zhao2000_real t1 = w->u[0] * w->u[3];
+    const zhao2000_real t2 = t0 - t1;
+    const zhao2000_real t3 = 60.0 * w->u[5];
+    const zhao2000_real t4 = 34.641016151377535 * w->u[4];
+    const zhao2000_real t5 = t3 + t4;
+    const zhao2000_real t6 = t2 * t5;
+    const zhao2000_real t7 = w->u[2] * w->u[5];
+    const zhao2000_real t8 = w->u[3] * w->u[4];
+    const zhao2000_real t9 = t7 - t8;
+    const zhao2000_real t10 = -69.28203230275508 * w->u[0];
+    const zhao2000_real t11 = t9 * t10;
+    const zhao2000_real t12 = w->u[1] * w->u[4];
+    const zhao2000_real t13 = w->u[0] * w->u[5];
+    const zhao2000_real t14 = t12 - t13;
+    const zhao2000_real t15 = -60.0 * w->u[3];
+    const zhao2000_real t16 = 34.64101615137754 * w->u[2];
+    const zhao2000_real t17 = t15 + t16;
+    const zhao2000_real t18 = t14 * t17;
+    const zhao2000_real t19 = t11 + t18;
+    const zhao2000_real t20 = t6 - t19;
+    const zhao2000_real t21 = t20 * t20;
+    const zhao2000_real t22 = 34.64101615137754 * w->u[3];
+    const zhao2000_real t23 = 60.0 * w->u[2];
+    const zhao2000_real t24 = t22 + t23;
+    const zhao2000_real t25 = t14 * t24;
+    const zhao2000_real t26 = 69.28203230275508 * w->u[1];
+    const zhao2000_real t27 = t9 * t26;
+    const zhao2000_real t28 = t25 - t27;
+    const zhao2000_real t29 = 34.641016151377535 * w->u[5];
+    const zhao2000_real t30 = 60.0 * w->u[4];
+    const zhao2000_real t31 = t29 - t30;
+    const zhao2000_real t32 = t2 * t31;
+    const zhao2000_real t33 = t28 - t32;
+    const zhao2000_real t34 = t33 * t33;
+    const zhao2000_real t35 = t21 + t34;
+    w->guard[2] = t35;
+    const zhao2000_real t37 = w->u[1] * w->u[1];
+    const zhao2000_real t38 = w->u[3] * w->u[3];
+    const zhao2000_real t39 = t37 + t38;
+    const zhao2000_real t40 = w->u[5] * w->u[5];
     const zhao2000_real t41 = t39 + t40;
-    const zhao2000_real t42 = w->u[3] * t41;
-    const zhao2000_real t43 = t38 + t42;
-    const zhao2000_real t44 = w->u[0] * t43;
-    const zhao2000_real t45 = t36 + t44;
-    const zhao2000_real t46 = t45 * t45;
-    const zhao2000_real t47 = t31 - t46;
-    const zhao2000_real d1 = t47; /* above 0 where pose.gamma has two values */
-    const zhao2000_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
-    const zhao2000_real t50 = w->u[6] * w->u[6];
-    const zhao2000_real t51 = w->u[1] * w->u[1];
-    const zhao2000_real t52 = w->u[3] * w->u[3];
-    const zhao2000_real t53 = t51 + t52;
-    const zhao2000_real t54 = w->u[5] * w->u[5];
-    const zhao2000_real t55 = t53 + t54;
-    const zhao2000_real t56 = t29 * t45;
-    const zhao2000_real t57 = t14 * r1;
-    const zhao2000_real t58 = t56 - t57;
-    const zhao2000_real t59 = 1.0 / t31;
-    const zhao2000_real t60 = t58 * t59;
-    const zhao2000_real t61 = 34.64101615137754 * t60;
-    const zhao2000_real t62 = 120.0 + t61;
-    const zhao2000_real t63 = t14 * t45;
-    const zhao2000_real t64 = t29 * r1;
-    const zhao2000_real t65 = t63 + t64;
-    const zhao2000_real t66 = t65 * t59;
-    const zhao2000_real t67 = 60.0 * t66;
-    const zhao2000_real t68 = t62 + t67;
-    const zhao2000_real t69 = w->u[3] * t68;
-    const zhao2000_real t70 = 60.0 * t60;
-    const zhao2000_real t71 = -69.28203230275508 + t70;
-    const zhao2000_real t72 = 34.64101615137754 * t66;
-    const zhao2000_real t73 = t71 - t72;
-    const zhao2000_real t74 = w->u[2] * t73;
-    const zhao2000_real t75 = t69 + t74;
-    const zhao2000_real t76 = w->u[2] * t75;
-    const zhao2000_real t77 = 69.28203230275508 * t60;
-    const zhao2000_real t78 = w->u[1] * t77;
-    const zhao2000_real t79 = 69.28203230275508 * t66;
-    const zhao2000_real t80 = -138.56406460551017 - t79;
-    const zhao2000_real t81 = w->u[0] * t80;
-    const zhao2000_real t82 = t78 + t81;
-    const zhao2000_real t83 = w->u[0] * t82;
-    const zhao2000_real t84 = t76 - t83;
-    const zhao2000_real t85 = 34.641016151377535 * t60;
-    const zhao2000_real t86 = -120.0 + t85;
-    const zhao2000_real t87 = t86 - t67;
-    const zhao2000_real t88 = w->u[5] * t87;
-    const zhao2000_real t89 = -69.28203230275507 - t70;
-    const zhao2000_real t90 = 34.641016151377535 * t66;
-    const zhao2000_real t91 = t89 - t90;
-    const zhao2000_real t92 = w->u[4] * t91;
-    const zhao2000_real t93 = t88 + t92;
-    const zhao2000_real t94 = w->u[4] * t93;
-    const zhao2000_real t95 = t84 + t94;
-    const zhao2000_real t96 = t55 * t95;
-    const zhao2000_real t97 = w->u[3] * t75;
-    const zhao2000_real t98 = w->u[1] * t82;
-    const zhao2000_real t99 = t97 - t98;
-    const zhao2000_real t100 = w->u[5] * t93;
-    const zhao2000_real t101 = t99 + t100;
-    const zhao2000_real t102 = w->u[4] * w->u[5];
-    const zhao2000_real t103 = w->u[2] * w->u[3];
-    const zhao2000_real t104 = t102 + t103;
-    const zhao2000_real t105 = w->u[0] * w->u[1];
-    const zhao2000_real t106 = t104 + t105;
-    const zhao2000_real t107 = t101 * t106;
-    const zhao2000_real t108 = t96 - t107;
-    const zhao2000_real t109 = w->u[4] * w->u[4];
-    const zhao2000_real t110 = w->u[2] * w->u[2];
-    const zhao2000_real t111 = t109 + t110;
-    const zhao2000_real t112 = w->u[0] * w->u[0];
-    const zhao2000_real t113 = t111 + t112;
-    const zhao2000_real t114 = t55 * t113;
-    const zhao2000_real t115 = t106 * t106;
-    const zhao2000_real t116 = t114 - t115;
-    const zhao2000_real t117 = 1.0 / t116;
-    const zhao2000_real t118 = t108 * t117;
-    const zhao2000_real t119 = t118 * t118;
-    const zhao2000_real t120 = t106 * t95;
-    const zhao2000_real t121 = t101 * t113;
-    const zhao2000_real t122 = t120 - t121;
-    const zhao2000_real t123 = t122 * t117;
-    const zhao2000_real t124 = t123 * t123;
-    const zhao2000_real t125 = t119 + t124;
-    const zhao2000_real t126 = t50 - t125;
-    const zhao2000_real d2 = t126; /* above 0 where pose.z has two values */
-    const zhao2000_real r2 = w->sign[1] * sqrt((d2 > 0.0) ? d2 : 0.0);
-    w->guard[0] = t47;
-    const zhao2000_real t130 = t31 * t31;
-    const zhao2000_real t131 = t130 * t126;
-    w->guard[1] = t131;
-    w->guard[2] = t31;
-    w->guard[3] = t116;
-    const zhao2000_real t135 = 138.56406460551017 - t118;
-    const zhao2000_real t136 = t135 + t79;
-    const zhao2000_real t137 = w->u[1] * t136;
-    const zhao2000_real t138 = t77 - t123;
-    const zhao2000_real t139 = w->u[0] * t138;
-    const zhao2000_real t140 = t137 + t139;
-    w->y[0] = t140;
-    w->y[1] = r2;
-    const zhao2000_real t143 = -120.0 - t123;
-    const zhao2000_real t144 = t143 - t61;
-    const zhao2000_real t145 = t144 - t67;
-    const zhao2000_real t146 = w->u[2] * t145;
-    const zhao2000_real t147 = -69.28203230275508 - t118;
-    const zhao2000_real t148 = t147 + t70;
-    const zhao2000_real t149 = t148 - t72;
-    const zhao2000_real t150 = w->u[3] * t149;
-    const zhao2000_real t151 = t146 + t150;
-    w->y[2] = t151;
-    w->y[3] = r2;
-    const zhao2000_real t154 = 120.0 - t123;
-    const zhao2000_real t155 = t154 - t61;
-    const zhao2000_real t156 = t155 + t67;
-    const zhao2000_real t157 = w->u[4] * t156;
-    const zhao2000_real t158 = t147 - t70;
-    const zhao2000_real t159 = t158 - t72;
-    const zhao2000_real t160 = w->u[5] * t159;
-    const zhao2000_real t161 = t157 + t160;
-    w->y[4] = t161;
-    w->y[5] = r2;
-    const zhao2000_real t164 = -t123;
-    w->y[6] = t164;
-    const zhao2000_real t166 = -t118;
-    w->y[7] = t166;
-    w->y[8] = r2;
-    const zhao2000_real t169 = -t66;
-    w->y[9] = t169;
-    w->y[10] = t60;
-    w->share = 30400.0 / d1;
-    if (9440.0 / d2 > w->share) {
-        w->share = 9440.0 / d2;
+    const zhao2000_real t42 = w->u[2] * w->u[3];
+    const zhao2000_real t43 = w->u[0] * w->u[1];
+    const zhao2000_real t44 = t42 + t43;
+    const zhao2000_real t45 = w->u[4] * w->u[5];
+    const zhao2000_real t46 = t44 + t45;
+    const zhao2000_real t47 = w->u[2] * w->u[2];
+    const zhao2000_real t48 = w->u[0] * w->u[0];
+    const zhao2000_real t49 = t47 + t48;
+    const zhao2000_real t50 = w->u[4] * w->u[4];
+    const zhao2000_real t51 = t49 + t50;
+    const zhao2000_real t52 = t41 * t51;
+    const zhao2000_real t53 = w->u[5] * w->u[4];
+    const zhao2000_real t54 = t44 + t53;
+    const zhao2000_real t55 = t54 * t46;
+    const zhao2000_real t56 = t52 - t55;
+    w->guard[3] = t56;
+    if ((w->guard[2] > 2.3e-10) && (w->guard[3] > 2.13e-14)) {
+        const zhao2000_real t58 = -120.0 * w->u[5];
+        const zhao2000_real t59 = 69.28203230275507 * w->u[4];
+        const zhao2000_real t60 = t58 - t59;
+        const zhao2000_real t61 = t2 * t60;
+        const zhao2000_real t62 = 138.56406460551017 * w->u[0];
+        const zhao2000_real t63 = t9 * t62;
+        const zhao2000_real t64 = 120.0 * w->u[3];
+        const zhao2000_real t65 = 69.28203230275508 * w->u[2];
+        const zhao2000_real t66 = t64 - t65;
+        const zhao2000_real t67 = t14 * t66;
+        const zhao2000_real t68 = t63 + t67;
+        const zhao2000_real t69 = t61 - t68;
+        const zhao2000_real t70 = t69 * t69;
+        const zhao2000_real t71 = t35 - t70;
+        const zhao2000_real d1 = t71; /* above 0 where pose.gamma has two values */
+        const zhao2000_real r1 = w->sign[0] * sqrt((d1 > 0.0) ? d1 : 0.0);
+        const zhao2000_real t74 = t20 * t69;
+        const zhao2000_real t75 = t33 * r1;
+        const zhao2000_real t76 = t74 + t75;
+        const zhao2000_real t77 = 1.0 / t35;
+        const zhao2000_real t78 = t76 * t77;
+        const zhao2000_real t79 = t17 * t78;
+        const zhao2000_real t80 = t66 - t79;
+        const zhao2000_real t81 = t33 * t69;
+        const zhao2000_real t82 = t20 * r1;
+        const zhao2000_real t83 = t81 - t82;
+        const zhao2000_real t84 = t83 * t77;
+        const zhao2000_real t85 = t24 * t84;
+        const zhao2000_real t86 = t80 + t85;
+        const zhao2000_real t87 = w->u[2] * t86;
+        const zhao2000_real t88 = t10 * t78;
+        const zhao2000_real t89 = t26 * t84;
+        const zhao2000_real t90 = t89 - t62;
+        const zhao2000_real t91 = t88 + t90;
+        const zhao2000_real t92 = w->u[0] * t91;
+        const zhao2000_real t93 = t87 - t92;
+        const zhao2000_real t94 = t5 * t78;
+        const zhao2000_real t95 = t60 - t94;
+        const zhao2000_real t96 = t31 * t84;
+        const zhao2000_real t97 = t95 + t96;
+        const zhao2000_real t98 = w->u[4] * t97;
+        const zhao2000_real t99 = t93 + t98;
+        const zhao2000_real t100 = t41 * t99;
+        const zhao2000_real t101 = w->u[3] * t86;
+        const zhao2000_real t102 = w->u[1] * t91;
+        const zhao2000_real t103 = t101 - t102;
+        const zhao2000_real t104 = w->u[5] * t97;
+        const zhao2000_real t105 = t103 + t104;
+        const zhao2000_real t106 = t105 * t46;
+        const zhao2000_real t107 = t100 - t106;
+        const zhao2000_real t108 = 1.0 / t56;
+        const zhao2000_real t109 = t107 * t108;
+        const zhao2000_real t110 = t109 * t109;
+        const zhao2000_real t111 = t54 * t99;
+        const zhao2000_real t112 = t105 * t51;
+        const zhao2000_real t113 = t111 - t112;
+        const zhao2000_real t114 = t113 * t108;
+        const zhao2000_real t115 = t114 * t114;
+        const zhao2000_real t116 = t110 + t115;
+        const zhao2000_real t117 = w->u[6] * w->u[6];
+        const zhao2000_real t118 = t116 - t117;
+        const zhao2000_real t119 = -t118;
+        const zhao2000_real d2 = t119; /* above 0 where pose.z has two values */
+        const zhao2000_real r2 = w->sign[1] * sqrt((d2 > 0.0) ? d2 : 0.0);
+        w->guard[0] = t71;
+        const zhao2000_real t123 = t35 * t35;
+        const zhao2000_real t124 = t123 * t118;
+        const zhao2000_real t125 = -t124;
+        w->guard[1] = t125;
+        const zhao2000_real t127 = 138.56406460551017 - t109;
+        const zhao2000_real t128 = 69.28203230275508 * t78;
+        const zhao2000_real t129 = t127 + t128;
+        const zhao2000_real t130 = w->u[1] * t129;
+        const zhao2000_real t131 = 69.28203230275508 * t84;
+        const zhao2000_real t132 = t131 - t114;
+        const zhao2000_real t133 = w->u[0] * t132;
+        const zhao2000_real t134 = t130 + t133;
+        w->y[0] = t134;
+        w->y[1] = r2;
+        const zhao2000_real t137 = -120.0 - t114;
+        const zhao2000_real t138 = 60.0 * t78;
+        const zhao2000_real t139 = t137 - t138;
+        const zhao2000_real t140 = -34.64101615137754 * t84;
+        const zhao2000_real t141 = t139 + t140;
+        const zhao2000_real t142 = w->u[2] * t141;
+        const zhao2000_real t143 = -69.28203230275508 - t109;
+        const zhao2000_real t144 = 34.64101615137754 * t78;
+        const zhao2000_real t145 = t143 - t144;
+        const zhao2000_real t146 = 60.0 * t84;
+        const zhao2000_real t147 = t145 + t146;
+        const zhao2000_real t148 = w->u[3] * t147;
+        const zhao2000_real t149 = t142 + t148;
+        w->y[2] = t149;
+        w->y[3] = r2;
+        const zhao2000_real t152 = 120.0 - t114;
+        const zhao2000_real t153 = t152 + t138;
+        const zhao2000_real t154 = t153 + t140;
+        const zhao2000_real t155 = w->u[4] * t154;
+        const zhao2000_real t156 = -60.0 * t84;
+        const zhao2000_real t157 = t145 + t156;
+        const zhao2000_real t158 = w->u[5] * t157;
+        const zhao2000_real t159 = t155 + t158;
+        w->y[4] = t159;
+        w->y[5] = r2;
+        const zhao2000_real t162 = -t114;
+        w->y[6] = t162;
+        const zhao2000_real t164 = -t109;
+        w->y[7] = t164;
+        w->y[8] = r2;
+        const zhao2000_real t167 = -t78;
+        w->y[9] = t167;
+        w->y[10] = t84;
+        w->share = fabs(r1) * 0.005736100475959456;
+        const zhao2000_real share2 = fabs(r2) * 0.010292489690338004;
+        w->share = (share2 < w->share) ? share2 : w->share;
+    } else {
+        /* what formulas divide by vanishes: no guard is above zero */
+        w->guard[0] = 0.0;
+        w->guard[1] = 0.0;
+        w->share = 0.0;
     }
 }
 
@@ -1068,49 +1115,75 @@ static void zhao2000_direct_set(zhao2000_direct_work *w, const zhao2000_real joi
     w->u[6] = joints[3];
 }
 
-/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
- * changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool zhao2000_line_keeps(const zhao2000_direct_work *w, const zhao2000_real change[4])
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real change[4])
 {
-    static const zhao2000_real weights[3][4][4] = {
-        { { 216000.0, 216000.0, 216000.0, 0.0 }, { 214000000000000.0, 214000000000000.0, 214000000000000.0, 567000000000.0 }, { 57600.0, 57600.0, 57600.0, 0.0 }, { 4.0, 4.0, 4.0, 0.0 } }, { { 216000.0, 216000.0, 216000.0, 0.0 }, { 344000000000000.0, 344000000000000.0, 344000000000000.0, 959000000000.0 }, { 57600.0, 57600.0, 57600.0, 0.0 }, { 4.0, 4.0, 4.0, 0.0 } }, { { 216000.0, 216000.0, 216000.0, 0.0 }, { 1540000000000000.0, 1540000000000000.0, 1540000000000000.0, 2530000000000.0 }, { 57600.0, 57600.0, 57600.0, 0.0 }, { 4.0, 4.0, 4.0, 0.0 } }
-    };
-    static const zhao2000_real by_root1[3][4] = { { 2.24e+16, 2.24e+16, 2.24e+16, 0.0 }, { 2.24e+16, 2.24e+16, 2.24e+16, 0.0 }, { 2.24e+16, 2.24e+16, 2.24e+16, 0.0 } };
-    static const zhao2000_real by_cube1[3][4] = { { 2.37e+20, 2.37e+20, 2.37e+20, 0.0 }, { 2.37e+20, 2.37e+20, 2.37e+20, 0.0 }, { 2.37e+20, 2.37e+20, 2.37e+20, 0.0 } };
-    static const zhao2000_real least[4] = { 6.91e-10, 2.7, 2.3e-10, 2.13e-14 };
     bool kept = true;
-    zhao2000_real lowest[4];
-    for (int j = 0; j < 4; ++j) {
-        const zhao2000_real a = w->left[j] - least[j];
-        const zhao2000_real b = w->guard[j] - least[j];
-        const zhao2000_real lesser = (a < b) ? a : b;
-        zhao2000_real bend = 0.0;
-        for (int i = 0; i < 4; ++i) {
-            bend += weights[w->reach][j][i] * change[i];
-        }
-        if (kept && (j == 1)) {
-            /* it holds the root of guard 0, which is at least this on the way */
-            const zhao2000_real under = lowest[0];
-            const zhao2000_real per = 1.0 / sqrt(under);
-            for (int i = 0; i < 4; ++i) {
-                bend += per * (by_root1[w->reach][i] + by_cube1[w->reach][i] / under) * change[i];
-            }
-        }
-        kept = kept && (lesser > 0.0) && (bend < a + b + lesser + lesser);
-        lowest[j] = lesser - 0.25 * bend;
-        kept = kept && (lowest[j] > 0.0);
+    /* pose.gamma */
+    const zhao2000_real a0 = w->left[0] - 6.91e-10;
+    const zhao2000_real b0 = w->guard[0] - 6.91e-10;
+    const zhao2000_real lesser0 = (a0 < b0) ? a0 : b0;
+    const zhao2000_real sum0 = change[0] + change[1] + change[2];
+    const zhao2000_real bend0 = 216000.0 * sum0;
+    const zhao2000_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
+    const zhao2000_real least0 = lesser0 - 0.25 * bend0;
+    kept = kept && (least0 > 0.0);
+    const zhao2000_real under0 = (least0 > 0.0) ? least0 : 1.0;
+    /* pose.z */
+    const zhao2000_real a1 = w->left[1] - 2.7;
+    const zhao2000_real b1 = w->guard[1] - 2.7;
+    const zhao2000_real lesser1 = (a1 < b1) ? a1 : b1;
+    static const zhao2000_real plain1_0[3] = { 214000000000000.0, 344000000000000.0,
+        1540000000000000.0 };
+    static const zhao2000_real plain1_3[3] = { 567000000000.0, 959000000000.0, 2530000000000.0 };
+    const zhao2000_real per1 = 1.0 / sqrt(under0);
+    const zhao2000_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
+        + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.37e+20 * sum0));
+    const zhao2000_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
+        kept = false;
+    }
+    /* divisor 1 */
+    const zhao2000_real a2 = w->left[2] - 2.3e-10;
+    const zhao2000_real b2 = w->guard[2] - 2.3e-10;
+    const zhao2000_real lesser2 = (a2 < b2) ? a2 : b2;
+    const zhao2000_real bend2 = 57600.0 * sum0;
+    const zhao2000_real most2 = a2 + b2 + lesser2 + lesser2;
+    if (!((lesser2 > 0.0) && (bend2 < most2))) {
+        w->over = (kept && (lesser2 > 0.0)) ? (bend2 / most2) : w->over;
+        kept = false;
+    }
+    /* divisor 2 */
+    const zhao2000_real a3 = w->left[3] - 2.13e-14;
+    const zhao2000_real b3 = w->guard[3] - 2.13e-14;
+    const zhao2000_real lesser3 = (a3 < b3) ? a3 : b3;
+    const zhao2000_real bend3 = 4.0 * sum0;
+    const zhao2000_real most3 = a3 + b3 + lesser3 + lesser3;
+    if (!((lesser3 > 0.0) && (bend3 < most3))) {
+        w->over = (kept && (lesser3 > 0.0)) ? (bend3 / most3) : w->over;
+        kept = false;
     }
     return kept;
 }
 
-/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved where they are not. */
-static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *w, const zhao2000_real joints[4], unsigned int most, unsigned int *count)
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
+static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *w,
+    const zhao2000_real joints[4], unsigned int most, unsigned int *count)
 {
     zhao2000_real at[4];
     zhao2000_real given[4];
     zhao2000_real change[4];
     zhao2000_real done = 0.0;
     zhao2000_real part = 0.5;
+    bool refused = true;
     zhao2000_status status = ZHAO2000_MAX_ITERATIONS;
     zhao2000_real at_end[4];
     at[0] = atan2(w->at[1], w->at[0]);
@@ -1119,16 +1192,17 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
     at[3] = w->at[6];
     zhao2000_unwrap_joints(at, joints, given);
     while ((status == ZHAO2000_MAX_ITERATIONS) && (*count < most)) {
-        const zhao2000_real end = done + part;
+        const zhao2000_real end = (done + part < 0.9999) ? (done + part) : 1.0;
         bool above = true;
         for (int i = 0; i < 4; ++i) {
             const zhao2000_real way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < 1.0) ? (at[i] + end * way) : given[i];
         }
         zhao2000_direct_set(w, at_end);
         zhao2000_direct_formulas(w);
         ++*count;
+        w->over = 4.0;
         for (int j = 0; j < 4; ++j) {
             above = above && (w->guard[j] > 0.0);
         }
@@ -1140,12 +1214,15 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + 2.0 * part <= 1.0) ? (2.0 * part) : part;
+            part = refused ? part : (2.0 * part);
+            refused = false;
             if (done >= 1.0) {
                 status = ZHAO2000_OK;
             }
         } else {
-            part *= 0.5;
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0) ? (0.9 / sqrt(w->over)) : 0.1);
+            refused = true;
             if (part < 0.000244140625) {
                 status = ZHAO2000_WRONG_BRANCH;
             }
@@ -1154,8 +1231,10 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
     return status;
 }
 
-/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes its pose. */
-static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zhao2000_real tolerance, zhao2000_pose *pose, zhao2000_real *residual)
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w,
+    zhao2000_real tolerance, zhao2000_pose *pose, zhao2000_real *residual)
 {
     zhao2000_status status = ZHAO2000_OK;
     zhao2000_real h[2];
@@ -1175,12 +1254,12 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t3 = w->u[0] * w->y[0];
     const zhao2000_real t4 = t2 - t3;
     const zhao2000_real t5 = h[1] * t0;
-    const zhao2000_real t6 = 69.28203230275508 + t5;
+    const zhao2000_real t6 = t5 + 69.28203230275508;
     const zhao2000_real t7 = t6 + w->y[7];
     const zhao2000_real t8 = w->u[1] * w->y[0];
     const zhao2000_real t9 = t7 - t8;
     const zhao2000_real t10 = w->y[8] - w->y[1];
-    const zhao2000_real t11 = -60.0 + w->y[6];
+    const zhao2000_real t11 = w->y[6] - 60.0;
     const zhao2000_real t12 = w->u[2] * w->y[2];
     const zhao2000_real t13 = t11 - t12;
     const zhao2000_real t14 = -120.0 * h[1];
@@ -1188,7 +1267,7 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t16 = t14 - t15;
     const zhao2000_real t17 = h[1] * t16;
     const zhao2000_real t18 = t13 + t17;
-    const zhao2000_real t19 = -34.64101615137754 + w->y[7];
+    const zhao2000_real t19 = w->y[7] - 34.64101615137754;
     const zhao2000_real t20 = w->u[3] * w->y[2];
     const zhao2000_real t21 = t19 - t20;
     const zhao2000_real t22 = -69.28203230275508 * h[1];
@@ -1197,7 +1276,7 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t25 = h[1] * t24;
     const zhao2000_real t26 = t21 + t25;
     const zhao2000_real t27 = w->y[8] - w->y[3];
-    const zhao2000_real t28 = 60.0 + w->y[6];
+    const zhao2000_real t28 = w->y[6] + 60.0;
     const zhao2000_real t29 = w->u[4] * w->y[4];
     const zhao2000_real t30 = t28 - t29;
     const zhao2000_real t31 = 120.0 * h[1];
@@ -1215,9 +1294,11 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     const zhao2000_real t43 = t41 + t42;
     const zhao2000_real t44 = w->y[6] * w->y[6];
     const zhao2000_real t45 = t43 + t44;
-    const zhao2000_real t46 = sqrt(t45);
-    const zhao2000_real t47 = t46 - w->u[6];
-    *residual = sqrt(t4 * t4 + t9 * t9 + t10 * t10 + 0.0 * 0.0 + t18 * t18 + t26 * t26 + t27 * t27 + t34 * t34 + t39 * t39 + t40 * t40 + t47 * t47);
+    const zhao2000_real t46 = w->u[6] * w->u[6];
+    const zhao2000_real t47 = t45 - t46;
+    const zhao2000_real t48 = t47 * 0.0020833333333333333;
+    *residual = sqrt(t4 * t4 + t9 * t9 + t10 * t10 + t18 * t18 + t26 * t26 + t27 * t27 + t34 * t34
+        + t39 * t39 + t40 * t40 + t48 * t48);
     if (!(*residual <= tolerance + 1.71e-12)) {
         status = ZHAO2000_SINGULAR;
     }
@@ -1242,16 +1323,21 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w, zha
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
-static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, const zhao2000_config *config, zhao2000_info *info)
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
+    const zhao2000_pose *guess, zhao2000_pose *pose, const zhao2000_config *config,
+    zhao2000_info *info)
 {
-    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS, ZHAO2000_MAX_STEP };
+    static const zhao2000_config usual = { ZHAO2000_TOLERANCE, ZHAO2000_MAX_STEPS,
+        ZHAO2000_MAX_STEP };
     zhao2000_direct_work w;
     unsigned int count = 0U;
     zhao2000_real residual = HUGE_VAL;
     zhao2000_status status = zhao2000_read_guess(&w, guess);
     const zhao2000_status limits = zhao2000_check_limits(joints);
     w.share = 0.0;
+    w.over = 4.0;
     w.reach = 0U;
     /* NaN or infinity anywhere comes first */
     if ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) {
@@ -1283,23 +1369,23 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4], cons
             zhao2000_direct_set(&w, joints);
             zhao2000_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = true;
             const zhao2000_real move0 = w.u[0] - w.at[0];
             const zhao2000_real move1 = w.u[1] - w.at[1];
-            change[0] = move0 * move0 + move1 * move1;
-            kept = kept && (change[0] <= 2.0);
-            change[0] *= 1.2338;
+            const zhao2000_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0);
+            change[0] = chord0 + 0.117 * chord0 * chord0;
             const zhao2000_real move2 = w.u[2] - w.at[2];
             const zhao2000_real move3 = w.u[3] - w.at[3];
-            change[1] = move2 * move2 + move3 * move3;
-            kept = kept && (change[1] <= 2.0);
-            change[1] *= 1.2338;
+            const zhao2000_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0);
+            change[1] = chord1 + 0.117 * chord1 * chord1;
             const zhao2000_real move4 = w.u[4] - w.at[4];
             const zhao2000_real move5 = w.u[5] - w.at[5];
-            change[2] = move4 * move4 + move5 * move5;
-            kept = kept && (change[2] <= 2.0);
-            change[2] *= 1.2338;
+            const zhao2000_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0);
+            change[2] = chord2 + 0.117 * chord2 * chord2;
             const zhao2000_real move6 = w.u[6] - w.at[6];
             change[3] = move6 * move6;
             kept = kept && zhao2000_line_keeps(&w, change);
@@ -1312,19 +1398,27 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4], cons
         }
     }
     if (count > 0U) {
-        zhao2000_write_info(info, count, residual, 0.0, w.share);
+        if (info != NULL) {
+            info->iterations = (uint8_t)count;
+            info->residual = (residual >= 0.0) ? residual : HUGE_VAL;
+            info->step = 0.0;
+            info->min_pivot = (w.share >= 0.0) ? w.share : 0.0;
+            info->joint = 4U;
+        }
     } else {
         zhao2000_write_no_step(info, joints);
     }
     return status;
 }
 
-zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4], const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
+zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[4],
+    const zhao2000_pose *guess, zhao2000_pose *pose, zhao2000_info *info)
 {
     return zhao2000_direct_reach(joints, guess, pose, config, info);
 }
 
-zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose, zhao2000_info *info)
+zhao2000_status zhao2000_track(const zhao2000_real joints[4], zhao2000_pose *pose,
+    zhao2000_info *info)
 {
     /* one evaluation */
     static const zhao2000_config once = { ZHAO2000_TOLERANCE, 1U, ZHAO2000_MAX_STEP };
@@ -1356,7 +1450,8 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
     return status;
 }
 
-/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand sides. */
+/* Joint rates by the platform's twist, limb by limb: each limb's matrix solved for its right-hand
+ * sides. */
 zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates[4 * 6])
 {
     zhao2000_real c[4];
@@ -1409,7 +1504,8 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
         } else {
             status = ZHAO2000_SINGULAR;
         }
-        if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6, ZHAO2000_OK) != ZHAO2000_OK)) {
+        if ((status == ZHAO2000_OK) && (zhao2000_check_finite(jacobian, 4 * 6,
+            ZHAO2000_OK) != ZHAO2000_OK)) {
             status = ZHAO2000_SINGULAR;
         }
         if (status == ZHAO2000_OK) {
@@ -1425,8 +1521,10 @@ zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real rates
     return status;
 }
 
-/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could overflow. */
-static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count, zhao2000_status status)
+/* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
+ * overflow. */
+static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int count,
+    zhao2000_status status)
 {
     zhao2000_status found = zhao2000_check_finite(speeds, count, status);
     for (int i = 0; i < count; ++i) {
@@ -1438,10 +1536,12 @@ static zhao2000_status zhao2000_check_speeds(const zhao2000_real speeds[], int c
 }
 
 /* Joint rates of a twist: the Jacobian times the twist. */
-zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6], zhao2000_real rates[4])
+zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    zhao2000_real rates[4])
 {
     zhao2000_real jacobian[4 * 6];
-    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose, jacobian));
+    const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose,
+        jacobian));
     if (status == ZHAO2000_OK) {
         for (int i = 0; i < 4; ++i) {
             zhao2000_real sum = 0.0;
@@ -1455,10 +1555,12 @@ zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real tw
 }
 
 /* The largest factor, up to 1, by which a twist keeps all joint rates within their limits. */
-zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6], const zhao2000_real rate_limits[4], zhao2000_real *feed)
+zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    const zhao2000_real rate_limits[4], zhao2000_real *feed)
 {
     zhao2000_real rates[4];
-    zhao2000_status status = zhao2000_check_finite(rate_limits, 4, zhao2000_rates(pose, twist, rates));
+    zhao2000_status status = zhao2000_check_finite(rate_limits, 4, zhao2000_rates(pose, twist,
+        rates));
     zhao2000_real most = 1.0;
     for (int i = 0; (i < 4) && (status == ZHAO2000_OK); ++i) {
         const zhao2000_real rate = fabs(rates[i]);
@@ -1476,8 +1578,10 @@ zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twi
     return status;
 }
 
-/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by elimination with row exchanges. */
-zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4], zhao2000_real twist[6])
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
+zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[4],
+    zhao2000_real twist[6])
 {
     static const zhao2000_real row_scale[4] = { 240.0, 240.0, 240.0, 1.0 };
     static const zhao2000_real column_scale[4] = { 1.0, 1.0, 1.0, 0.004166666666666667 };

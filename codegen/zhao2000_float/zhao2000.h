@@ -8,16 +8,17 @@
  * joints[3] op: mm, no limits given
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * ZHAO2000_OK only; `info` always. config and info may be NULL, guess and pose the same object.
- * Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from
- * there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:
- * where a limb has passed one, the direct problem answers with the status of a wrong branch.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with ZHAO2000_OK only; `info` always. config and info may be NULL, guess and pose the
+ * same object. Limbs have the branches (elbow up or down) of the reference configuration, followed
+ * along the line of poses from there; the guess's passive joints are computed from its pose in this
+ * way. A dead centre of a limb is a singularity: where a limb has passed one, the direct problem
+ * answers with the status of a wrong branch.
  *
- * Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of the line. Of a
- * config max_step is not read; tolerance is what the closure's rows of the answer may leave beside rounding.
- * Predicted error of an answer: ZHAO2000_TOLERANCE and the rounding of the type, about
- * 0.000114441 mm (angles times the size) where the matrix is well conditioned.
+ * Formulas give the direct problem: an iteration is one evaluation of them, at the end of a part of
+ * the line. Of a config max_step is not read; tolerance is what the closure's rows of the answer
+ * may leave beside rounding. Predicted error of an answer: ZHAO2000_TOLERANCE and the rounding of
+ * the type, about 0.000114441 mm (angles times the size) where the matrix is well conditioned.
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */
 #ifndef ZHAO2000_H
@@ -37,8 +38,10 @@ typedef enum {
     ZHAO2000_MAX_ITERATIONS, /* not settled within the iterations allowed */
     ZHAO2000_SINGULAR, /* the linear system lost rank on the way */
     ZHAO2000_NONFINITE, /* NaN or infinity among the inputs */
-    ZHAO2000_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    ZHAO2000_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    ZHAO2000_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    ZHAO2000_WRONG_BRANCH
 } zhao2000_status;
 
 /* Position in mm, unit quaternion (w, x, y, z), both of the platform frame in the base frame. */
@@ -47,17 +50,19 @@ typedef struct {
     zhao2000_real quaternion[4];
 } zhao2000_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 240000.0f (a thousand sizes), else the status is ZHAO2000_OUT_OF_RANGE, of NaN and infinity ZHAO2000_NONFINITE;
- * 0 iterations are ZHAO2000_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 240000.0f (a thousand sizes), else the status is ZHAO2000_OUT_OF_RANGE, of NaN
+ * and infinity ZHAO2000_NONFINITE; 0 iterations are ZHAO2000_MAX_ITERATIONS. NULL in place of a
+ * config means the values below. */
 typedef struct {
     zhao2000_real tolerance;
     uint8_t max_iterations;
     zhao2000_real max_step;
 } zhao2000_config;
 
-#define ZHAO2000_SIZE ((zhao2000_real)240.0f) /* largest distance of joint points at the reference, mm */
+/* largest distance of joint points at the reference, mm */
+#define ZHAO2000_SIZE ((zhao2000_real)240.0f)
 #define ZHAO2000_TOLERANCE ((zhao2000_real)1.4305115e-05f) /* mm */
 #define ZHAO2000_MAX_STEPS (100U)
 #define ZHAO2000_MAX_STEP ((zhao2000_real)240.0f) /* mm */
@@ -65,8 +70,8 @@ typedef struct {
 
 /* iterations: steps taken; residual: largest closure error of the answer, in
  * mm; step: 0; min_pivot: smallest root of the answer's formulas over its usual size,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, ZHAO2000_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+ * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not
+ * finite, ZHAO2000_JOINTS where it is none of them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     zhao2000_real residual;
@@ -75,34 +80,44 @@ typedef struct {
     uint8_t joint;
 } zhao2000_info;
 
-/* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, ZHAO2000_WRONG_BRANCH. The guess need not fit any
- * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth,
- * its pose off the platform's motion (schoenflies) by 0.000915527 mm (angles times the size). */
-zhao2000_status zhao2000_direct(const zhao2000_config *config, const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *guess, zhao2000_pose *pose,
+/* The pose that the machine reaches from `guess` when its joints move in a straight line from the
+ * guess's joint values to the given ones without meeting a singularity; where that is not assured,
+ * ZHAO2000_WRONG_BRANCH. The guess need not fit any joint values that were read: an error of it
+ * moves the beginning of the line by as much. The length of its quaternion may be off by a
+ * hundredth, its pose off the platform's motion (schoenflies) by 0.000915527 mm (angles times the
+ * size). */
+zhao2000_status zhao2000_direct(const zhao2000_config *config,
+    const zhao2000_real joints[ZHAO2000_JOINTS], const zhao2000_pose *guess, zhao2000_pose *pose,
     zhao2000_info *info);
 
 /* For servo loops: the formulas once, for a line that need not be cut: else WRONG_BRANCH, and call
- * zhao2000_direct. info->residual is the answer's closure error, beyond ZHAO2000_TRACK_LIMIT near a singularity. */
+ * zhao2000_direct. info->residual is the answer's closure error, beyond ZHAO2000_TRACK_LIMIT near a
+ * singularity. */
 #define ZHAO2000_TRACK_LIMIT ((zhao2000_real)0.0578f) /* mm */
-zhao2000_status zhao2000_track(const zhao2000_real joints[ZHAO2000_JOINTS], zhao2000_pose *pose, zhao2000_info *info);
+zhao2000_status zhao2000_track(const zhao2000_real joints[ZHAO2000_JOINTS], zhao2000_pose *pose,
+    zhao2000_info *info);
 
 /* Joint values of a pose. */
 zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints[ZHAO2000_JOINTS]);
 
-/* Row-major 4 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
-zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose, zhao2000_real jacobian[ZHAO2000_JOINTS * 6]);
+/* Row-major 4 x 6: joint rates = jacobian * (velocity of the platform's origin, angular
+ * velocity). */
+zhao2000_status zhao2000_jacobian(const zhao2000_pose *pose,
+    zhao2000_real jacobian[ZHAO2000_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 2e+08 are
- * ZHAO2000_OUT_OF_RANGE. */
-zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6], zhao2000_real rates[ZHAO2000_JOINTS]);
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+ * above 2e+08 are ZHAO2000_OUT_OF_RANGE. */
+zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    zhao2000_real rates[ZHAO2000_JOINTS]);
 
 /* The twist of joint rates at a pose; ZHAO2000_SINGULAR where they do not decide it. */
-zhao2000_status zhao2000_twist(const zhao2000_pose *pose, const zhao2000_real rates[ZHAO2000_JOINTS], zhao2000_real twist[6]);
+zhao2000_status zhao2000_twist(const zhao2000_pose *pose,
+    const zhao2000_real rates[ZHAO2000_JOINTS], zhao2000_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in mm or radians for each unit
- * of time). */
-zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6], const zhao2000_real rate_limits[ZHAO2000_JOINTS], zhao2000_real *feed);
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more,
+ * in mm or radians for each unit of time). */
+zhao2000_status zhao2000_feed(const zhao2000_pose *pose, const zhao2000_real twist[6],
+    const zhao2000_real rate_limits[ZHAO2000_JOINTS], zhao2000_real *feed);
 #ifdef __cplusplus
 }
 #endif

@@ -8,16 +8,17 @@
  * joints[3] op: mm, no limits given
  *
  * Joint values in this order; lengths in mm, angles in radians.
- * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with
- * ZHAO2000_LINKS_OK only; `info` always. config and info may be NULL, guess and pose the same object.
- * Limbs have the branches (elbow up or down) of the reference configuration, followed along the line of poses from
- * there; the guess's passive joints are computed from its pose in this way. A dead centre of a limb is a singularity:
- * where a limb has passed one, the direct problem answers with the status of a wrong branch.
+ * Calls keep no state, allocate nothing and end after a bounded number of steps. Results are
+ * written with ZHAO2000_LINKS_OK only; `info` always. config and info may be NULL, guess and pose
+ * the same object. Limbs have the branches (elbow up or down) of the reference configuration,
+ * followed along the line of poses from there; the guess's passive joints are computed from its
+ * pose in this way. A dead centre of a limb is a singularity: where a limb has passed one, the
+ * direct problem answers with the status of a wrong branch.
  *
- * One step of Newton's method: 680 additions, 42 cos, 1 divisions, 4586 multiplications, 42 sin, 1 sqrt (rows, matrix, factors, step).
- * Predicted error of an answer: ZHAO2000_LINKS_TOLERANCE and the rounding of the type, about
- * 2.17444e-13 mm (angles times the size) where the matrix is well conditioned.
- * Model SHA-256 888e70bd71fc6b17567c8bb509bdf13d479788645de68702c48396c4e381911c
+ * One step of Newton's method: 670 additions, 42 cos, 1 divisions, 4586 multiplications, 42 sin, 1
+ * sqrt (rows, matrix, factors, step). Predicted error of an answer: ZHAO2000_LINKS_TOLERANCE and
+ * the rounding of the type, about 2.17444e-13 mm (angles times the size) where the matrix is well
+ * conditioned. Model SHA-256 888e70bd71fc6b17567c8bb509bdf13d479788645de68702c48396c4e381911c
  */
 #ifndef ZHAO2000_LINKS_H
 #define ZHAO2000_LINKS_H
@@ -36,8 +37,10 @@ typedef enum {
     ZHAO2000_LINKS_MAX_ITERATIONS, /* not settled within the iterations allowed */
     ZHAO2000_LINKS_SINGULAR, /* the linear system lost rank on the way */
     ZHAO2000_LINKS_NONFINITE, /* NaN or infinity among the inputs */
-    ZHAO2000_LINKS_OUT_OF_RANGE, /* joint values or results outside their ranges, or a pose that cannot be taken */
-    ZHAO2000_LINKS_WRONG_BRANCH /* not assured that the machine reaches the answer from the guess along the line */
+    /* joint values or results outside their ranges, or a pose that cannot be taken */
+    ZHAO2000_LINKS_OUT_OF_RANGE,
+    /* not assured that the machine reaches the answer from the guess along the line */
+    ZHAO2000_LINKS_WRONG_BRANCH
 } zhao2000_links_status;
 
 /* Position in mm, unit quaternion (w, x, y, z), both of the platform frame in the base frame. */
@@ -46,26 +49,29 @@ typedef struct {
     zhao2000_links_real quaternion[4];
 } zhao2000_links_pose;
 
-/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of any kind;
- * max_step: longest single step (mm, angles times the size). Both are above 0 and
- * their sum at most 245000.0 (a thousand sizes), else the status is ZHAO2000_LINKS_OUT_OF_RANGE, of NaN and infinity ZHAO2000_LINKS_NONFINITE;
- * 0 iterations are ZHAO2000_LINKS_MAX_ITERATIONS. NULL in place of a config means the values below. */
+/* tolerance: predicted error of the answer (mm, angles times the size); max_iterations: steps of
+ * any kind; max_step: longest single step (mm, angles times the size). Both are above 0 and
+ * their sum at most 245000.0 (a thousand sizes), else the status is ZHAO2000_LINKS_OUT_OF_RANGE, of
+ * NaN and infinity ZHAO2000_LINKS_NONFINITE; 0 iterations are ZHAO2000_LINKS_MAX_ITERATIONS. NULL
+ * in place of a config means the values below. */
 typedef struct {
     zhao2000_links_real tolerance;
     uint8_t max_iterations;
     zhao2000_links_real max_step;
 } zhao2000_links_config;
 
-#define ZHAO2000_LINKS_SIZE ((zhao2000_links_real)244.81978491532445) /* largest distance of joint points at the reference, mm */
+/* largest distance of joint points at the reference, mm */
+#define ZHAO2000_LINKS_SIZE ((zhao2000_links_real)244.81978491532445)
 #define ZHAO2000_LINKS_TOLERANCE ((zhao2000_links_real)2.7180456209677177e-10) /* mm */
 #define ZHAO2000_LINKS_MAX_STEPS (100U)
 #define ZHAO2000_LINKS_MAX_STEP ((zhao2000_links_real)244.81978491532445) /* mm */
 #define ZHAO2000_LINKS_JOINTS (4)
 
-/* iterations: steps taken; residual: largest closure error of the answer (zhao2000_links_track: predicted error of the pose), in
- * mm; step: length of the last step; min_pivot: smallest pivot of the last matrix with rows and columns scaled,
- * 0 near a singularity; joint: the first joint, from 0, whose value is outside its range or not finite, ZHAO2000_LINKS_JOINTS where it is none
- * of them. Written by every call, whatever its status. */
+/* iterations: steps taken; residual: largest closure error of the answer (zhao2000_links_track:
+ * predicted error of the pose), in mm; step: length of the last step; min_pivot: smallest pivot of
+ * the last matrix with rows and columns scaled, 0 near a singularity; joint: the first joint, from
+ * 0, whose value is outside its range or not finite, ZHAO2000_LINKS_JOINTS where it is none of
+ * them. Written by every call, whatever its status. */
 typedef struct {
     uint8_t iterations;
     zhao2000_links_real residual;
@@ -74,33 +80,46 @@ typedef struct {
     uint8_t joint;
 } zhao2000_links_info;
 
-/* The pose that the machine reaches from `guess` when its joints move in a straight line from the guess's joint values to
- * the given ones without meeting a singularity; where that is not assured, ZHAO2000_LINKS_WRONG_BRANCH. The guess need not fit any
- * joint values that were read: an error of it moves the beginning of the line by as much. The length of its quaternion may be off by a hundredth. */
-zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config, const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], const zhao2000_links_pose *guess, zhao2000_links_pose *pose,
+/* The pose that the machine reaches from `guess` when its joints move in a straight line from the
+ * guess's joint values to the given ones without meeting a singularity; where that is not assured,
+ * ZHAO2000_LINKS_WRONG_BRANCH. The guess need not fit any joint values that were read: an error of
+ * it moves the beginning of the line by as much. The length of its quaternion may be off by a
+ * hundredth. */
+zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
+    const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], const zhao2000_links_pose *guess,
+    zhao2000_links_pose *pose,
     zhao2000_links_info *info);
 
-/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to ZHAO2000_LINKS_TRACK_LIMIT another call
- * with the same joints brings it below the tolerance; beyond it, call zhao2000_links_direct. */
+/* For servo loops: one step from the last pose; info->residual is the predicted error. Up to
+ * ZHAO2000_LINKS_TRACK_LIMIT another call with the same joints brings it below the tolerance;
+ * beyond it, call zhao2000_links_direct. */
 #define ZHAO2000_LINKS_TRACK_LIMIT ((zhao2000_links_real)0.000121) /* mm */
-zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], zhao2000_links_pose *pose, zhao2000_links_info *info);
+zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS],
+    zhao2000_links_pose *pose, zhao2000_links_info *info);
 
 /* Joint values of a pose. */
-zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose, zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS]);
+zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose,
+    zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS]);
 
-/* Row-major 4 x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
-zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose, zhao2000_links_real jacobian[ZHAO2000_LINKS_JOINTS * 6]);
+/* Row-major 4 x 6: joint rates = jacobian * (velocity of the platform's origin, angular
+ * velocity). */
+zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose,
+    zhao2000_links_real jacobian[ZHAO2000_LINKS_JOINTS * 6]);
 
-/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds above 2e+08 are
- * ZHAO2000_LINKS_OUT_OF_RANGE. */
-zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose, const zhao2000_links_real twist[6], zhao2000_links_real rates[ZHAO2000_LINKS_JOINTS]);
+/* Joint rates of a twist (velocity of the platform's origin, angular velocity) at a pose. Speeds
+ * above 2e+08 are ZHAO2000_LINKS_OUT_OF_RANGE. */
+zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose,
+    const zhao2000_links_real twist[6], zhao2000_links_real rates[ZHAO2000_LINKS_JOINTS]);
 
 /* The twist of joint rates at a pose; ZHAO2000_LINKS_SINGULAR where they do not decide it. */
-zhao2000_links_status zhao2000_links_twist(const zhao2000_links_pose *pose, const zhao2000_links_real rates[ZHAO2000_LINKS_JOINTS], zhao2000_links_real twist[6]);
+zhao2000_links_status zhao2000_links_twist(const zhao2000_links_pose *pose,
+    const zhao2000_links_real rates[ZHAO2000_LINKS_JOINTS], zhao2000_links_real twist[6]);
 
-/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more, in mm or radians for each unit
- * of time). */
-zhao2000_links_status zhao2000_links_feed(const zhao2000_links_pose *pose, const zhao2000_links_real twist[6], const zhao2000_links_real rate_limits[ZHAO2000_LINKS_JOINTS], zhao2000_links_real *feed);
+/* The largest factor, 0 to 1, by which a twist keeps every joint rate within its limit (0 or more,
+ * in mm or radians for each unit of time). */
+zhao2000_links_status zhao2000_links_feed(const zhao2000_links_pose *pose,
+    const zhao2000_links_real twist[6],
+    const zhao2000_links_real rate_limits[ZHAO2000_LINKS_JOINTS], zhao2000_links_real *feed);
 #ifdef __cplusplus
 }
 #endif

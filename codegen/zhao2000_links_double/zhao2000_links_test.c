@@ -1,4 +1,5 @@
-/* Test of zhao2000_links.c against vectors from Python. Prints what failed; exit status 0 when nothing did.
+/* Test of zhao2000_links.c against vectors from Python. Prints what failed; exit status 0 when
+ * nothing did.
  * SPDX-License-Identifier: MIT */
 #include "zhao2000_links.h"
 #include "zhao2000_links_vectors.h"
@@ -41,7 +42,8 @@ static double difference(const zhao2000_links_pose *a, const zhao2000_links_real
     }
     for (int i = 0; i < 4; ++i) {
         const double other = (cosine < 0.0) ? -(double)b[3 + i] : (double)b[3 + i];
-        largest = fmax(largest, 2.0 * (double)ZHAO2000_LINKS_SIZE * fabs((double)a->quaternion[i] - other));
+        largest = fmax(largest, 2.0 * (double)ZHAO2000_LINKS_SIZE * fabs((double)a->quaternion[i]
+            - other));
     }
     return (cosine == cosine) ? largest : HUGE_VAL;
 }
@@ -59,7 +61,9 @@ static int same_pose(const zhao2000_links_pose *a, const zhao2000_links_pose *b)
 }
 
 /* A direct call that must not succeed: the status, with the pose untouched and info written. */
-static zhao2000_links_status refused(const zhao2000_links_config *config, const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], const zhao2000_links_pose *guess, const char *what)
+static zhao2000_links_status refused(const zhao2000_links_config *config,
+    const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], const zhao2000_links_pose *guess,
+    const char *what)
 {
     const zhao2000_links_real marks[7] = { 1.0, 2.0, 4.0, 1.0, 2.0, 4.0, 1.0 };
     const zhao2000_links_pose untouched = pose_from(marks);
@@ -82,19 +86,23 @@ static void solve_all(void)
         zhao2000_links_pose pose = guess;
         zhao2000_links_info info;
         zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS];
-        expect(zhao2000_links_direct(NULL, zhao2000_links_vector_joints[k], &pose, &pose, &info) == ZHAO2000_LINKS_OK, "direct", k);
+        expect(zhao2000_links_direct(NULL, zhao2000_links_vector_joints[k], &pose, &pose,
+            &info) == ZHAO2000_LINKS_OK, "direct", k);
         expect(difference(&pose, zhao2000_links_vector_poses[k]) <= bound, "direct's pose", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
         expect(info.joint == ZHAO2000_LINKS_JOINTS, "no joint to blame", k);
         pose = guess;
-        expect(zhao2000_links_direct(NULL, zhao2000_links_vector_joints[k], &guess, &pose, NULL) == ZHAO2000_LINKS_OK, "direct without info", k);
-        expect(zhao2000_links_track(zhao2000_links_vector_joints[k], &pose, &info) == ZHAO2000_LINKS_OK, "track", k);
+        expect(zhao2000_links_direct(NULL, zhao2000_links_vector_joints[k], &guess, &pose,
+            NULL) == ZHAO2000_LINKS_OK, "direct without info", k);
+        expect(zhao2000_links_track(zhao2000_links_vector_joints[k], &pose,
+            &info) == ZHAO2000_LINKS_OK, "track", k);
         expect(difference(&pose, zhao2000_links_vector_poses[k]) <= bound, "track's pose", k);
         pose = pose_from(zhao2000_links_vector_poses[k]);
         expect(zhao2000_links_inverse(&pose, joints) == ZHAO2000_LINKS_OK, "inverse", k);
         for (int i = 0; i < ZHAO2000_LINKS_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)zhao2000_links_vector_inverse[k][i]) <= bound * 1.0, "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)zhao2000_links_vector_inverse[k][i]) <= bound
+                * 1.0, "inverse's joints", k);
         }
         if (k < ZHAO2000_LINKS_VECTOR_JACOBIANS) {
             zhao2000_links_real jacobian[ZHAO2000_LINKS_JOINTS * 6];
@@ -108,21 +116,27 @@ static void solve_all(void)
     }
 }
 
-static void refuse_configs(const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS], const zhao2000_links_pose *home)
+static void refuse_configs(const zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS],
+    const zhao2000_links_pose *home)
 {
-    const zhao2000_links_real wrong[4] = { 0.0, -1.0, (zhao2000_links_real)NAN, (zhao2000_links_real)INFINITY };
+    const zhao2000_links_real wrong[4] = { 0.0, -1.0, (zhao2000_links_real)NAN,
+        (zhao2000_links_real)INFINITY };
     for (int i = 0; i < 8; ++i) {
         const zhao2000_links_real other = wrong[i % 4];
-        const zhao2000_links_config config = { (i < 4) ? other : ZHAO2000_LINKS_TOLERANCE, ZHAO2000_LINKS_MAX_STEPS, (i < 4) ? ZHAO2000_LINKS_MAX_STEP : other };
-        const zhao2000_links_status wanted = (i % 4 < 2) ? ZHAO2000_LINKS_OUT_OF_RANGE : ZHAO2000_LINKS_NONFINITE;
-        expect(refused(&config, joints, home, "wrong config") == wanted, "status of a wrong config", i);
+        const zhao2000_links_config config = { (i < 4) ? other : ZHAO2000_LINKS_TOLERANCE,
+            ZHAO2000_LINKS_MAX_STEPS, (i < 4) ? ZHAO2000_LINKS_MAX_STEP : other };
+        const zhao2000_links_status wanted = (i % 4 < 2)
+            ? ZHAO2000_LINKS_OUT_OF_RANGE : ZHAO2000_LINKS_NONFINITE;
+        expect(refused(&config, joints, home, "wrong config") == wanted,
+            "status of a wrong config", i);
     }
 }
 
 static void refuse_all(void)
 {
     const zhao2000_links_pose home = pose_from(zhao2000_links_vector_home);
-    const zhao2000_links_config one_step = { ZHAO2000_LINKS_TOLERANCE, 1U, ZHAO2000_LINKS_MAX_STEP };
+    const zhao2000_links_config one_step = { ZHAO2000_LINKS_TOLERANCE, 1U,
+        ZHAO2000_LINKS_MAX_STEP };
     const zhao2000_links_config none = { ZHAO2000_LINKS_TOLERANCE, 0U, ZHAO2000_LINKS_MAX_STEP };
     zhao2000_links_pose wrong = home;
     zhao2000_links_pose pose = home;
@@ -132,8 +146,10 @@ static void refuse_all(void)
     for (int i = 0; i < ZHAO2000_LINKS_JOINTS; ++i) {
         joints[i] = zhao2000_links_vector_joints[0][i];
     }
-    expect(refused(&one_step, joints, &home, "one step is not enough") == ZHAO2000_LINKS_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
-    expect(refused(&none, joints, &home, "no step is not enough") == ZHAO2000_LINKS_MAX_ITERATIONS, "MAX_ITERATIONS", 1);
+    expect(refused(&one_step, joints, &home,
+        "one step is not enough") == ZHAO2000_LINKS_MAX_ITERATIONS, "MAX_ITERATIONS", 0);
+    expect(refused(&none, joints, &home, "no step is not enough") == ZHAO2000_LINKS_MAX_ITERATIONS,
+        "MAX_ITERATIONS", 1);
     refuse_configs(joints, &home);
     joints[ZHAO2000_LINKS_JOINTS - 1] = (zhao2000_links_real)NAN;
     (void)zhao2000_links_direct(NULL, joints, &home, &pose, &info);
@@ -148,25 +164,33 @@ static void refuse_all(void)
     joints[0] = (zhao2000_links_real)NAN;
     expect(refused(NULL, joints, &home, "NaN joint") == ZHAO2000_LINKS_NONFINITE, "NONFINITE", 0);
     joints[0] = (zhao2000_links_real)INFINITY;
-    expect(refused(NULL, joints, &home, "infinite joint") == ZHAO2000_LINKS_NONFINITE, "NONFINITE", 1);
+    expect(refused(NULL, joints, &home, "infinite joint") == ZHAO2000_LINKS_NONFINITE, "NONFINITE",
+        1);
     joints[0] = -2448197.8491532444;
-    expect(refused(NULL, joints, &home, "joint out of range") == ZHAO2000_LINKS_OUT_OF_RANGE, "OUT_OF_RANGE", 0);
+    expect(refused(NULL, joints, &home, "joint out of range") == ZHAO2000_LINKS_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 0);
     joints[0] = 2448197.8491532444;
     (void)refused(NULL, joints, &home, "joint beyond reach");
     joints[0] = zhao2000_links_vector_joints[0][0];
     wrong.quaternion[0] = 2.0;
-    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == ZHAO2000_LINKS_OUT_OF_RANGE, "OUT_OF_RANGE", 1);
-    expect(zhao2000_links_inverse(&wrong, joints) == ZHAO2000_LINKS_OUT_OF_RANGE, "OUT_OF_RANGE of inverse", 0);
-    expect(zhao2000_links_jacobian(&wrong, jacobian) == ZHAO2000_LINKS_OUT_OF_RANGE, "OUT_OF_RANGE of jacobian", 0);
+    expect(refused(NULL, joints, &wrong, "quaternion of length 2") == ZHAO2000_LINKS_OUT_OF_RANGE,
+        "OUT_OF_RANGE", 1);
+    expect(zhao2000_links_inverse(&wrong, joints) == ZHAO2000_LINKS_OUT_OF_RANGE,
+        "OUT_OF_RANGE of inverse", 0);
+    expect(zhao2000_links_jacobian(&wrong, jacobian) == ZHAO2000_LINKS_OUT_OF_RANGE,
+        "OUT_OF_RANGE of jacobian", 0);
     wrong = home;
     wrong.position[1] = (zhao2000_links_real)NAN;
     expect(refused(NULL, joints, &wrong, "NaN guess") == ZHAO2000_LINKS_NONFINITE, "NONFINITE", 2);
-    expect(zhao2000_links_inverse(&wrong, joints) == ZHAO2000_LINKS_NONFINITE, "NONFINITE of inverse", 0);
-    expect(zhao2000_links_track(joints, &wrong, NULL) == ZHAO2000_LINKS_NONFINITE, "NONFINITE of track", 0);
+    expect(zhao2000_links_inverse(&wrong, joints) == ZHAO2000_LINKS_NONFINITE,
+        "NONFINITE of inverse", 0);
+    expect(zhao2000_links_track(joints, &wrong, NULL) == ZHAO2000_LINKS_NONFINITE,
+        "NONFINITE of track", 0);
     wrong = pose_from(zhao2000_links_vector_far);
     pose = wrong;
 #if ZHAO2000_LINKS_VECTOR_FAR > 0
-    expect(zhao2000_links_track(joints, &wrong, &info) == ZHAO2000_LINKS_WRONG_BRANCH, "WRONG_BRANCH of a long step", 0);
+    expect(zhao2000_links_track(joints, &wrong, &info) == ZHAO2000_LINKS_WRONG_BRANCH,
+        "WRONG_BRANCH of a long step", 0);
     expect(same_pose(&pose, &wrong), "pose untouched by a long step", 0);
 #else
     (void)zhao2000_links_track(joints, &pose, &info);
@@ -174,12 +198,14 @@ static void refuse_all(void)
 #if ZHAO2000_LINKS_VECTOR_SINGULAR > 0
     for (int k = 0; k < ZHAO2000_LINKS_VECTOR_SINGULAR; ++k) {
         wrong = pose_from(zhao2000_links_vector_singular[k]);
-        expect(refused(NULL, joints, &wrong, "singular start") == ZHAO2000_LINKS_SINGULAR, "SINGULAR", k);
+        expect(refused(NULL, joints, &wrong, "singular start") == ZHAO2000_LINKS_SINGULAR,
+            "SINGULAR", k);
     }
 #endif
 }
 
-/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
+/* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
+ * own. */
 static void speeds_of(const zhao2000_links_pose *pose, int k)
 {
     zhao2000_links_real rates[ZHAO2000_LINKS_JOINTS];
@@ -205,17 +231,23 @@ static void speeds_of(const zhao2000_links_pose *pose, int k)
     for (int i = 0; i < ZHAO2000_LINKS_JOINTS; ++i) {
         limits[i] = 4.0;
     }
-    expect((zhao2000_links_feed(pose, twist, limits, &feed) == ZHAO2000_LINKS_OK) && (feed == 1.0), "no need for a feed", k);
+    expect((zhao2000_links_feed(pose, twist, limits, &feed) == ZHAO2000_LINKS_OK)
+        && (feed == 1.0), "no need for a feed", k);
     limits[0] = -1.0;
-    expect(zhao2000_links_feed(pose, twist, limits, &feed) == ZHAO2000_LINKS_OUT_OF_RANGE, "a limit below 0", k);
+    expect(zhao2000_links_feed(pose, twist, limits, &feed) == ZHAO2000_LINKS_OUT_OF_RANGE,
+        "a limit below 0", k);
     limits[0] = (zhao2000_links_real)NAN;
-    expect(zhao2000_links_feed(pose, twist, limits, &feed) == ZHAO2000_LINKS_NONFINITE, "a limit that is not a number", k);
+    expect(zhao2000_links_feed(pose, twist, limits, &feed) == ZHAO2000_LINKS_NONFINITE,
+        "a limit that is not a number", k);
     twist[5] = (zhao2000_links_real)INFINITY;
-    expect(zhao2000_links_rates(pose, twist, again) == ZHAO2000_LINKS_NONFINITE, "infinite twist", k);
+    expect(zhao2000_links_rates(pose, twist, again) == ZHAO2000_LINKS_NONFINITE, "infinite twist",
+        k);
     rates[0] = (zhao2000_links_real)NAN;
-    expect(zhao2000_links_twist(pose, rates, twist) == ZHAO2000_LINKS_NONFINITE, "NaN among rates", k);
+    expect(zhao2000_links_twist(pose, rates, twist) == ZHAO2000_LINKS_NONFINITE, "NaN among rates",
+        k);
     rates[0] = (zhao2000_links_real)1e30;
-    expect(zhao2000_links_twist(pose, rates, twist) == ZHAO2000_LINKS_OUT_OF_RANGE, "rates beyond all bounds", k);
+    expect(zhao2000_links_twist(pose, rates, twist) == ZHAO2000_LINKS_OUT_OF_RANGE,
+        "rates beyond all bounds", k);
 }
 
 int main(void)

@@ -3,7 +3,9 @@
 A folder of C: `folder` writes the files, `options` says what can be chosen, `program` chooses the kind of the mechanism,
 `vectors` (on `samples`) and `readme` make its test and its README. The kinds, whose geometry is numbers or a struct (`geometry`):
 `rod_platform`, `rod_platform_source` (six rods, with `rod_kernel`, `home_pose`); `limb_platform`, `limb_platform_source` (any
-limbs, with `limb_source`, `pose_coordinates`); `serial_arm`.
+limbs, with `limb_source`, `pose_coordinates`); `serial_arm`; `joint_map`, `joint_map_source` (maps between joints, with
+`closed_direction` where formulas solve one, `circle_kernel` and `circles`, which know angles by cosine and sine,
+`joint_map_vectors`, `joint_map_readme`).
 
 Newton's method: `newton_kernel` states what an iteration computes, `newton_source` writes it, `linear_solver` its LU or QR.
 

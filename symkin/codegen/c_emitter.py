@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -69,9 +69,15 @@ class _Node:
     source: tuple[int, int] = (0, 0)
 
 
+_SUMS = (ca.OP_ADD, ca.OP_SUB)
+_SINGLE: dict[int, Callable[[float], float]] = {
+    ca.OP_NEG: lambda a: -a, ca.OP_TWICE: lambda a: 2.0 * a, ca.OP_SQ: lambda a: a * a, ca.OP_INV: lambda a: 1.0 / a,
+}  # fmt: skip
+
+
 @dataclass
 class _Graph:
-    """Evaluator that lists the values of a function; `divisors` counts how often each is divided by."""
+    """Evaluator that lists the values of a function, constants folded; `divisors` counts how often each is divided by."""
 
     nodes: list[_Node] = field(default_factory=list)
     outputs: dict[tuple[int, int], int] = field(default_factory=dict)
@@ -84,9 +90,44 @@ class _Graph:
         return self._add(_Node(ca.OP_CONST, constant=snap(number)))
 
     def operation(self, op: int, operands: list[int]) -> int:
+        found = self._folded(op, operands)
+        if found is not None:
+            return found
         if op in (ca.OP_DIV, ca.OP_INV):
             self.divisors[operands[-1]] += 1
         return self._add(_Node(op, tuple(operands)))
+
+    def _folded(self, op: int, operands: list[int]) -> int | None:
+        """A value that needs no operation of its own, or a simpler one: what is constant, x + a - b as x + (a - b), x - (-a) as x + a."""
+        numbers = [self._number(k) for k in operands]
+        if op in _INFIX and None not in numbers:
+            a, b = (float(number) for number in numbers if number is not None)
+            return self.constant({ca.OP_ADD: a + b, ca.OP_SUB: a - b, ca.OP_MUL: a * b, ca.OP_DIV: a / b if b else math.nan}[op])
+        if op in _SINGLE and numbers[0] is not None and (op != ca.OP_INV or numbers[0]):
+            return self.constant(_SINGLE[op](numbers[0]))
+        if op == ca.OP_MUL and 1.0 in numbers:
+            return operands[0] if numbers[1] == 1.0 else operands[1]
+        if op == ca.OP_MUL and -1.0 in numbers:
+            return self._add(_Node(ca.OP_NEG, (operands[0] if numbers[1] == -1.0 else operands[1],)))
+        if op in _SUMS and numbers[1] is not None:
+            return self._with_constant(operands[0], numbers[1] if op == ca.OP_ADD else -numbers[1])
+        if op == ca.OP_ADD and numbers[0] is not None:
+            return self._with_constant(operands[1], numbers[0])
+        return None
+
+    def _number(self, k: int) -> float | None:
+        node = self.nodes[k]
+        return node.constant if node.op == ca.OP_CONST else None
+
+    def _with_constant(self, k: int, number: float) -> int | None:
+        """x + number, where x may end in a constant; None where that is written already."""
+        node = self.nodes[k]
+        if node.op in _SUMS and (last := self._number(node.reads[1])) is not None:
+            k, number = node.reads[0], number + (last if node.op == ca.OP_ADD else -last)
+        number = snap(number)
+        if number == 0.0:
+            return k
+        return self._add(_Node(ca.OP_SUB if number < 0.0 else ca.OP_ADD, (k, self.constant(abs(number)))))
 
     def output(self, number: int, nonzero: int, value: int) -> None:
         self.outputs[number, nonzero] = value

@@ -36,6 +36,10 @@ _LEAST_PART = 2.0**-12
 _WIDE = 1.5 * np.pi
 """Range of a limited angle (rad) from which the way between two of its values may be longer than half a turn and ends within a right
 angle all the same."""
+_ARC = 0.117
+"""An angle up to a right one squared is its chord squared, c, and less than this times c^2: (pi^2 / 8 - 1) / 2."""
+_ALIKE = 0.01
+"""Relative difference of weights that are taken as equal: as the largest of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,23 +156,32 @@ class ClosedDirectSource:
                 f"const {real.type} r{k + 1} = (d{k + 1} > {limit}) ? {real.call('sqrt')}(d{k + 1}) : {real.literal(1.0)};"
             )
             tests.append(f"(d{k + 1} > {limit})")
-        lines = emitter.lines
-        lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(int(parts[1].shape[0]))]
-        near = []
-        for k in range(int(parts[2].shape[0])):
-            lines.append(
-                f"w->sign[{k}] = ({emitter.value(2, k)} < {real.literal(0.0)}) ? {real.literal(-1.0)} : {real.literal(1.0)};"
-            )
-        for j in range(int(parts[3].shape[0])):
-            lines.append(f"w->left[{j}] = {emitter.value(3, j)};")
-            near.append(f"(w->left[{j}] > {self._least[j]})")
         limit = real.literal(off_motion(self.made.geometry, real))
         tests += [f"({real.call('fabs')}({emitter.value(4, i)}) <= {limit})" for i in range(int(parts[4].shape[0]))]
-        if tests:
-            lines += [f"if (!({' && '.join(tests)})) {{", f"    status = {name}_OUT_OF_RANGE;", "}"]
-        if near:
-            lines += [f"if ((status == {name}_OK) && !({' && '.join(near)})) {{", f"    status = {name}_SINGULAR;", "}"]
-        return lines
+        begun, lines = len(emitter.lines), emitter.lines
+        lines += [f"w->at[{i}] = {emitter.value(1, i)};" for i in range(int(parts[1].shape[0]))]
+        self._store_guards(emitter, 3, "left", of_divisors=True)
+        middle, zero, one = len(lines), real.literal(0.0), real.literal(1.0)
+        for k in range(int(parts[2].shape[0])):
+            lines.append(f"w->sign[{k}] = ({emitter.value(2, k)} < {zero}) ? -{one} : {one};")
+        self._store_guards(emitter, 3, "left", of_divisors=False)
+        near = self._above("left", of_divisors=False)
+        last = [*lines[middle:], *([f"if (!({near})) {{", f"    status = {name}_SINGULAR;", "}"] if near else [])]
+        rest = [*lines[begun:middle], *_refused(self._above("left", of_divisors=True), last, f"{name}_SINGULAR")]
+        return [*lines[:begun], *_refused(" && ".join(tests), rest, f"{name}_OUT_OF_RANGE")]
+
+    def _store_guards(self, emitter: Emitter, output: int, array: str, *, of_divisors: bool) -> None:
+        """Add statements of guards: those of divisors, by which formulas divide, or those of discriminants."""
+        for j, guard in enumerate(self.found.guards):
+            if (guard.choice is None) == of_divisors:
+                emitter.lines.append(f"w->{array}[{j}] = {emitter.value(output, j)};")
+
+    def _above(self, array: str, *, of_divisors: bool) -> str:
+        """C condition: these guards are more than rounding."""
+        tests = [
+            f"(w->{array}[{j}] > {self._least[j]})" for j, g in enumerate(self.found.guards) if (g.choice is None) == of_divisors
+        ]
+        return " && ".join(tests)
 
     def _pose_generators(self, lengths: Sequence[ca.SX], half: tuple[ca.SX, ca.SX] | None) -> dict[str, Generators]:
         pose, found, left = self.made.closure.role("pose"), {}, list(lengths)
@@ -232,7 +245,8 @@ class ClosedDirectSource:
         function = ca.Function("formulas", [self._u, formulas.roots], outputs, {"cse": True})
         count = int(formulas.roots.shape[0])
         emitter = Emitter(function, [indexed("w->u", self._count), [f"r{k + 1}" for k in range(count)]], real)
-        lines, zero = emitter.lines, real.literal(0.0)
+        self._store_guards(emitter, 2, "guard", of_divisors=True)
+        lines, zero, begun = emitter.lines, real.literal(0.0), len(emitter.lines)
         for k in range(count):
             text = emitter.value(0, k)
             lines.append(
@@ -241,15 +255,25 @@ class ClosedDirectSource:
             lines.append(
                 f"const {real.type} r{k + 1} = w->sign[{k}] * {real.call('sqrt')}((d{k + 1} > {zero}) ? d{k + 1} : {zero});"
             )
-        for j in range(len(self.found.guards)):
-            lines.append(f"w->guard[{j}] = {emitter.value(2, j)};")
+        self._store_guards(emitter, 2, "guard", of_divisors=False)
         for i in range(len(unknowns)):
             if i in self._needed:
                 lines.append(f"w->y[{i}] = {emitter.value(1, i)};")
-        shares = [f"{real.literal(rounded(float(root**2)))} / d{k + 1}" for k, root in enumerate(self.found.usual_roots)]
-        lines.append(f"w->share = {shares[0]};")
-        lines += [line for share in shares[1:] for line in (f"if ({share} > w->share) {{", f"    w->share = {share};", "}")]
-        return lines
+        one = real.literal(1.0)
+        shares = [
+            f"{real.call('fabs')}(r{k + 1}) * {real.literal(1.0 / float(root))}" for k, root in enumerate(self.found.usual_roots)
+        ]
+        lines.append(f"w->share = {shares[0] if shares else one};")
+        for k, share in enumerate(shares[1:], start=2):
+            lines.append(f"const {real.type} share{k} = {share};")
+            lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
+        none = [f"w->guard[{j}] = {zero};" for j, guard in enumerate(self.found.guards) if guard.choice is not None]
+        condition = self._above("guard", of_divisors=True)
+        if not condition:
+            return lines
+        return [*lines[:begun], f"if ({condition}) {{", *("    " + line for line in lines[begun:]), "} else {",
+                "    /* what formulas divide by vanishes: no guard is above zero */", *("    " + line for line in none),
+                f"    w->share = {zero};", "}"]  # fmt: skip
 
     @property
     def _set_lines(self) -> list[str]:
@@ -273,8 +297,8 @@ class ClosedDirectSource:
                 lines.append(f"const {real.type} move{n} = w.u[{n}] - w.at[{n}];")
             square = " + ".join(f"move{n} * move{n}" for n in places)
             if c.is_angular:
-                lines += [f"change[{i}] = {square};", f"kept = kept && (change[{i}] <= {real.literal(2.0)});",
-                          f"change[{i}] *= {real.literal(1.2338)};"]  # fmt: skip
+                lines += [f"const {real.type} chord{i} = {square};", f"kept = kept && (chord{i} <= {real.literal(2.0)});",
+                          f"change[{i}] = chord{i} + {real.literal(_ARC)} * chord{i} * chord{i};"]  # fmt: skip
             else:
                 lines += [f"change[{i}] = {square};"]
         return lines
@@ -330,7 +354,7 @@ class ClosedDirectSource:
             if c.is_angular:
                 generators[c.name] = Generators((self._half[0], self._half[1]), is_half=True)
         none = ca.SX(0, 1)
-        rows = lifted(formulas.system.errors, self._places(formulas.system), generators, none)
+        rows = lifted(formulas.system.rows, self._places(formulas.system), generators, none)
         sides = [none]
         for block in made.blocks:
             if block.formulas is None:
@@ -432,8 +456,8 @@ class ClosedDirectSource:
         values = dict(self.common) | {
             "nu": self._count, "nk": max(1, len(self.found.formulas.names)), "ng": len(self.found.guards), "ny": int(self._y.shape[0]),
             "guess_lines": indent(self._guess_lines, 2), "formula_lines": indent(self._formula_lines), "set_lines": indent(self._set_lines),
-            **self._weight_values, "nr": len(self.found.reaches), "reach_member": self._reach_member, "no_reach": "    w.reach = 0U;" if self._reach_member else "", "least": ", ".join(self._least),
-            "p_angle": angle, "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(self._at_lines),
+            "keep_lines": indent(self._keep_lines), "reach_member": self._reach_member, "no_reach": "    w.reach = 0U;" if self._reach_member else "",
+            "p_angle": angle, "near_one": literal(0.9999), "hundred": literal(80.0), "nine_tenths": literal(0.9), "tenth": literal(0.1), "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(self._at_lines),
             "span_lines": indent(self._span_lines), "change_lines": indent(self._change_lines, 3), "near": "false" if any(wide) else "true",
             "half_lines": indent(self._half_lines), "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
             **self._answer_lines,
@@ -448,47 +472,57 @@ class ClosedDirectSource:
         return "    unsigned int reach;" if len(self.found.reaches) > 1 else ""
 
     @property
-    def _weight_values(self) -> dict[str, str]:
-        """The tables of weights, by reach and guard, and what a guard that holds another's root adds."""
-        literal, guards, several = self.real.literal, self.found.guards, len(self.found.reaches) > 1
+    def _keep_lines(self) -> list[str]:
+        """Statements that compare each guard with how far it may bend on the way."""
+        real, zero = self.real, self.real.literal(0.0)
+        roots = {guard.root for guard in self.found.guards}
+        lines, sums = ["bool kept = true;"], dict[str, str]()
+        for j, guard in enumerate(self.found.guards):
+            lines += [f"/* {c_comment(guard.name)} */", f"const {real.type} a{j} = w->left[{j}] - {self._least[j]};",
+                      f"const {real.type} b{j} = w->guard[{j}] - {self._least[j]};",
+                      f"const {real.type} lesser{j} = (a{j} < b{j}) ? a{j} : b{j};"]  # fmt: skip
+            bend = self._weighted(f"plain{j}", [weights.plain for weights in guard.weights], lines, sums)
+            if guard.root is not None:
+                # the root that it holds is at least this on the way
+                lines.append(f"const {real.type} per{j} = {real.literal(1.0)} / {real.call('sqrt')}(under{guard.root});")
+                once = self._weighted(f"once{j}", [weights.by_root for weights in guard.weights], lines, sums)
+                cube = self._weighted(f"thrice{j}", [weights.by_cube for weights in guard.weights], lines, sums)
+                bend = f"{bend} + per{j} * ({once} + per{j} * per{j} * ({cube}))"
+            lines.append(f"const {real.type} bend{j} = {bend};")
+            lines += [f"const {real.type} most{j} = a{j} + b{j} + lesser{j} + lesser{j};", f"if (!((lesser{j} > {zero}) && (bend{j} < most{j}))) {{",
+                      f"    w->over = (kept && (lesser{j} > {zero})) ? (bend{j} / most{j}) : w->over;", "    kept = false;", "}"]  # fmt: skip
+            if j in roots:
+                lines.append(f"const {real.type} least{j} = lesser{j} - {real.literal(0.25)} * bend{j};")
+                lines.append(f"kept = kept && (least{j} > {zero});")
+                lines.append(f"const {real.type} under{j} = (least{j} > {zero}) ? least{j} : {real.literal(1.0)};")
+        return lines
 
-        def row(values: np.ndarray) -> str:
-            return "{ " + ", ".join(literal(rounded(float(1.0001 * v))) for v in values) + " }"
-
-        def table(rows: Sequence[Sequence[str]]) -> str:
-            texts = ["{ " + ", ".join(part) + " }" for part in rows]
-            return ", ".join(texts) if several else texts[0][2:-2]
-
-        count = len(self.made.actuated)
-        reach, dimension = ("[w->reach]", f"[{len(self.found.reaches)}]") if several else ("", "")
-        plain = table([[row(g.weights[r].plain) for g in guards] for r in range(len(self.found.reaches))])
-        lines, static = [], f"static const {self.real.type}"
-        for j, guard in enumerate(guards):
-            if guard.root is None:
+    def _weighted(self, name: str, weights: Sequence[np.ndarray], lines: list[str], sums: dict[str, str]) -> str:
+        """C text of a sum of squared changes by weights of each reach; joints of about one weight are added first. `lines` get tables and
+        sums."""
+        real, parts = self.real, list[str]()
+        table = np.array([[rounded(float(1.0001 * v)) for v in part] for part in weights])
+        left = [i for i in range(table.shape[1]) if np.any(table[:, i] > 0.0)]
+        while left:
+            alike = [i for i in left if np.all(np.abs(table[:, i] - table[:, left[0]]) <= _ALIKE * table[:, left[0]])]
+            left = [i for i in left if i not in alike]
+            column, added = np.max(table[:, alike], axis=1), " + ".join(f"change[{i}]" for i in alike)
+            if len(alike) > 1:
+                if added not in sums:
+                    sums[added] = f"sum{len(sums)}"
+                    lines.append(f"const {real.type} {sums[added]} = {added};")
+                added = sums[added]
+            if np.all(column == column[0]):
+                parts.append(f"{real.literal(float(column[0]))} * {added}")
                 continue
-            for array, part in (("by_root", "by_root"), ("by_cube", "by_cube")):
-                texts = [row(getattr(guard.weights[r], part)) for r in range(len(self.found.reaches))]
-                inner = ", ".join(texts) if several else texts[0][2:-2]
-                lines.append(f"{static} {array}{j}{dimension}[{count}] = {{ {inner} }};")
-            lines += [
-                f"if (kept && (j == {j})) {{", f"    /* it holds the root of guard {guard.root}, which is at least this on the way */",
-                f"    const {self.real.type} under = lowest[{guard.root}];", f"    const {self.real.type} per = {literal(1.0)} / {self.real.call('sqrt')}(under);",
-                f"    for (int i = 0; i < {count}; ++i) {{", f"        bend += per * (by_root{j}{reach}[i] + by_cube{j}{reach}[i] / under) * change[i];", "    }", "}",
-            ]  # fmt: skip
-        return {
-            "weights": "        " + plain,
-            "weights_of": f"weights{reach}",
-            "weights_size": f"{dimension}[{len(guards)}][{count}]",
-            **_nested_values(lines, self.real, len(guards)),
-        }
+            texts, table_name = ", ".join(real.literal(float(v)) for v in column), f"{name}_{alike[0]}"
+            lines.append(f"static const {real.type} {table_name}[{len(column)}] = {{ {texts} }};")
+            parts.append(f"{table_name}[w->reach] * {added}")
+        return " + ".join(parts) or real.literal(0.0)
 
 
-def _nested_values(lines: list[str], real: Real, count: int) -> dict[str, str]:
-    """Statements of guards that hold another's root: the tables before the loop, the rest within it, and the least values kept for them."""
-    if not lines:
-        return {"nested_tables": "", "nested": "", "lowest_array": "", "keep_lowest": ""}
-    tables = [line for line in lines if line.startswith("static")]
-    return {
-        "nested_tables": indent(tables), "nested": indent([line for line in lines if line not in tables], 2), "lowest_array": f"    {real.type} lowest[{count}];",
-        "keep_lowest": indent([f"lowest[j] = lesser - {real.literal(0.25)} * bend;", f"kept = kept && (lowest[j] > {real.literal(0.0)});"], 2),
-    }  # fmt: skip
+def _refused(condition: str, lines: Sequence[str], status: str) -> list[str]:
+    """Statements under a condition, without which a status is set."""
+    if not condition:
+        return list(lines)
+    return [f"if (!({condition})) {{", f"    status = {status};", "} else {", *("    " + line for line in lines), "}"]

@@ -273,13 +273,11 @@ class ClosedDirection:
         for j, one in enumerate(self.conditions):
             text = emitter.value(0, j)
             if one.root is None:
-                emitter.lines.append(
-                    f"d[{j}] = {text} * {literal(rounded(1.0 / float(self.usual[j])))}; /* {c_comment(one.name)}: what is divided by */"
-                )
+                emitter.lines.append(f"d[{j}] = {text} * {self._per_usual(j)}; /* {c_comment(one.name)}: what is divided by */")
                 continue
             number += 1
             emitter.lines.append(f"const {kind} d{number} = {text}; /* above 0 where {c_comment(one.name)} has two values */")
-            emitter.lines.append(f"d[{j}] = d{number} * {literal(rounded(1.0 / float(self.usual[j])))};")
+            emitter.lines.append(f"d[{j}] = d{number} * {self._per_usual(j)};")
             least = literal(rounded(_ROOT * float(self.usual[j])))
             emitter.lines.append(
                 f"const {kind} r{number} = (d{number} > {least}) ? {self.real.call('sqrt')}(d{number}) : {literal(0.0)};"
@@ -291,7 +289,7 @@ class ClosedDirection:
 
     @property
     def _told_lines(self) -> list[str]:
-        """Statements of the signs of a configuration."""
+        """Statements of the signs of a configuration, and of its conditions."""
         numbers = self._by_name(self.direction.known, self.known) | self._by_name(self.direction.unknown, self.state)
         told: list[ca.SX] = []
         for part in self.direction.parts:
@@ -302,31 +300,42 @@ class ClosedDirection:
                        ((system.known, part.problem.known_coordinates), (system.unknown, system.unknowns))]  # fmt: skip
             written = self._written(part.form.told, part.form, symbols)
             told += [written[k] for k in range(int(written.shape[0]))]
-        symbols_ = [self.known, self.state, self.signs, self.roots]
-        expression = snapped_expression(ca.vertcat(ca.SX(0, 1), *told), symbols_)
-        function = ca.Function("f", symbols_, [ca.densify(expression)], {"cse": True})
-        literal, kind, count = self.real.literal, self.real.type, len(told)
-        names = [
-            indexed("k", int(self.known.shape[0])),
-            indexed("x", int(self.state.shape[0])),
-            indexed("sign", count),
-            [f"r{k + 1}" for k in range(count)],
-        ]
-        emitter = Emitter(function, names, self.real)
-        lines = emitter.lines
+        inputs = [self.known, self.state, self.signs, self.roots]
+        divisors = [one.value for one in self.conditions if one.root is None]
+        expressions = [snapped_expression(ca.vertcat(ca.SX(0, 1), *part), inputs) for part in (told, divisors)]
+        function = ca.Function("f", inputs, [ca.densify(e) for e in expressions], {"cse": True})
+        literal, count = self.real.literal, len(told)
+        names = [indexed("k", int(self.known.shape[0])), indexed("x", int(self.state.shape[0])), indexed("sign", count)]
+        emitter = Emitter(function, [*names, [f"r{k + 1}" for k in range(count)]], self.real)
+        place = 0
         for k in range(count):
             text = emitter.value(0, k)
-            lines.append(f"sign[{k}] = ({text} < {literal(0.0)}) ? -{literal(1.0)} : {literal(1.0)};")
-            if any(f"r{k + 1}" in _later(function, k, j) for j in range(k + 1, count)):
-                lines.append(f"const {kind} r{k + 1} = {self.real.call('fabs')}({text});")
-        return lines or [f"sign[0] = {literal(1.0)};"]
+            emitter.lines.append(f"sign[{k}] = ({text} < {literal(0.0)}) ? -{literal(1.0)} : {literal(1.0)};")
+            if self._read_later(k, [*told[k + 1 :], *divisors]):
+                emitter.lines.append(f"const {self.real.type} r{k + 1} = {self.real.call('fabs')}({text});")
+            j = next(
+                (i for i, one in enumerate(self.conditions) if one.root is not None and ca.is_equal(one.root, self.roots[k])),
+                None,
+            )
+            if j is not None:
+                emitter.lines.append(f"d[{j}] = {text} * {text} * {self._per_usual(j)};")
+        for j, one in enumerate(self.conditions):
+            if one.root is None:
+                text = emitter.value(1, place)
+                emitter.lines.append(f"d[{j}] = {text} * {self._per_usual(j)};")
+                place += 1
+        return [
+            *emitter.lines,
+            *([] if told else [f"sign[0] = {literal(1.0)};"]),
+            *([] if self.conditions else [f"d[0] = {literal(1.0)};"]),
+        ]
 
+    def _read_later(self, k: int, expressions: list[ca.SX]) -> bool:
+        """Whether expressions hold the root of a choice."""
+        return bool(expressions) and bool(ca.which_depends(ca.vertcat(*expressions), self.roots[k], 1, True).count(True))
 
-def _later(function: ca.Function, k: int, j: int) -> str:
-    """The root of choice k as text, where what tells choice j reads it."""
-    inputs = [ca.SX.sym(f"i{n}", function.size1_in(n)) for n in range(4)]
-    told = function(*inputs)
-    return f"r{k + 1}" if ca.which_depends(told[j], inputs[3][k], 1, True)[0] else ""
+    def _per_usual(self, j: int) -> str:
+        return self.real.literal(rounded(1.0 / float(self.usual[j])))
 
 
 def _unit(cosine: ca.SX, sine: ca.SX | None) -> list[ca.SX]:

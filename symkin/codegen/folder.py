@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import re
 from pathlib import Path
-from typing import Literal
+from typing import Unpack
 
 import casadi as ca
 import numpy as np
@@ -13,9 +13,13 @@ import numpy as np
 from symkin._version import __version__
 from symkin.codegen.c_emitter import Real, indent
 from symkin.codegen.c_templates import fill
+from symkin.codegen.cpp_header import cpp_text
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
-from symkin.codegen.options import Options
+from symkin.codegen.line_width import narrowed
+from symkin.codegen.linuxcnc import linuxcnc_text
+from symkin.codegen.options import Options, OptionValues
+from symkin.codegen.package import package_files
 from symkin.codegen.program import Program, build_program, is_closed
 from symkin.codegen.readme import readme
 from symkin.codegen.serial_arm import SerialArm
@@ -29,24 +33,15 @@ _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
 
 
-def write_firmware(
-    mechanism: Mechanism,
-    directory: Path | str,
-    *,
-    real: Literal["float", "double"] = "double",
-    home_relative: bool = False,
-    geometry: Literal["fixed", "struct"] = "fixed",
-    home: Sequence[float] | None = None,
-    given: Sequence[str] = (),
-    find: Sequence[str] = (),
-) -> list[Path]:
+def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpack[OptionValues]) -> list[Path]:
     """Write C99 for controllers into a folder and return its files: direct and inverse kinematics, Jacobian, test, build files.
 
-    `real` is the C type of numbers; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
+    `real` is the C type of numbers, "double" by default, or "float"; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
     gives the numbers of the geometry with each call in place of the code; `home` is the pose x, y, z, qw, qx, qy, qz (length
     unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `given` and `find` name joint
     coordinates, as many of each as the mobility: the code is then the map from one to the other and back, of any mechanism, graphs
-    and files of robots too, with Jacobian, rates and torques. Raises InputError for a
+    and files of robots too, with Jacobian, rates and torques. `also` asks for more files: "package" (PlatformIO, Arduino, Zephyr),
+    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). Raises InputError for a
     mechanism that no code can be written for, options that do not fit it, and a folder that holds files of somebody else.
 
     >>> import symkin, tempfile
@@ -54,14 +49,12 @@ def write_firmware(
     ...     [path.name for path in symkin.write_firmware(symkin.load("gluon_6l3"), folder, real="float")][:3]
     ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
     """
-    options = Options(
-        real, home_relative, geometry, None if home is None else tuple(float(v) for v in home), tuple(given), tuple(find)
-    )
+    chosen = Options.of(**options)
     require_mechanism(mechanism)
-    if not options.is_map:
+    if not chosen.is_map:
         remedy = "describe the machine by limbs, or map joints to joints by --given and --find (given and find in Python)"
         require_limbs(mechanism, "firmware", remedy)
-    return write_folder(mechanism, Path(directory), options)
+    return write_folder(mechanism, Path(directory), chosen)
 
 
 def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[Path]:
@@ -73,6 +66,7 @@ def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[P
         _check_files(folder, files)
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
             write_output(folder / name, text)
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror}); give a folder with -o") from None
@@ -100,7 +94,7 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
     """Text of each file by its name."""
     program = build_program(mechanism, options)
     kind = program.kind
-    vectors = MapVectors(kind).text() if isinstance(kind, JointMap) else vectors_text(program, build_vectors(kind))
+    vectors = MapVectors(kind) if isinstance(kind, JointMap) else build_vectors(kind)
     name = mechanism.name
     values = program.values | _test_values(program)
     values |= _closed_values(program, values)
@@ -109,12 +103,17 @@ def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
         f"{name}.h": program.header,
         f"{name}.c": program.source,
         f"{name}_test.c": fill(f"{templates}_test.c", values),
-        f"{name}_vectors.h": vectors,
+        f"{name}_vectors.h": vectors.text() if isinstance(vectors, MapVectors) else vectors_text(program, vectors),
         "example_main.c": fill(f"{templates}_example.c", values),
         "CMakeLists.txt": fill("CMakeLists.txt", values),
         "Makefile": fill("Makefile", values),
         "README.md": readme(program),
     }
+    files |= package_files(mechanism, values) if options.package else {}
+    if options.linuxcnc and not isinstance(vectors, MapVectors):
+        files[f"{name}_kins.c"] = linuxcnc_text(program, vectors.home)
+    files |= {f"{name}.hpp": cpp_text(program)} if options.cpp else {}
+    files = {file: narrowed(text) if file.endswith((".c", ".h", ".hpp")) else text for file, text in files.items()}
     files[MANIFEST] = manifest(program, files)
     return files
 
@@ -133,6 +132,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "geometry": options.geometry,
             "home": options.home,
             **({"given": options.given, "find": options.find} if options.is_map else {}),
+            **{str(name): True for name in options.also},
         },
         "operations_per_iteration": program.main.operations,
         **_closed_manifest(program),
@@ -164,6 +164,9 @@ def _test_values(program: Program) -> dict[str, object]:
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
         **_one_step_values(program),
+        "gpe": f"const {name}_geometry *geometry, " if struct else "",
+        "version": ".".join(re.findall(r"[0-9]+", __version__)[:3]),
+        "installed": f"{name}.h" + (f" {name}.hpp" if program.options.cpp else ""),
         "speed_bound": "1e-3" if real.name == "float" else "1e-9",
         "tolerance_text": f"{program.main.tuning.tolerance:.2g}",
         "closed_test": "", "closed_call": "",

@@ -20,9 +20,6 @@ _MOST_TERMS = 40
 """Terms of the longest polynomial that is followed."""
 _NOISE = 1e-13
 """Share of what a coefficient is summed from below which it is rounding."""
-_SHARES = (0.0, 0.5, 0.8, 1.0)
-"""A polynomial is written where it takes less than this share of its operations: the share that gives the shortest whole is taken."""
-
 _Monomial = tuple[int, ...]
 """Atoms of a product, in order; a square stands twice."""
 
@@ -43,7 +40,8 @@ def gathered(expressions: Sequence[ca.SX], symbols: Sequence[ca.SX], turns: Sequ
     whole = ca.densify(ca.vertcat(*expressions))
     reader = _Reader(ca.vertcat(*symbols), [(c.element_hash(), s.element_hash()) for c, s in turns])
     walk(ca.Function("f", [reader.symbols], [whole], {"cse": True}), reader)
-    found = [whole, *(_Writer(reader, share).whole(int(whole.shape[0])) for share in _SHARES)]
+    count = int(whole.shape[0])
+    found = [whole, _Writer(reader, _by_cones(reader)).whole(count)]
     best = min(found, key=lambda e: int(ca.Function("f", [reader.symbols], [e], {"cse": True}).n_instructions()))
     parts, begin = [], 0
     for size in sizes:
@@ -152,43 +150,67 @@ def _short(terms: Mapping[_Monomial, tuple[float, float]]) -> Mapping[_Monomial,
     return terms if len(terms) <= _MOST_TERMS else None
 
 
+def _polynomial_cost(node: _Node) -> int:
+    """Operations of a polynomial."""
+    assert node.terms is not None  # noqa: S101 - the caller has looked
+    count = sum(max(len(m) - 1, 0) + (bool(m) and abs(v) != 1.0) for m, (v, _) in node.terms.items())
+    return count + max(len(node.terms) - 1, 0)
+
+
+def _by_cones(reader: _Reader) -> set[int]:
+    """The values to write as polynomials: those that take no more operations than the part of the graph that nothing else reads, the
+    last values first."""
+    nodes, chosen = reader.nodes, set[int]()
+    uses = Counter(k for node in nodes for k in node.reads)
+    uses.update(reader.outputs.values())
+    # values that no output needs are not there
+    for place in reversed(range(len(nodes))):
+        if not uses[place]:
+            uses.subtract(nodes[place].reads)
+    for place in reversed(range(len(nodes))):
+        node = nodes[place]
+        if not uses[place] or node.atom is not None or node.terms is None or (place,) in node.terms:
+            continue
+        before = uses.copy()
+        if _polynomial_cost(node) <= _released(nodes, uses, place):
+            chosen.add(place)
+            uses.update({atom for m in node.terms for atom in m})
+        else:
+            uses = before
+    return chosen
+
+
+def _released(nodes: Sequence[_Node], uses: Counter[int], place: int) -> int:
+    """How many values go with one, which are read no more then."""
+    count, stack = 0, [place]
+    while stack:
+        k = stack.pop()
+        count += 1
+        for read in nodes[k].reads:
+            uses[read] -= 1
+            if not uses[read] and nodes[read].atom is None:
+                stack.append(read)
+    return count
+
+
 @dataclass
 class _Writer:
-    """Writes the values of a reader: polynomials where they take less than a share of their operations."""
+    """Writes the values of a reader, `polynomials` as such."""
 
     reader: _Reader
-    share: float
+    polynomials: set[int]
     written: dict[int, ca.SX] = field(default_factory=dict)
-    costs: dict[int, float] = field(default_factory=dict)
 
     def whole(self, count: int) -> ca.SX:
         return ca.vertcat(*(self._value(self.reader.outputs[k]) if k in self.reader.outputs else ca.SX(0) for k in range(count)))
-
-    def _cost(self, place: int) -> float:
-        """Operations of the shorter way, as if nothing were shared."""
-        if place not in self.costs:
-            node = self.reader.nodes[place]
-            if node.atom is not None:
-                self.costs[place] = 0.0
-            else:
-                by_operation = 1.0 + sum(self._cost(k) for k in node.reads)
-                self.costs[place] = min(by_operation, self._polynomial_cost(node, place))
-        return self.costs[place]
-
-    @staticmethod
-    def _polynomial_cost(node: _Node, place: int) -> float:
-        if node.terms is None or (place,) in node.terms:
-            return float("inf")
-        count = sum(max(len(m) - 1, 0) + (bool(m) and abs(v) != 1.0) for m, (v, _) in node.terms.items())
-        return float(count + max(len(node.terms) - 1, 0))
 
     def _value(self, place: int) -> ca.SX:
         if place not in self.written:
             node = self.reader.nodes[place]
             if node.atom is not None:
                 self.written[place] = node.atom
-            elif self._polynomial_cost(node, place) <= self.share * (1.0 + sum(self._cost(k) for k in node.reads)):
-                assert node.terms is not None  # noqa: S101 - it has a cost
+            elif place in self.polynomials:
+                assert node.terms is not None  # noqa: S101 - it was chosen for them
                 self.written[place] = self._horner({m: v for m, (v, _) in node.terms.items()})
             else:
                 make = ca.SX.binary if len(node.reads) == 2 else ca.SX.unary

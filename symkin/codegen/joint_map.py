@@ -13,10 +13,10 @@ from typing import ClassVar, Literal
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Real
-from symkin.codegen.circles import AngleSum, by_numbers, number_counts, numbers_at, numbers_of, sum_of_angles
-from symkin.codegen.newton_kernel import Kernel, Meaning, bent_places, listed
+from symkin.codegen.circle_kernel import CircleKernel, circle_kernel, shortened
+from symkin.codegen.circles import AngleSum, numbers_at, sum_of_angles
+from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
 from symkin.codegen.samples import Configuration, followed
 from symkin.computed_once import cached_property
@@ -30,8 +30,6 @@ from symkin.position.closed_configurations import closed_configurations
 from symkin.position.given_by_name import unknown_name
 from symkin.position.groups import dependence_of, is_linear, structure_groups
 from symkin.position.problem import Problem, build_problem
-from symkin.spatial.backend import dot
-from symkin.spatial.rotation import multiply
 
 _SAMPLES = 40
 _MOST_TRIES = 8
@@ -83,37 +81,13 @@ class Direction:
         return all(part.is_closed for part in self.parts)
 
     @cached_property
+    def circles(self) -> CircleKernel:
+        """Newton's iteration of this direction. Formulas read the numbers of known coordinates, which are then its known values too."""
+        return circle_kernel(self.name, self.problem.system, self.known, collected=not self.is_closed)
+
+    @property
     def kernel(self) -> Kernel:
-        """Newton's iteration of this direction; angles of states and of known values are cosines and sines."""
-        system, size = self.problem.system, self.problem.closure.characteristic_length
-        state = ca.SX.sym("x", sum(number_counts(self.unknown)))
-        known = ca.SX.sym("k", sum(number_counts(self.known)))
-        symbols = [(system.unknown, numbers_of(self.unknown, state)), (system.known, numbers_of(self.known, known))]
-        rows = snapped_expression(-by_numbers(system.rows, symbols), [state, known])
-        step = ca.SX.sym("s", system.freedom)
-        tangent, moved = _moves(self.unknown, state, step, size)
-        return Kernel(
-            name=self.name,
-            state=state,
-            known=known,
-            geometry=ca.SX(0, 1),
-            step=step,
-            shared_symbols=ca.SX(0, 1),
-            rows=rows,
-            shared=ca.SX(0, 1),
-            jacobian=snapped_expression(-ca.mtimes(ca.jacobian(rows, state), tangent), [state, known]),
-            moved=moved,
-            norm=dot(step, step),
-            row_length=1.0,
-            characteristic_length=size,
-            meaning=Meaning(
-                state=f"{listed(self.unknown)}: of angles cosine and sine",
-                known=f"{listed(self.known)}: of angles cosine and sine",
-                rows="minus the closure's rows, lengths and angles times the size",
-                step="changes of the state: lengths, angles and turns times the size",
-            ),
-            turns=bent_places(self.known, size),
-        )
+        return self.circles.kernel
 
 
 def _part(group: Problem) -> Part:
@@ -128,35 +102,9 @@ def _part(group: Problem) -> Part:
     if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
         return Part(group, None, None, is_linear=True)
     reference = group.select_values(group.closure.reference, known)
-    found = closed_form(system, samples_about(system, reference))
+    short = shortened(system, known)
+    found = closed_form(short, samples_about(short, reference))
     return Part(group, None if found is None or found.has_conditions else found, None, is_linear=False)
-
-
-def _moves(coordinates: Sequence[Coordinate], state: ca.SX, step: ca.SX, size: float) -> tuple[ca.SX, ca.SX]:
-    """dstate/dstep (numbers, freedom), and the state after a step; angles and turns are moved by the arc whose tangent is the step."""
-    tangent, moved, place, column = ca.SX(int(state.shape[0]), int(step.shape[0])), [], 0, 0
-    for c in coordinates:
-        if c.kind == "angle":
-            cosine, sine, turn = state[place], state[place + 1], (1 / size) * step[column]
-            tangent[place, column], tangent[place + 1, column] = -sine / size, cosine / size
-            after = [cosine - sine * turn, sine + cosine * turn]
-            inverse = 1 / ca.sqrt(after[0] * after[0] + after[1] * after[1])
-            moved += [part * inverse for part in after]
-            place += 1
-        elif c.kind == "quaternion":
-            q, part = state[place : place + 4], step[column : column + 3]
-            for k in range(3):
-                axis = [0.0, 0.0, 0.0, 0.0]
-                axis[k + 1] = 0.5 / size
-                tangent[place : place + 4, column + k] = multiply(axis, q)
-            turned = multiply(ca.vertcat(1, (0.5 / size) * part), q)
-            moved += [turned[k] / ca.sqrt(dot(turned, turned)) for k in range(4)]
-        else:
-            scale = 1 / size if c.is_angular else 1.0
-            tangent[place, column] = scale
-            moved.append(state[place] + scale * step[column])
-        place, column = place + c.width, column + c.freedom
-    return tangent, ca.vertcat(*moved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +185,7 @@ class JointMap:
     def numbers(self, direction: Direction, sample: Configuration) -> tuple[np.ndarray, np.ndarray]:
         """State and known numbers of a direction's kernel at a configuration."""
         values = [self._whole.select_values(sample.values, c) for c in (direction.unknown, direction.known)]
-        return numbers_at(direction.unknown, values[0]), numbers_at(direction.known, values[1])
+        return numbers_at(direction.unknown, values[0]), direction.circles.known_at(numbers_at(direction.known, values[1]))
 
     # --- what cannot be --------------------------------------------------------------------------------------------
 

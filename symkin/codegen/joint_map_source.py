@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, farthest, fill
+from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
 from symkin.codegen.circles import number_counts, numbers_at
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.joint_map import Direction, JointMap
@@ -38,6 +38,8 @@ _TRACKED = 24.0
 """A step of one call is at most the size over this."""
 _BELONG = 1e-2
 """Residual, in sizes, up to which joints and found values belong together."""
+_GUESSED = 1e-5
+"""Error of a guess's own configuration, in sizes: the line begins there."""
 _NOT_DECIDED = 1e-4
 """Share of a condition's usual size below which one step decides nothing."""
 
@@ -82,21 +84,52 @@ class JointMapSource:
             target_lines=self._target_lines(direction),
             known_count=len(direction.known),
             first_turn=_FIRST_TURN,
+            keeps_known=not direction.is_closed,
+            members=self._members(direction),
         )
 
     def _target_lines(self, direction: Direction) -> list[str]:
-        """Statements that set w->k, the known numbers, on the line from w->at to `to`."""
-        kind, one = self.real.type, self.real.literal(1.0)
-        lines, place = [], 0
+        """Statements that set w->k, the known values, on the line from w->at to `to`."""
+        one, plain = self.real.literal(1.0), direction.circles.is_plain
+        lines, place, target = [], 0, "w->k" if plain else "w->numbers"
         for i, c in enumerate(direction.known):
             value = f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
             if c.kind == "angle":
-                lines.append(f"{self.name}_circle({value}, &w->k[{place}]);")
+                lines.append(f"{self.name}_circle({value}, &{target}[{place}]);")
                 place += 2
             else:
-                lines.append(f"w->k[{place}] = {value};")
+                lines.append(f"{target}[{place}] = {value};")
                 place += 1
-        return [line.replace(f"const {kind} ", "") for line in lines]
+        if plain:
+            return lines
+        return [*lines, f"{self.name}_{direction.name}_coefficients(w->numbers, w->k);"]
+
+    def _members(self, direction: Direction) -> list[str]:
+        """Members of the work space beside those of every method."""
+        if direction.circles.is_plain:
+            return []
+        return [
+            f"{self.real.type} numbers[{int(direction.circles.numbers.shape[0])}]; /* numbers of what is aimed at: of angles cosine and sine */"
+        ]
+
+    def _coefficients_text(self, direction: Direction) -> str:
+        """The function of the rows' coefficients, where known values are these."""
+        circles = direction.circles
+        if circles.is_plain:
+            return ""
+        count, place = int(circles.numbers.shape[0]), int(circles.coefficients.shape[0])
+        function = ca.Function("f", [circles.numbers], [ca.densify(circles.coefficients)], {"cse": True})
+        emitter = Emitter(function, [indexed("numbers", count)], self.real)
+        stores = [f"k[{i}] = {emitter.value(0, i)};" for i in range(place)]
+        return fill("map_coefficients.c", self._common | {
+            "k": f"{self.name}_{direction.name}", "numbers": count, "nk": place, "lines": indent([*emitter.lines, *stores]),
+        })  # fmt: skip
+
+    def _known_lines(self, direction: Direction, source: str, target: str) -> list[str]:
+        """Statements that set the kernel's known values by numbers of the known coordinates, which are beside each other at `source`."""
+        if direction.circles.is_plain:
+            return copy(target, source, int(direction.kernel.known.shape[0]))
+        return [f"{self.name}_{direction.name}_coefficients({source}, {target});"]
 
     @cached_property
     def _closed(self) -> dict[str, ClosedDirection]:
@@ -113,7 +146,7 @@ class JointMapSource:
         n = len(made.given)
         return common_values(self.name, self.real, struct=False) | {
             "nq": n, "nj": n * n, "ny": sum(number_counts(made.coordinates)), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
-            "minus_half": literal(-0.5), "many": literal(1e4), "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
+            "minus_half": literal(-0.5), "half_turn": literal(np.pi), "farthest": literal(farthest(made.size, (0.0, 0.0, 0.0))),
         }  # fmt: skip
 
     @cached_property
@@ -127,19 +160,18 @@ class JointMapSource:
     def text(self) -> str:
         """Everything of NAME.c between its beginning and end."""
         made = self.made
-        parts = [fill("info.c", self._common), self._tools]
-        for direction in (made.direct, made.inverse):
-            parts.append(self._solver_text(direction))
-        parts += [self._state_text(made.inverse), self._state_text(made.direct) if self._needs_state_of_joints else ""]
+        parts = [self._solver_text(d) + self._place_text(d) for d in (made.direct, made.inverse)]
+        parts += [self._state_text(made.inverse), self._state_text(made.direct)]
         parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
         parts += [fill("map_give.c", self._common), self._rates_text]
-        return "".join(parts)
+        body = "".join(parts)
+        return fill("info.c", self._common) + self._tools(body) + body
 
     # --- parts -------------------------------------------------------------------------------------------------------
 
-    @property
-    def _tools(self) -> str:
-        literal, float_ = self.real.literal, self.real.name == "float"
+    def _tools(self, text: str) -> str:
+        """The functions of angles that a text calls, and the checks of values."""
+        literal = self.real.literal
         polynomials = {
             "arctangent": _horner(self.real, _ARCTANGENT),
             "sine": _horner(self.real, _SINE),
@@ -150,36 +182,48 @@ class JointMapSource:
             | polynomials
             | {"half_turn": literal(np.pi), "quarter": literal(0.5 * np.pi), "per_quarter": literal(2 / np.pi)}
         )
-        own |= {f"quarter{i + 1}": literal(part) for i, part in enumerate(_QUARTER)}
-        angle = fill("closed_angle.c", own)
-        circle = fill("map_circle.c", own).rstrip().split("\n")
-        if not float_:
-            angle, circle = "", [f"circle[0] = {self.real.call('cos')}(angle);", f"circle[1] = {self.real.call('sin')}(angle);"]
-        return fill("map_tools.c", own | {
-            "angle": angle.rstrip() + "\n" if angle else "", "circle": indent(circle), "ranges": self._ranges,
-            "circle_error": " by polynomials: the same bits on every machine" if float_ else "",
-        })  # fmt: skip
+        own |= {"eighth": literal(0.25 * np.pi), **{f"quarter{i + 1}": literal(part) for i, part in enumerate(_QUARTER)}}
+        circle = [f"circle[0] = {self.real.call('cos')}(angle);", f"circle[1] = {self.real.call('sin')}(angle);"]
+        if self.real.name == "float":
+            circle = fill("map_circle.c", own).rstrip().split("\n")
+        own |= {
+            "circle": indent(circle),
+            "circle_error": " by polynomials: the same bits on every machine" if self.real.name == "float" else "",
+        }
+        tools = {"angle": "closed_angle.c", "circle": "map_circle_function.c", "turned": "map_turned.c"}
+        found = [fill(template, own).rstrip() + "\n\n" for name, template in tools.items() if f"{self.name}_{name}(" in text]
+        low, high = (", ".join(literal(v) for v in part) for part in zip(*self._limits(self.made.given), strict=True))
+        return "".join([*found, self._checks, fill("map_blame.c", self._common | {"low": low, "high": high})])
+
+    def _limits(self, coordinates: Sequence[Coordinate], *, bounded: bool = True) -> list[tuple[float, float]]:
+        """Least and largest value of each coordinate: its limits with slack if `bounded`, else how far it may be."""
+        found = []
+        for c in coordinates:
+            scale = 1.0 if c.is_angular else self.made.size
+            slack, far = max(1e-9, 16 * self.real.epsilon) * scale, FARTHEST * scale
+            found.append((c.limits[0] - slack, c.limits[1] + slack) if bounded and c.limits else (-far, far))
+        return found
 
     @property
-    def _ranges(self) -> str:
-        """Tables of ranges: limits with slack, and for guesses how far a value may be."""
-        literal, size, lines = self.real.literal, self.made.size, []
+    def _checks(self) -> str:
+        """Checks of joints and of found values: against limits, and of guesses, which need not keep to them."""
+        found = []
         for what, coordinates in (("joints", self.made.given), ("found", self.made.found)):
-            far = [(FARTHEST if c.is_angular else FARTHEST * size) for c in coordinates]
-            slack = [max(1e-9, 16 * self.real.epsilon) * (1.0 if c.is_angular else size) for c in coordinates]
-            low = [c.limits[0] - s if c.limits else -f for c, f, s in zip(coordinates, far, slack, strict=True)]
-            high = [c.limits[1] + s if c.limits else f for c, f, s in zip(coordinates, far, slack, strict=True)]
-            tables = {"low": low, "high": high, "least": [-f for f in far], "most": far}
-            for key, numbers in tables.items():
-                text = ", ".join(literal(float(v)) for v in numbers)
-                lines.append(f"static const {self.real.type} {self.name}_{key}_{what}[{len(coordinates)}] = {{ {text} }};")
-        return "\n".join(lines)
+            for bounded, function in ((True, f"limit_{what}"), (False, f"bound_{what}")):
+                literal = self.real.literal
+                within = [f"(values[{i}] >= {literal(low)}) && (values[{i}] <= {literal(high)})"
+                          for i, (low, high) in enumerate(self._limits(coordinates, bounded=bounded))]  # fmt: skip
+                found.append(fill("map_check.c", self._common | {
+                    "what": what if bounded else f"{what} of a guess", "ranges_word": "limits" if bounded else "bounds",
+                    "function": function, "within": "\n        && ".join(within),
+                }))  # fmt: skip
+        return "".join(found)
 
     def _solver_text(self, direction: Direction) -> str:
         """Newton's method of a direction, or its formulas with the parts of Newton's method that finish and give rates."""
         code = self._code_of(direction)
         if direction.name not in self._closed:
-            return code.text
+            return self._coefficients_text(direction) + code.text
         closed = self._closed[direction.name]
         finish = fill("map_finish.c", code.factoring | closed.values | {
             "singular": singular_condition(code.kernel, code.k, "w"), "rounding": self.real.literal(code.tuning.rounding),
@@ -187,7 +231,8 @@ class JointMapSource:
         text = closed.text
         if self.real.name == "float":
             text = text.replace("atan2f(", f"{self.name}_angle(")
-        return code.work + code.functions + code.target + code.linear.text + finish + text
+        work = "\n".join(line for line in code.work.split("\n") if " x0[" not in line)
+        return work + code.functions + code.target + code.linear.text + finish + text
 
     # --- numbers -----------------------------------------------------------------------------------------------------
 
@@ -202,6 +247,12 @@ class JointMapSource:
     def _copies(self, target: str, coordinates: Sequence[Coordinate]) -> list[str]:
         """Statements that copy numbers of coordinates from y."""
         return [f"{target}[{i}] = y[{place}];" for i, place in enumerate(self._places(coordinates))]
+
+    def _known_of_y(self, direction: Direction, target: str) -> list[str]:
+        """Statements that set the kernel's known values of a configuration."""
+        if direction.circles.is_plain:
+            return self._copies(target, direction.known)
+        return self._known_lines(direction, f"&y[{self._places(direction.known)[0]}]", target)
 
     def _into_y(self, source: str, coordinates: Sequence[Coordinate]) -> list[str]:
         return [f"y[{place}] = {source}[{i}];" for i, place in enumerate(self._places(coordinates))]
@@ -218,14 +269,18 @@ class JointMapSource:
                 k += 1
         return lines
 
-    def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str, what: str) -> list[str]:
+    def _turned(self, c: Coordinate, angle: str, near: str) -> str:
+        """C text of an angle moved by whole turns next to another, within its limits."""
+        ((low, high),) = self._limits([c])
+        return f"{self.name}_turned({angle}, {near}, {self.real.literal(low)}, {self.real.literal(high)})"
+
+    def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str) -> list[str]:
         """C text of the values of coordinates by their numbers, angles next to `near`."""
         found, k = [], 0
         angle = f"{self.name}_angle" if self.real.name == "float" else self.real.call("atan2")
         for i, c in enumerate(coordinates):
             if c.kind == "angle":
-                limits = f"{self.name}_low_{what}[{i}], {self.name}_high_{what}[{i}]"
-                found.append(f"{self.name}_turned({angle}({numbers[k + 1]}, {numbers[k]}), {near}[{i}], {limits})")
+                found.append(self._turned(c, f"{angle}({numbers[k + 1]}, {numbers[k]})", f"{near}[{i}]"))
                 k += 2
             else:
                 found.append(numbers[k])
@@ -238,15 +293,10 @@ class JointMapSource:
         """What the known and the wanted values of a direction are called."""
         return ("joints", "found") if direction.name == "direct" else ("found", "joints")
 
-    @property
-    def _needs_state_of_joints(self) -> bool:
-        return True
-
     def _state_text(self, direction: Direction) -> str:
         """The configuration of known values, with the reference's choices."""
         values, _ = self._words(direction)
         k, kind, made = f"{self.name}_{direction.name}", self.real.type, self.made
-        lines = self._circles("values", direction.known, "y", self._places(direction.known))
         if direction.name in self._closed:
             closed = self._closed[direction.name]
             names = closed.values
@@ -262,22 +312,27 @@ class JointMapSource:
         else:
             literal, n = self.real.literal, len(direction.known)
             at, begin = made.reference_of(direction.known), numbers_at(direction.unknown, made.reference_of(direction.unknown))
-            low, high = f"{self.name}_low_{values}", f"{self.name}_high_{values}"
             aims = [
-                f"to[{i}] = {self.name}_turned(values[{i}], w.at[{i}], {low}[{i}], {high}[{i}]);"
+                f"to[{i}] = {self._turned(c, f'values[{i}]', f'w.at[{i}]')};"
                 if c.kind == "angle" and c.limits is None else f"to[{i}] = values[{i}];" for i, c in enumerate(direction.known)
             ]  # fmt: skip
             prefix = self.name.upper()
             lines = [
-                f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
+                f"static const {self.name}_config near = {{ {self._near_enough}, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
                 f"{k}_work w;", f"{kind} to[{n}];",
-                "/* along the line from the reference configuration */",
+                "/* along the line from the reference configuration; an error of a guess moves the beginning of the line by as much */",
                 *(f"w.at[{i}] = {literal(float(v))};" for i, v in enumerate(at)),
                 *(f"w.x[{i}] = {literal(float(v))};" for i, v in enumerate(begin)),
-                *aims, f"status = {k}_newton(&w, to, &usual, NULL);",
-                *self._into_y("w.k", direction.known), *self._into_y("w.x", direction.unknown),
+                *(f"w.k0[{i}] = {literal(float(v))};" for i, v in enumerate(direction.circles.known_at(numbers_at(direction.known, at)))),
+                *aims, f"status = {k}_newton(&w, to, &near, NULL);",
+                *self._into_y("w.k" if direction.circles.is_plain else "w.numbers", direction.known), *self._into_y("w.x", direction.unknown),
             ]  # fmt: skip
         return fill("map_state.c", self._common | {"values": values, "nto": len(direction.known), "lines": indent(lines)})
+
+    @property
+    def _near_enough(self) -> str:
+        """Tolerance of a guess's own configuration: that of an answer where passive joints go on from there."""
+        return f"{self.name.upper()}_TOLERANCE" if self.made.passive else self.real.literal(_GUESSED * self.made.size)
 
     def _direction_text(self, direction: Direction) -> str:
         """The function of a direction, and its one step."""
@@ -286,19 +341,22 @@ class JointMapSource:
         wanted = self.made.found if direction.name == "direct" else self.made.given
         known, n, literal = direction.known, len(direction.known), self.real.literal
         y = [f"y[{i}]" for i in self._places(known)]
-        begin = [f"w.at[{i}] = {text};" for i, text in enumerate(self._values_of(known, y, values, values))]
+        begin = [f"w.at[{i}] = {text};" for i, text in enumerate(self._values_of(known, y, values))]
         copies = self._copies("w.x", direction.unknown)
         closed = self._closed.get(direction.name)
         if closed is None:
-            follow = [*copies, f"status = {k}_newton(&w, {values}, used, info);"]
+            follow = [
+                *copies,
+                *self._known_of_y(direction, "w.k0"),
+                f"status = {k}_newton(&w, {values}, used, info);",
+            ]
         else:
-            follow = [f"{kind} sign[{closed.values['signs']}];", *copies, *self._copies("w.k", known), f"{k}_signs(w.k, w.x, sign);",
-                      f"status = {k}_follow(&w, {values}, sign, used, info);"]  # fmt: skip
+            follow = [*copies, *self._copies("w.k", known), f"status = {k}_follow(&w, {values}, used, info);"]
         places = self._unknown_places(direction, wanted)
         numbers = [f"w.x[{i}]" for i in places]
 
         def results(near: str) -> str:
-            texts = self._values_of(wanted, numbers, near, out)
+            texts = self._values_of(wanted, numbers, near)
             return indent([f"{kind} result[{n}];", *(f"result[{i}] = {t};" for i, t in enumerate(texts))], 2)
 
         weights = [1.0 * self.made.size if c.is_angular else 1.0 for c in wanted]
@@ -313,9 +371,9 @@ class JointMapSource:
             "f": f"{name}_{direction.name}", "track": f"{name}_track" if direction.name == "direct" else f"{name}_track_inverse",
             "k": k, "values": values, "out": out, "nto": n, "nout": n, "begin": indent(begin, 2), "follow": indent(follow, 2),
             "results": results("guess"), "track_results": results(out), "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
-            "blame_values": f"    {name}_blame(info, joints);\n" if values == "joints" else "",
-            "blame_result": f"        {name}_blame(info, result);\n" if out == "joints" else "",
-            "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction, wanted),
+            "blame_values": f"        {name}_blame(info, joints);" if values == "joints" else "",
+            "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
+            "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
         })  # fmt: skip
 
     def _unknown_places(self, direction: Direction, wanted: Sequence[Coordinate]) -> list[int]:
@@ -326,23 +384,19 @@ class JointMapSource:
             start += count
         return [i for c in wanted for i in places[c.name]]
 
-    def _step(self, direction: Direction, wanted: Sequence[Coordinate]) -> dict[str, str]:
+    def _step(self, direction: Direction) -> dict[str, str]:
         """Statements of one step: from the last values' configuration, by Newton's method or by formulas."""
         values, out = self._words(direction)
         k, kind, prefix, literal = f"{self.name}_{direction.name}", self.real.type, self.name.upper(), self.real.literal
         code, closed = self._code_of(direction), self._closed.get(direction.name)
-        ny = self._common["ny"]
+        y, last = [], []
         if self.made.passive:
-            y = [f"{kind} y[{ny}];"]
+            y = [f"{kind} y[{self._common['ny']}];"]
             last = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_{out}({out}, y);", "}"]
-            start = self._copies("w.x", direction.unknown)
-        else:
-            y, last = [], []
-            start = self._circles(out, wanted, "w.x", self._unknown_places(direction, wanted))
-        numbers = self._circles(values, direction.known, "w.k", range(sum(number_counts(direction.known))))
+        place = f"{k}_place(&w, {values}, {'y' if self.made.passive else out});"
         if closed is None:
             step = [
-                *start, *numbers, f"{k}_rows(&w);", f"if ({singular_condition(code.kernel, k, '&w')}) {{",
+                place, f"{k}_rows(&w);", f"if ({singular_condition(code.kernel, k, '&w')}) {{",
                 f"    status = {prefix}_SINGULAR;", "} else {", f"    {k}_solve(&w);", f"    const {kind} size = {k}_apply_step(&w);",
                 f"    {self.name}_write_info(info, 1U, {literal(float(np.sqrt(code.tuning.kappa2)))} * size, size, w.spread);", "}",
             ]  # fmt: skip
@@ -350,12 +404,33 @@ class JointMapSource:
             names = closed.values
             step = [
                 f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
-                f"{kind} sign[{names['signs']}];", f"{kind} d[{names['conditions']}];", f"{kind} least = {literal(1.0)};", *start, *numbers,
-                f"{k}_signs(w.k, w.x, sign);", f"{k}_formulas(w.k, sign, w.x, d);",
+                f"{kind} sign[{names['signs']}];", f"{kind} d[{names['conditions']}];", f"{kind} least = {literal(1.0)};", place,
+                f"{k}_signs(w.k, w.x, sign, d);", f"{k}_formulas(w.k, sign, w.x, d);",
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", "    least = (d[i] < least) ? d[i] : least;", "}",
                 f"status = (least > {literal(_NOT_DECIDED)}) ? {k}_finish(&w, 1U, least, &usual, info) : {prefix}_SINGULAR;",
             ]  # fmt: skip
         return {"y": indent(y), "last": indent(last), "step": indent(step, 2)}
+
+    def _place_text(self, direction: Direction) -> str:
+        """The function that sets known values, the matrix's too, and the state: by the wanted values where these are all of it."""
+        values, out = self._words(direction)
+        wanted = self.made.found if direction.name == "direct" else self.made.given
+        count, k = sum(number_counts(direction.known)), f"{self.name}_{direction.name}"
+        target = "w->k" if direction.circles.is_plain else "w->numbers"
+        lines = self._circles(values, direction.known, target, range(count))
+        if not direction.circles.is_plain:
+            lines.append(f"{k}_coefficients(w->numbers, w->k);")
+        if not direction.is_closed:
+            lines += copy("w->k0", "w->k", int(direction.kernel.known.shape[0]))
+        if self.made.passive:
+            lines += self._copies("w->x", direction.unknown)
+        else:
+            lines += self._circles(out, wanted, "w->x", self._unknown_places(direction, wanted))
+        return fill("map_place.c", self._common | {
+            "k": k, "values": values, "nto": len(direction.known), "from": "y" if self.made.passive else out,
+            "nfrom": self._common["ny"] if self.made.passive else len(wanted), "lines": indent(lines), "known": values,
+            "source": "the rest as in the configuration y" if self.made.passive else f"the {out} as they were last",
+        })  # fmt: skip
 
     # --- rates -------------------------------------------------------------------------------------------------------
 
@@ -366,16 +441,11 @@ class JointMapSource:
         y, state = [], []
         if made.passive:
             y = [f"{self.real.type} y[{self._common['ny']}];"]
-            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y);", "}",
-                     f"if (status == {prefix}_OK) {{", *("    " + line for line in self._copies("w.x", direct.unknown))]  # fmt: skip
-        else:
-            state = [f"if (status == {prefix}_OK) {{",
-                     *("    " + line for line in self._circles("found", made.found, "w.x", self._unknown_places(direct, made.found)))]  # fmt: skip
-        state += ["    " + line for line in self._circles("joints", made.given, "w.k", range(sum(number_counts(made.given))))]
-        state.append("}")
+            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y);", "}"]
+        set_ = [f"{self.name}_direct_place(&w, joints, {'y' if made.passive else 'found'});"]
         rows = [f"rates[{n * i} + j] = w.f[{column}]{scale};" for i, (column, scale) in enumerate(self._found_columns)]
         return fill("map_rates.c", self._common | {
-            "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state),
+            "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state), "set": indent(set_, 2),
             "near": literal(_BELONG * made.size), "singular": singular_condition(kernel, f"{self.name}_direct", "&w"), "rates": indent(rows, 4),
         })  # fmt: skip
 
@@ -391,19 +461,25 @@ class JointMapSource:
     @property
     def _sides(self) -> list[str]:
         """Statements of the rows' derivatives by the given coordinates."""
-        kernel, given = self.made.direct.kernel, self.made.given
-        tangent, place = ca.SX(int(kernel.known.shape[0]), len(given)), 0
+        circles, given = self.made.direct.circles, self.made.given
+        kernel, numbers = circles.kernel, circles.numbers
+        tangent, place = ca.SX(int(numbers.shape[0]), len(given)), 0
         for i, c in enumerate(given):
             if c.kind == "angle":
-                tangent[place, i], tangent[place + 1, i] = -kernel.known[place + 1], kernel.known[place]
+                tangent[place, i], tangent[place + 1, i] = -numbers[place + 1], numbers[place]
                 place += 2
             else:
                 tangent[place, i] = 1.0
                 place += 1
-        sides = snapped_expression(ca.mtimes(ca.jacobian(kernel.rows, kernel.known), tangent), [kernel.state, kernel.known])
-        function = ca.Function("sides", [kernel.state, kernel.known], [ca.densify(sides)], {"cse": True})
+        sides = snapped_expression(ca.mtimes(ca.jacobian(circles.rows_by_numbers, numbers), tangent), [kernel.state, numbers])
+        function = ca.Function("sides", [kernel.state, numbers], [ca.densify(sides)], {"cse": True})
         emitter = Emitter(
-            function, [indexed("w->x", int(kernel.state.shape[0])), indexed("w->k", int(kernel.known.shape[0]))], self.real
+            function,
+            [
+                indexed("w->x", int(kernel.state.shape[0])),
+                indexed("w->k" if circles.is_plain else "w->numbers", int(numbers.shape[0])),
+            ],
+            self.real,
         )
         stores = [f"sides[{len(given) * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(len(given))]
         return [*emitter.lines, *stores]

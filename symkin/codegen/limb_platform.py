@@ -21,6 +21,7 @@ from symkin.codegen.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
+from symkin.codegen.pose_core import PoseCore, pose_core
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
@@ -91,23 +92,46 @@ class LimbPlatform:
     def actuated(self) -> tuple[Coordinate, ...]:
         return self.closure.role("actuated")
 
-    @cached_property
+    @property
     def passive(self) -> tuple[Coordinate, ...]:
-        return self.closure.role("passive")
+        """Passive joints that stay unknowns of the direct problem."""
+        return self.closure.role("passive") if self.core is None else ()
 
     @cached_property
     def samples(self) -> list[Configuration]:
         return configurations(self.direct, self.closure.reference, 40, 3)
 
     @cached_property
+    def core(self) -> PoseCore | None:
+        """The direct problem over the pose alone, where all passive joints are taken out of the limbs' rows and a limb's branch is told by
+        the pose and its actuated joint."""
+        if self.geometry.at_run_time or not self.samples or self.direct_formulas is not None:
+            return None
+        known = self.inverse.known_coordinates
+        poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples[:_COMPARED]])
+        system = self.geometry.system(self.inverse)
+        return pose_core(self.closure, split_blocks(system), constant_rows(system), poses, self.actuated)
+
+    def direct_state(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """State and known values of the direct problem's iteration at a configuration, all variables of the closure."""
+        if self.core is None:
+            return self.direct.select_values(values, self.direct.system.unknowns), self.direct.select_values(
+                values, self.actuated
+            )
+        pose, joints = (self.direct.select_values(values, c) for c in (self.closure.role("pose"), self.actuated))
+        return pose, self.core.direct.known(joints)
+
+    @cached_property
     def direct_kernel(self) -> Kernel:
         """The Newton iteration of the direct problem."""
+        if self.core is not None:
+            return self.core.direct.kernel
         return system_kernel("direct", self.geometry.system(self.direct), self.direct.known_coordinates, self.geometry.symbols)
 
     @cached_property
     def direct_formulas(self) -> DirectFormulas | None:
         """The closed form of the direct problem, where the geometry is constant and all limbs have one too."""
-        if self.geometry.at_run_time or not self.tells_branch:
+        if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
         return direct_formulas(self.direct, self.samples)
 
@@ -124,16 +148,23 @@ class LimbPlatform:
     @property
     def tells_branch(self) -> bool:
         """Whether signs tell every limb's branch: all are rods or have closed forms."""
-        return all(block.rod is not None or block.formulas is not None for block in self.blocks)
+        return _tells_branch(self.blocks)
 
     @cached_property
     def conditions(self) -> System:
         """Rows that no joint enters: the pose alone must satisfy them."""
-        return constant_rows(self.geometry.system(self.inverse))
+        return constant_rows(self.geometry.system(self.inverse)) if self.core is None else self.core.conditions
 
     @cached_property
     def blocks(self) -> tuple[LimbBlock, ...]:
         """Limbs, each a system of its own once the pose is given."""
+        if self.core is None:
+            return self._closure_blocks
+        return tuple(self._block(number, system) for number, system in enumerate(self.core.limbs, start=1))
+
+    @cached_property
+    def _closure_blocks(self) -> tuple[LimbBlock, ...]:
+        """Limbs with their passive joints."""
         systems = split_blocks(self.geometry.system(self.inverse))
         return tuple(self._block(number, system) for number, system in enumerate(systems, start=1))
 
@@ -207,7 +238,7 @@ class LimbPlatform:
         if not self.samples:
             raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
         for sample in self.samples[:_CHECKED]:
-            matrix = self.direct_kernel.matrix(sample.unknown, sample.known, self.geometry.values)
+            matrix = self.direct_kernel.matrix(*self.direct_state(sample.values), self.geometry.values)
             singular = np.linalg.svd(matrix, compute_uv=False)
             if matrix.shape[0] < matrix.shape[1] or singular[-1] < 1e-9 * singular[0]:
                 raise InputError(
@@ -242,6 +273,10 @@ class LimbPlatform:
                     f"{self.name}: the platform's pose does not fix joints of one limb ({names}), so that there is no inverse; "
                     "nothing to generate"
                 )
+
+
+def _tells_branch(blocks: Sequence[LimbBlock]) -> bool:
+    return all(block.rod is not None or block.formulas is not None for block in blocks)
 
 
 def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Problem) -> bool:

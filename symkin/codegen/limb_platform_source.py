@@ -19,6 +19,7 @@ from symkin.codegen.newton_kernel import curvature, rounded
 from symkin.codegen.newton_source import NewtonCode, line_target
 from symkin.codegen.platform_rates import closure_twist, decides_twist, rates_functions, square_twist
 from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
+from symkin.codegen.pose_target import core_target
 from symkin.computed_once import cached_property
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
@@ -80,19 +81,22 @@ class LimbPlatformSource:
     @cached_property
     def code(self) -> NewtonCode:
         """The Newton iteration of the direct problem."""
-        made, kernel, samples = self.made, self.made.direct_kernel, self.made.samples
+        made, kernel = self.made, self.made.direct_kernel
         values = made.geometry.values
         nq = len(made.actuated)
+        states, known = zip(*(made.direct_state(s.values) for s in made.samples), strict=True)
         return NewtonCode(
             kernel=kernel,
             name=self.name,
             real=self.real,
             geometry=made.geometry.names,
-            matrices=np.array([kernel.matrix(s.unknown, s.known, values) for s in samples]),
-            kappa=curvature(kernel, [s.unknown for s in samples], [s.known for s in samples], values),
-            target_lines=line_target(self.real, nq, None),
+            matrices=np.array([kernel.matrix(*at, values) for at in zip(states, known, strict=True)]),
+            kappa=curvature(kernel, states, known, values),
+            target_lines=line_target(self.real, nq, None) if made.core is None else core_target(made.core.direct, self.real),
             known_count=nq,
             first_turn=_FIRST_TURN,
+            measured=made.core is not None,
+            keeps_known=made.core is not None and kernel.reads_known and not kernel.is_wide,
         )
 
     @cached_property
@@ -100,7 +104,7 @@ class LimbPlatformSource:
         """Values of the names that templates of the limbs need."""
         made, literal = self.made, self.real.literal
         return common_values(self.name, self.real, struct=made.geometry.at_run_time) | {
-            "nq": len(made.actuated), "ns": made.direct.system.width, "nc": sum(c.width for c in made.closure.role("pose")),
+            "nq": len(made.actuated), "ns": made.direct_kernel.state.shape[0], "nc": sum(c.width for c in made.closure.role("pose")),
             "np": max(1, sum(c.width for c in made.passive)),
             "farthest": literal(farthest(made.closure.characteristic_length, made.mechanism.platform_position)),
             "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
@@ -111,7 +115,7 @@ class LimbPlatformSource:
         """Values of the names in the templates of this kind, the tests and the header."""
         made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
         passive = sum(c.width for c in made.passive)
-        answer = "w.x" if self.made.tells_branch else f"{ga}&w.x[{passive}]"
+        answer = "w.x" if made.tells_branch else f"{ga}&w.x[{passive}]"
         branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({answer}, given);", "}"]
         unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"{p}_unwrap_joints(w.at, joints, given);"]
         return self._common | {

@@ -246,7 +246,7 @@ def _qr(kernel: Kernel, real: Real, values: Mapping[str, object], operations: Ma
     n, m = min(kernel.n, kernel.m), max(kernel.n, kernel.m)
     counted = {**operations, "multiplications": operations.get("multiplications", 0) + m * n * n}
     which = "transposed matrix" if kernel.is_wide else "matrix"
-    shown = {**values, "n": n, "m": m, "which": which, **_loops_over_columns(n, m, real)}
+    shown = {**values, "n": n, "last": n - 1, "m": m, "which": which, **_loops_over_columns(n, m, real)}
     return LinearSolver(fill("qr.c", shown) + fill("least_norm.c" if kernel.is_wide else "least_squares.c", shown), counted)
 
 

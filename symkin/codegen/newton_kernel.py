@@ -15,21 +15,21 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.model.joint import Coordinate
-from symkin.numeric.system import System
+from symkin.numeric.system import System, incidence_of
 from symkin.spatial.backend import dot
 from symkin.spatial.rotation import multiply
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What the arrays of a kernel hold, for comments of the C; `row` names one row, `{i}` its number from 1."""
+    """What the arrays of a kernel hold, for comments of the C; `each_row` says of each row what it is about."""
 
     state: str
     known: str
     rows: str
     step: str
-    row: str = "row {i}"
     shared: str = ""
+    each_row: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +142,16 @@ def system_kernel(name: str, system: System, known: Sequence[Coordinate], geomet
             known=listed(known),
             rows="minus the closure's rows, lengths and angles times the size",
             step="changes of the state: lengths, angles and turns times the size",
+            each_row=tuple(_about_row(system, used) for used in incidence_of(system.rows, system)),
         ),
         quaternion=quaternion_place(known),
         turns=bent_places(known, system.characteristic_length),
     )
+
+
+def _about_row(system: System, used: set[int]) -> str:
+    """Names of the unknowns in a row."""
+    return ", ".join(listed([system.unknowns[k]]) for k in sorted(used))
 
 
 def curvature(

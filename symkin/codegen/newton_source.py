@@ -50,9 +50,10 @@ class NewtonCode:
     `geometry` is the C text of each geometry parameter, empty where they are numbers in the code; `matrices` are samples of
     the kernel's matrix, over which pivots are chosen; `kappa` is its curvature; `target_lines` are statements that set w->k from
     w->at, `to` and `part`. What differs from one kind of mechanism to another has defaults: `known_count` numbers in `to`;
-    `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `members`, more members of the work space; `matrix`,
+    `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `measured`, whether the ratio of steps says how far the next part reaches; `members`, more members of the work space; `matrix`,
     statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
-    and puts the state back, where known values at the guess are not kept.
+    and puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix reads w->k0, the known values at
+    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them.
     """
 
     kernel: Kernel
@@ -64,10 +65,12 @@ class NewtonCode:
     target_lines: Sequence[str]
     known_count: int | None = None
     first_turn: float = LONGEST_TURN
+    measured: bool = False
     on_the_way: bool = True
     members: Sequence[str] = ()
     matrix: Sequence[str] = ()
     retarget: str = ""
+    keeps_known: bool = False
 
     @property
     def k(self) -> str:
@@ -99,6 +102,8 @@ class NewtonCode:
     def linear(self) -> LinearSolver:
         """The linear solver."""
         inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
+        if self.keeps_known:
+            inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
         return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix)
 
     @property
@@ -113,7 +118,13 @@ class NewtonCode:
         copies = {
             "to_begin": indent(copy_loop("end", "w->x", count) + copy_loop("w->x", "w->x0", count)),
             "to_end": indent(copy_loop("w->x", "end", count)),
+            "aimed_at": "",
         }
+        if self.keeps_known:
+            nk = int(self.kernel.known.shape[0])
+            copies["aimed_at"] = f"    {self.real.type} aimed[{nk}];"
+            copies["to_begin"] += "\n" + indent(copy_loop("aimed", "w->k", nk))
+            copies["to_end"] += "\n" + indent(copy_loop("w->k", "aimed", nk))
         return fill("middle.c", self._values | copies) if self.bends else ""
 
     @property
@@ -151,13 +162,14 @@ class NewtonCode:
         """Each row made and stored in turn, and what the matrix shares with it as soon as the row has been made."""
         kernel = self.kernel
         emitter = Emitter(kernel.row_function(), self._inputs, self.real)
-        each = int(kernel.shared_symbols.shape[0]) // max(kernel.m, 1)
+        count = int(kernel.shared_symbols.shape[0])
         for row in range(kernel.m):
             if kernel.m > 1:
-                emitter.comment(kernel.meaning.row.format(i=row + 1))
+                about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
+                emitter.comment(c_comment(f"row {row + 1}: {about}" if about else f"row {row + 1}"))
             text = emitter.value(0, row)
             emitter.lines.append(f"w->f[{row}] = {text};")
-            for shared in range(each * row, each * (row + 1)):
+            for shared in range(count * row // kernel.m, count * (row + 1) // kernel.m):
                 text = emitter.value(1, shared)
                 emitter.lines.append(f"w->d[{shared}] = {text};")
         return emitter
@@ -194,6 +206,7 @@ class NewtonCode:
             | self._constants
             | self._aiming
             | self._turning
+            | self._parts
             | self._still
         )
 
@@ -207,7 +220,7 @@ class NewtonCode:
         kernel = self.kernel
         n, m, nk = kernel.n, kernel.m, int(kernel.known.shape[0])
         return {
-            "n": n, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
+            "n": n, "last": n - 1, "n1": n + 1, "m": m, "ns": int(kernel.state.shape[0]), "nk": nk, "nto": self.known_count or nk,
             "na": m * n, "most": max(m, n),
         }  # fmt: skip
 
@@ -226,7 +239,14 @@ class NewtonCode:
             "at": ""
             if self.retarget
             else f"    {kind} at[{self._sizes['nto']}]; /* known values at the guess, where the line begins */",
-            "shared": f"    {kind} d[{nd}]; /* values that rows and matrix share */" if nd else "",
+            "shared": "\n".join(
+                ([f"    {kind} d[{nd}]; /* values that rows and matrix share */"] if nd else [])
+                + (
+                    [f"    {kind} k0[{self._sizes['nk']}]; /* known values at the part that is done: the matrix's */"]
+                    if self.keeps_known
+                    else []
+                )
+            ),
             "r": "" if kernel.is_square else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
             "factors": factors,
             "members": "\n".join(f"    {line}" for line in self.members),
@@ -239,8 +259,8 @@ class NewtonCode:
         return {
             "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
             "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
-            "quick": literal(100.0), "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
-            "shrink": literal(0.375), "singular": literal(32.0 * self.real.epsilon),
+            "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
+            "singular": literal(32.0 * self.real.epsilon),
             "guard": literal(GUARD**-2),
         }  # fmt: skip
 
@@ -252,6 +272,8 @@ class NewtonCode:
         # aimed at, because shortest steps follow the path more closely by that one
         reads_known = self.kernel.reads_known and not self.kernel.is_wide
         by_call = bool(self.retarget)
+        if self.keeps_known:
+            return self._aiming_by_kept(aim, done)
         return {
             "part_of": "" if by_call else ", aim", "part": "" if by_call else f", {self.real.type} part",
             "aimed": "" if by_call else ": a part of the line from the guess's to `to`",
@@ -260,6 +282,22 @@ class NewtonCode:
             "save0": "" if by_call else indent(copy("w->x0", "w->x", int(self.kernel.state.shape[0]))),
             "advance": indent([*copy_loop("w->x0", "w->x", int(self.kernel.state.shape[0])), self.retarget or aim], 4),
             "retreat": indent([self.retarget] if by_call else [*copy_loop("w->x", "w->x0", int(self.kernel.state.shape[0])), aim], 3),
+        }  # fmt: skip
+
+    def _aiming_by_kept(self, aim: str, done: str) -> dict[str, object]:
+        """The same where the known values at the part that is done are kept: new factors on the way to the aim are those of the aim."""
+        state, nk = int(self.kernel.state.shape[0]), int(self.kernel.known.shape[0])
+        keep, begin = copy("w->k0", "w->k", nk), list[str]()
+        if self.measured:
+            # the guess's values, whose factors come first, and those aimed at change places
+            swap = [f"const {self.real.type} known = w->k[i];", "w->k[i] = w->k0[i];", "w->k0[i] = known;"]
+            begin = [*copy_loop("w->k0", "w->k", nk), f"{self.k}_set_target({self._ga}w, to, {self.real.literal(0.0)});",
+                     f"for (int i = 0; i < {nk}; ++i) {{", *("    " + line for line in swap), "}"]  # fmt: skip
+        return {
+            "part_of": ", aim", "part": f", {self.real.type} part", "aimed": ": a part of the line from the guess's to `to`",
+            "at_done": indent(["if (taken > 0U) {", *("    " + line for line in keep), "}"], 3), "at_aim": "",
+            "save0": indent([*copy("w->x0", "w->x", state), *begin]), "advance": indent([*copy_loop("w->x0", "w->x", state), *keep, aim], 4),
+            "retreat": indent([*copy_loop("w->x", "w->x0", state), done, *keep, aim], 3),
         }  # fmt: skip
 
     @property
@@ -287,7 +325,7 @@ class NewtonCode:
     def _turning(self) -> dict[str, object]:
         """What known values that turn ask for: a first part, a longest part, and the middle of each part."""
         literal, floor = self.real.literal, f"(size <= {self._still['still2']})"
-        doubled = "quick ? (part + part) : part"
+        doubled = "stretch * part" if self.measured else "quick ? (part + part) : part"
         if not self.bends:
             return {
                 "turn": "",
@@ -299,7 +337,8 @@ class NewtonCode:
         two, first, middle = literal(2.0), self.first_turn, f"done + {literal(0.5)} * (aim - done)"
         check = [
             f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > {literal(_STRAIGHT2)})) {{",
-            f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle}, still2);", f"    {self.k}_set_target({self._ga}w, to, aim);", "}",
+            f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle}, still2);",
+            *([] if self.keeps_known else [f"    {self.k}_set_target({self._ga}w, to, aim);"]), "}",
         ]  # fmt: skip
         start = [
             "/* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */",
@@ -308,8 +347,35 @@ class NewtonCode:
         longest = literal((0.5 * LONGEST_TURN) ** 2)
         return {
             "turn": indent(start), "check_middle": indent(check, 2), "still": f"((taken > 0U) && {floor})",
-            "next_part": f"(quick && (part * part * turn2 <= {longest})) ? ({two} * part) : part",
+            "next_part": self._longer(f"part * part * turn2 <= {longest}", two),
             "first_try": f"A part in which known values turn by at most {first:g} rad is tried first",
+        }  # fmt: skip
+
+    def _longer(self, fits: str, two: str) -> str:
+        """The next part, where parts are bounded: `fits` says of half of it that the whole does."""
+        if not self.measured:
+            return f"(quick && ({fits})) ? ({two} * part) : part"
+        return f"((stretch < {self.real.literal(1.0)}) || ({fits})) ? (stretch * part) : part"
+
+    @property
+    def _parts(self) -> dict[str, str]:
+        """How far the next part reaches: half or twice, or, where `measured`, as far as the ratio of steps, which grows with the part,
+        lets expect."""
+        literal, two = self.real.literal, self.real.literal(2.0)
+        nearer = f"aim = done + {literal(0.375)} * (aim - done);"
+        if not self.measured:
+            return {
+                "quick_variable": "bool quick = false; /* whether the second step was far shorter than it had to be */",
+                "set_quick": f"quick = (size * {literal(100.0)} <= before);", "nearer": indent([nearer], 3),
+            }  # fmt: skip
+        root = self.real.call("sqrt")
+        return {
+            "quick_variable": f"{self.real.type} stretch = {literal(1.0)}; /* how much longer the next part may be than the last */",
+            "set_quick": f"stretch = (size * {literal(100.0)} <= before) ? {two} : ({literal(0.2)} * {root}(before / size));",
+            "nearer": indent([
+                f"if ((size > limit) && (size < {literal(4.0)} * limit)) {{",
+                f"    aim = done + {literal(0.8)} * {root}(limit / size) * (aim - done);", "} else {", "    " + nearer, "}",
+            ], 3),
         }  # fmt: skip
 
     @property

@@ -2,19 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypedDict, Unpack
 
 from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 
 
+class OptionValues(TypedDict, total=False):
+    """What a caller may give of `Options`, in lists of any kind."""
+
+    real: Literal["float", "double"]
+    home_relative: bool
+    geometry: Literal["fixed", "struct"]
+    home: Sequence[float] | None
+    given: Sequence[str]
+    find: Sequence[str]
+    also: Collection[Literal["package", "linuxcnc", "cpp"]]
+
+
 @dataclass(frozen=True)
 class Options:
     """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from home. `geometry`:
     numbers in the code, or a struct that is given with each call. `home`: the platform's pose about which the order
-    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `given`, `find`: names of the coordinates of a map between joints."""
+    of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `given`, `find`: names of the coordinates of a map between joints.
+    `also`: more files, for package managers, LinuxCNC or C++."""
 
     real: Literal["float", "double"] = "double"
     home_relative: bool = False
@@ -22,11 +36,38 @@ class Options:
     home: tuple[float, ...] | None = None
     given: tuple[str, ...] = ()
     find: tuple[str, ...] = ()
+    also: tuple[Literal["package", "linuxcnc", "cpp"], ...] = ()
+
+    @property
+    def package(self) -> bool:
+        return "package" in self.also
+
+    @property
+    def linuxcnc(self) -> bool:
+        return "linuxcnc" in self.also
+
+    @property
+    def cpp(self) -> bool:
+        return "cpp" in self.also
 
     @property
     def is_map(self) -> bool:
         """Whether joints are mapped to joints."""
         return bool(self.given or self.find)
+
+    @staticmethod
+    def of(**values: Unpack[OptionValues]) -> Options:
+        """From what a caller gives."""
+        home = values.get("home")
+        return Options(
+            real=values.get("real", "double"),
+            home_relative=values.get("home_relative", False),
+            geometry=values.get("geometry", "fixed"),
+            home=None if home is None else tuple(float(v) for v in home),
+            given=tuple(values.get("given", ())),
+            find=tuple(values.get("find", ())),
+            also=tuple(values.get("also", ())),
+        )
 
     def check(self, mechanism: Mechanism) -> None:
         if self.home_relative and not is_rod_platform(mechanism):
@@ -35,6 +76,12 @@ class Options:
             raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
         if self.is_map and self.geometry != "fixed":
             raise InputError(f"{mechanism.name}: a map between joints has its geometry in the code; leave --geometry struct out")
+        if self.is_map and (self.linuxcnc or self.cpp):
+            raise InputError(f"{mechanism.name}: --linuxcnc and --cpp need poses; a map between joints has none: leave them out")
+        if self.linuxcnc and (self.real != "double" or self.home_relative):
+            raise InputError(
+                f"{mechanism.name}: --linuxcnc needs --real double and no --home-relative: LinuxCNC's numbers are doubles"
+            )
 
     @property
     def arguments(self) -> str:
@@ -48,4 +95,4 @@ class Options:
             parts.append("--home " + ",".join(f"{v:g}" for v in self.home))
         if self.is_map:
             parts += [f"--given {','.join(self.given)}", f"--find {','.join(self.find)}"]
-        return " ".join(parts)
+        return " ".join([*parts, *(f"--{name}" for name in self.also)])

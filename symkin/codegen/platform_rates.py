@@ -15,6 +15,8 @@ from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.newton_source import NewtonCode, line_target
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.pose_kernel import PoseKernel
+from symkin.codegen.pose_target import core_target
 from symkin.model.mechanism import Mechanism
 
 _FASTEST = 1e6
@@ -53,6 +55,8 @@ def square_twist(mechanism: Mechanism, real: Real, values: Mapping[str, object])
 def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kernel | None) -> str:
     """NAME_twist by the closure's rows: the driver's kernel where it is that of the whole closure, else one of its own (None: no driver)."""
     kernel, text = made.direct_kernel, ""
+    if made.core is not None:
+        return core_twist(made, made.core.direct, values, driver)
     if driver is not kernel or kernel.n != made.direct.system.freedom:
         kernel = system_kernel(
             "velocity", made.geometry.system(made.direct), made.direct.known_coordinates, made.geometry.symbols
@@ -63,8 +67,35 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     passive = sum(c.width for c in made.passive)
     state = [*copy("w->x", "passive", passive), *(f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(values["nc"]))))]
     shown = {
-        "k": k, "state": indent(state, 2), "sides": indent(_side_lines(made, kernel), 3), "singular_there": singular_condition(kernel, k, "w", ga),
+        "k": k, "into": "w->k", "state": indent(state, 2), "sides": indent(_side_lines(made, kernel), 3), "singular_there": singular_condition(kernel, k, "w", ga),
         "nf": kernel.n, "store": indent(_stores(made, kernel), 2),
+    }  # fmt: skip
+    return text + fill("closure_twist.c", {**values, **shown})
+
+
+def core_twist(made: LimbPlatform, core: PoseKernel, values: Mapping[str, object], driver: Kernel | None) -> str:
+    """NAME_twist by the rows over the pose."""
+    kernel, nq = core.kernel, len(made.actuated)
+    k, text, rates = f"{made.name}_{kernel.name}", "", ca.SX.sym("v", nq)
+    if driver is not kernel:
+        # the direct problem has another way: these rows are written for the twist alone
+        state_at, known = zip(*(made.direct_state(s.values) for s in made.samples), strict=True)
+        matrices = np.array([kernel.matrix(*at, np.zeros(0)) for at in zip(state_at, known, strict=True)])
+        code = NewtonCode(kernel, made.name, made.real, [], matrices, 1.0, core_target(core, made.real), known_count=nq)
+        text = code.work + code.functions + code.target + code.linear.text
+    rows = ca.substitute(kernel.rows, kernel.known, core.target)
+    change = ca.densify(snapped_expression(ca.jtimes(rows, core.joints, rates), [kernel.state, core.joints, rates]))
+    function = ca.Function("sides", [kernel.state, core.joints, rates], [change], {"cse": True})
+    state = indexed("w->x", int(kernel.state.shape[0]))
+    emitter = Emitter(function, [state, indexed("w->at", nq), indexed("rates", nq)], made.real)
+    sides = [f"w->f[{i}] = {emitter.value(0, i)};" for i in range(kernel.m)]
+    function = ca.Function("twist", [kernel.state, kernel.step], [ca.densify(core.twist)], {"cse": True})
+    stores = Emitter(function, [state, indexed("w->f", kernel.n)], made.real)
+    of_twist = [f"twist[{i}] = {stores.value(0, i)};" for i in range(6)]
+    aim = [f"{k}_set_target(w, w->at, {made.real.literal(1.0)});", f"{k}_rows(w);"]
+    shown = {
+        "k": k, "into": "w->at", "state": indent([*copy("w->x", "c", len(state)), *aim], 2), "sides": indent([*emitter.lines, *sides], 3),
+        "singular_there": singular_condition(kernel, k, "w", ""), "nf": kernel.n, "store": indent([*stores.lines, *of_twist], 2),
     }  # fmt: skip
     return text + fill("closure_twist.c", {**values, **shown})
 

@@ -7,6 +7,7 @@ from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_readme import map_branch, map_chapter
 from symkin.codegen.latex import equations
 from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.pose_readme import rows_over_the_pose
 from symkin.codegen.program import Program, is_closed
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
@@ -139,10 +140,10 @@ $$|g''(t)| \le \sum_a |a| \Big(\sum_i k_i |d_i|\Big)^2 \le \sum_i W_i \, d_i^2 =
 
 $k_i$ the order of the wave (of a Chebyshev polynomial its largest derivatives). So $g(t) \ge (1 - t) g_0 + t g_1 - K t (1 - t)$, which
 is above zero for all $t$ where $K < (\sqrt{g_0} + \sqrt{g_1})^2$. **Proved**: the part is accepted where $K < g_0 + g_1 + 2 \min(g_0, g_1)$,
-which is not more; the whole line is tried first, what is refused is halved. A point at which some $g$ is not above its rounding is a point
+which is not more; the whole line is tried first, what is refused is cut to nine tenths of what $K$ lets pass. A point at which some $g$ is not above its rounding is a point
 without a configuration or a singular one, and parts shorter than 1/4096 pass too near to one: the status is then `WRONG_BRANCH`.
-(An angle between two unit vectors is at most $\pi / \sqrt 8$ times their distance, up to a right angle: no angle is formed before a
-line has to be cut.) Slides without limits are looked at within two sizes of the machine about the reference; beyond them nothing is assured. Lines within
+(Of an angle up to a right one with the chord $c$ the square is at most $c^2 + 0.117 c^4$: no angle is formed before a line has to
+be cut.) Slides without limits are looked at within two sizes of the machine about the reference; beyond them nothing is assured. Lines within
 a sixteenth or a quarter of the slides' ranges have bounds of their own, which are smaller.
 
 A discriminant that holds the root $r$ of another one, $D$, is $P + Q r$ with polynomials $P$ and $Q$; where $D \ge m$ on a part of the
@@ -205,6 +206,10 @@ def _formulas(program: Program) -> list[str]:
     if iterated:
         lines += [f"No closed form was found for {', '.join(f'`{name}`' for name in iterated)}: Newton's method finds these.", ""]
     return ["\n".join(lines)]
+
+
+def _over_the_pose(program: Program) -> list[str]:
+    return rows_over_the_pose(program.kind.core) if isinstance(program.kind, LimbPlatform) else []
 
 
 _LIBM = """ (with the same libm: its sin and cos differ from one library to another in the last bit, and results with
@@ -293,7 +298,7 @@ def readme(program: Program) -> str:
     kind = text + (_RELATIVE if options.home_relative else "")
     kind += "\n" + _REDUNDANT if program.kind.is_redundant else ""
     closure = equations(mechanism)
-    chapters = "\n\n".join([kind, *_formulas(program), _branch(program), *_closed_form(program)])
+    chapters = "\n\n".join([kind, *_over_the_pose(program), *_formulas(program), _branch(program), *_closed_form(program)])
     counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
     return f"""# {name}: {markdown(mechanism.title) or "generated kinematics"}
 

@@ -6,7 +6,7 @@ A rod of length L from the base point b to the platform point a spans d = p + R 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -23,7 +23,6 @@ _ABSOLUTE = Meaning(
     known="squared rod lengths L_i^2",
     rows="L_i^2 - d_i . d_i, d_i = p + R(q) a_i - b_i",
     step="(2 v, h): velocity v of the platform where the base's origin is, and half its turn h",
-    row="rod {i}",
     shared="rod vectors d_i, from the base point to the platform point",
 )
 _RELATIVE = Meaning(
@@ -31,7 +30,6 @@ _RELATIVE = Meaning(
     known="(2 L0_i + dL_i) dL_i of the rods' changes dL_i from their lengths L0_i at home",
     rows="k_i - (2 d0_i + delta_i) . delta_i, delta_i the change of rod vector d_i from home",
     step="(2 v, h): velocity v of the platform where the base's origin is, and half its turn h",
-    row="rod {i}",
     shared="rod vectors d_i, from the base point to the platform point",
 )
 
@@ -185,5 +183,5 @@ def rod_kernel(mechanism: Mechanism, rods: Rods, geometry: ca.SX, home: Pose) ->
         norm=dot(velocity, velocity) + 4 * size * size * dot(half, half),
         row_length=0.5 / float(np.mean(lengths)),
         characteristic_length=size,
-        meaning=_ABSOLUTE if rods.home is None else _RELATIVE,
+        meaning=replace(_ABSOLUTE if rods.home is None else _RELATIVE, each_row=tuple(c.name for c in mechanism.actuated)),
     )

@@ -196,7 +196,7 @@ class ArmSource:
         size = self.arm.mechanism.characteristic_length
         far = farthest(size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3])
         literal = self.arm.real.literal
-        return common | {"nq": nq, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
+        return common | {"nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
                          "farthest_joint": literal(FARTHEST * max(size, 1.0)),
                          "closed": "" if self.closed is None else self.closed.header}  # fmt: skip
 

@@ -226,21 +226,25 @@ def _cut(
     places = [work.ring.places[k][0] for k in unknowns]
     # the quadratic row on the line: lead t^2 + 2 half t + rest
     lead, half, rest = ca.SX(0), ca.SX(0), ca.SX(0)
+    # half its derivative along the line, which is lead t + half, at a solution
+    slope, own = ca.SX(0), [work.own[place] for place in places]
     for monomial, c in curved.terms.items():
         on = [i for i, place in enumerate(places) for _ in range(monomial[place])]
         p, d = [point[i] for i in on], [direction[i] for i in on]
         rest = rest + c * product(p)
         if len(on) == 1:
             half = half + 0.5 * c * d[0]
+            slope = slope + 0.5 * c * d[0]
         elif len(on) == 2:
             lead = lead + c * d[0] * d[1]
             half = half + 0.5 * c * (d[0] * p[1] + d[1] * p[0])
-    lead = work.divisor(lead, "a")
+            slope = slope + 0.5 * c * (d[0] * own[on[1]] + d[1] * own[on[0]])
+    multiple = work.multiple(lead, square)
+    lead = work.divisor(lead, "a") if multiple is None else multiple * square
     half = work.define(half / lead, "h")
-    along = total((work.own[place] - p) * d for place, p, d in zip(places, point, direction, strict=True)) / square
     names = work.names(unknowns)
     work.steps.append(f"{names} on the line of the linear rows, cut by the quadratic one: two values")
-    root = work.choose(names.replace(", ", "_"), half * half - rest / lead, along + half)
+    root = work.choose(names.replace(", ", "_"), half * half - rest / lead, slope / lead)
     part = work.define(root - half, "t")
     for unknown, p, d in zip(unknowns, point, direction, strict=True):
         work.solve(unknown, [p + part * d])

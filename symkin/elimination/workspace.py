@@ -108,6 +108,14 @@ class Workspace:
         found = np.abs(self.numbers([expression, beside]))
         return bool(np.all(found[:, 0] <= _ZERO * found[:, 1]))
 
+    def multiple(self, expression: ca.SX, of: ca.SX) -> float | None:
+        """The constant by which an expression is a multiple of another, if it is one at all samples."""
+        values = self.numbers([ca.SX(expression), ca.SX(of)])
+        if np.any(values[:, 1] == 0.0):
+            return None
+        ratio = values[:, 0] / values[:, 1]
+        return snap(float(ratio[0])) if float(np.ptp(ratio)) <= _SAME * float(np.max(np.abs(ratio))) else None
+
     # --- formulas ----------------------------------------------------------------------------------------------------
 
     def define(self, expression: ca.SX, label: str) -> ca.SX:

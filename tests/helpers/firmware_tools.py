@@ -12,6 +12,7 @@ from types import ModuleType
 
 import pytest
 
+HELPERS = Path(__file__).parent
 STRICT = [
     "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-pedantic", "-Werror",
     "-fno-math-errno", "-ffp-contract=off",

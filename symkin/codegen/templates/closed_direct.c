@@ -1,6 +1,7 @@
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and where formulas are evaluated, each
  * angle by cosine and sine; sign: the guess's side of each choice; left, guard: what must stay above zero, where the line is done
- * and at u; y: the unknowns; share: largest square of a usual root over a root's. */
+ * and at u; y: the unknowns; share: the smallest root over its usual size; over: how far a part was
+ * too long, by squares. */
 typedef struct {
     @{real} at[@{nu}];
     @{real} u[@{nu}];
@@ -9,6 +10,7 @@ typedef struct {
     @{real} guard[@{ng}];
     @{real} y[@{ny}];
     @{real} share;
+    @{real} over;
 @{reach_member}
 } @{p}_direct_work;
 
@@ -37,31 +39,13 @@ static void @{p}_direct_set(@{p}_direct_work *w, const @{real} joints[@{nq}])
 
 /* Whether no guard can reach zero between the values w->left and w->guard, on a line of which `change` are the squares of the joints'
  * changes: a guard bends by no more than its weights times these allow (README.md). */
-static bool @{p}_line_keeps(const @{p}_direct_work *w, const @{real} change[@{nq}])
+static bool @{p}_line_keeps(@{p}_direct_work *w, const @{real} change[@{nq}])
 {
-    static const @{real} weights@{weights_size} = {
-@{weights}
-    };
-@{nested_tables}
-    static const @{real} least[@{ng}] = { @{least} };
-    bool kept = true;
-@{lowest_array}
-    for (int j = 0; j < @{ng}; ++j) {
-        const @{real} a = w->left[j] - least[j];
-        const @{real} b = w->guard[j] - least[j];
-        const @{real} lesser = (a < b) ? a : b;
-        @{real} bend = @{zero};
-        for (int i = 0; i < @{nq}; ++i) {
-            bend += @{weights_of}[j][i] * change[i];
-        }
-@{nested}
-        kept = kept && (lesser > @{zero}) && (bend < a + b + lesser + lesser);
-@{keep_lowest}
-    }
+@{keep_lines}
     return kept;
 }
 
-@{p_angle}/* Follows the line from the guess's joint values to the given ones in parts that are kept, halved where they are not. */
+@{p_angle}/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are cut where they are not. */
 static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} joints[@{nq}], unsigned int most, unsigned int *count)
 {
     @{real} at[@{nq}];
@@ -69,19 +53,21 @@ static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} j
     @{real} change[@{nq}];
     @{real} done = @{zero};
     @{real} part = @{first_part};
+    bool refused = true;
     @{p}_status status = @{P}_MAX_ITERATIONS;
 @{at_lines}
     while ((status == @{P}_MAX_ITERATIONS) && (*count < most)) {
-        const @{real} end = done + part;
+        const @{real} end = (done + part < @{near_one}) ? (done + part) : @{one};
         bool above = true;
         for (int i = 0; i < @{nq}; ++i) {
             const @{real} way = given[i] - at[i];
-            change[i] = (part * way) * (part * way);
+            change[i] = ((end - done) * way) * ((end - done) * way);
             at_end[i] = (end < @{one}) ? (at[i] + end * way) : given[i];
         }
         @{p}_direct_set(w, at_end);
         @{p}_direct_formulas(w);
         ++*count;
+        w->over = @{four};
         for (int j = 0; j < @{ng}; ++j) {
             above = above && (w->guard[j] > @{zero});
         }
@@ -93,12 +79,15 @@ static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} j
                 w->left[j] = w->guard[j];
             }
             done = end;
-            part = (done + @{two} * part <= @{one}) ? (@{two} * part) : part;
+            part = refused ? part : (@{two} * part);
+            refused = false;
             if (done >= @{one}) {
                 status = @{P}_OK;
             }
         } else {
-            part *= @{half};
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < @{hundred}) ? (@{nine_tenths} / @{sqrt}(w->over)) : @{tenth});
+            refused = true;
             if (part < @{least_part}) {
                 status = @{P}_WRONG_BRANCH;
             }
@@ -117,6 +106,7 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
     @{p}_status status = @{p}_read_guess(&w, guess);
     const @{p}_status limits = @{p}_check_limits(joints);
     w.share = @{zero};
+    w.over = @{four};
 @{no_reach}
     /* NaN or infinity anywhere comes first */
     if ((status == @{P}_OK) || (limits == @{P}_NONFINITE)) {
@@ -136,7 +126,7 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
             @{p}_direct_set(&w, joints);
             @{p}_direct_formulas(&w);
             count = 1U;
-            /* squares of changes: of an angle at most pi^2 / 8 of its chord's, up to a right angle */
+            /* squares of changes, of an angle by its chord's, up to a right angle */
             kept = @{near};
 @{change_lines}
             kept = kept && @{p}_line_keeps(&w, change);
@@ -149,7 +139,13 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
         }
     }
     if (count > 0U) {
-        @{p}_write_info(info, count, residual, @{zero}, w.share);
+        if (info != NULL) {
+            info->iterations = (uint8_t)count;
+            info->residual = (residual >= @{zero}) ? residual : @{huge};
+            info->step = @{zero};
+            info->min_pivot = (w.share >= @{zero}) ? w.share : @{zero};
+            info->joint = @{nq}U;
+        }
     } else {
         @{p}_write_no_step(info, joints);
     }

@@ -1,4 +1,4 @@
-/* The twist of joint rates: the closure's linear system at the pose, passive joints included. */
+/* The twist of joint rates: the closure's linear system at the pose. */
 @{p}_status @{p}_twist(@{gp}const @{p}_pose *pose, const @{real} rates[@{nq}], @{real} twist[6])
 {
     @{k}_work work;
@@ -7,7 +7,7 @@
     @{real} passive[@{np}] = { @{zero} };
     @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
-        status = (@{p}_solve_limbs(@{ga}c, w->k, passive) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
+        status = (@{p}_solve_limbs(@{ga}c, @{into}, passive) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
     }
     status = @{p}_check_speeds(rates, @{nq}, status);
     if (status == @{P}_OK) {

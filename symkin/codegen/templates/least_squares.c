@@ -13,7 +13,7 @@ static void @{k}_solve(@{k}_work *w)
         }
     }
     /* back substitution with R */
-    for (int c = @{n} - 1; c >= 0; --c) {
+    for (int c = @{last}; c >= 0; --c) {
 @{above}
         w->f[c] = y[c] * w->r[@{n} * c + c];
     }

@@ -9,12 +9,13 @@ static @{SHARED} void @{k}_formulas(const @{real} k[@{nk}], const @{real} sign[@
 }
 
 @{told}
-/* The end of the straight line of known values from w->at to `to`, if no condition vanishes on the way: between two points whose least
+/* The end of the straight line of known values from w->at, where the state is w->x at w->k, to `to`, if no condition vanishes on the way: between two points whose least
  * value of a condition is g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest bend, which was
  * sampled when this code was written. Then the rows are held against the answer. */
-static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{real} sign[@{signs}], const @{p}_config *config, @{p}_info *info)
+static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
     static const @{real} bend[@{conditions}] = { @{bends} };
+    @{real} sign[@{signs}];
     @{real} begin[@{conditions}];
     @{real} end[@{conditions}];
     @{real} done = @{zero};
@@ -24,8 +25,7 @@ static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{r
     @{p}_status status = @{P}_MAX_ITERATIONS;
     unsigned int count = 0U;
 @{way}
-    @{k}_set_target(w, to, @{zero});
-    @{k}_formulas(w->k, sign, w->x, begin);
+    @{k}_signs(w->k, w->x, sign, begin);
     while ((count < (unsigned int)config->max_iterations) && (status == @{P}_MAX_ITERATIONS)) {
         const @{real} aim = (done + part < @{near_one}) ? (done + part) : @{one};
         bool held = true;
@@ -53,6 +53,11 @@ static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{r
             status = @{P}_WRONG_BRANCH;
         }
     }
-    return (status == @{P}_OK) ? @{k}_finish(w, count, least, config, info) : status;
+    if (status == @{P}_OK) {
+        status = @{k}_finish(w, count, least, config, info);
+    } else {
+        @{p}_write_info(info, count, @{huge}, @{zero}, @{zero});
+    }
+    return status;
 }
 

@@ -6,26 +6,29 @@
     const @{p}_config *const used = (config != NULL) ? config : &usual;
     @{k}_work w;
     @{real} y[@{ny}];
-    @{p}_status status = @{p}_check_range(@{P}_OK, @{values}, @{p}_low_@{values}, @{p}_high_@{values}, @{nto});
-    status = @{p}_check_range(status, guess, @{p}_least_@{out}, @{p}_most_@{out}, @{nout});
+    @{p}_status status = @{p}_limit_@{values}(@{P}_OK, @{values});
+    status = @{p}_bound_@{out}(status, guess);
     if (config != NULL) {
         status = @{p}_check_config(config, status);
     }
-    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-@{blame_values}    if (status == @{P}_OK) {
+    if (status == @{P}_OK) {
         status = @{p}_state_of_@{out}(guess, y);
     }
-    if (status == @{P}_OK) {
+    if (status != @{P}_OK) {
+        @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+@{blame_values}
+    } else {
         /* the line begins where the known values are at the guess */
 @{begin}
 @{follow}
     }
     if (status == @{P}_OK) {
 @{results}
-        status = @{p}_check_range(status, result, @{p}_low_@{out}, @{p}_high_@{out}, @{nout});
-@{blame_result}        if (status == @{P}_OK) {
+        status = @{p}_limit_@{out}(status, result);
+        if (status == @{P}_OK) {
 @{store}
         }
+@{blame_result}
     }
     return status;
 }
@@ -35,12 +38,14 @@
 {
     @{k}_work w;
 @{y}
-    @{p}_status status = @{p}_check_range(@{P}_OK, @{values}, @{p}_low_@{values}, @{p}_high_@{values}, @{nto});
-    status = @{p}_check_range(status, @{out}, @{p}_least_@{out}, @{p}_most_@{out}, @{nout});
-    @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-@{blame_values}@{last}
+    @{p}_status status = @{p}_limit_@{values}(@{P}_OK, @{values});
+    status = @{p}_bound_@{out}(status, @{out});
+@{last}
     if (status == @{P}_OK) {
 @{step}
+    } else {
+        @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
+@{blame_values}
     }
     if (status == @{P}_OK) {
 @{track_results}
@@ -48,10 +53,11 @@
 @{change}
         /* beyond a small step the branch is not assured */
         status = (change2 <= @{track2}) ? @{P}_OK : @{P}_WRONG_BRANCH;
-        status = @{p}_check_range(status, result, @{p}_low_@{out}, @{p}_high_@{out}, @{nout});
-@{blame_result}        if (status == @{P}_OK) {
+        status = @{p}_limit_@{out}(status, result);
+        if (status == @{P}_OK) {
 @{store}
         }
+@{blame_result}
     }
     return status;
 }

@@ -6,6 +6,7 @@ static @{SHARED} @{p}_status @{k}_finish(@{k}_work *w, unsigned int count, @{rea
     @{real} residual = @{k}_residual(w);
     if (!(residual <= config->tolerance)) {
         if (@{singular}) {
+            @{p}_write_info(info, count, residual, @{zero}, @{zero});
             return @{P}_SINGULAR;
         }
         @{k}_solve(w);

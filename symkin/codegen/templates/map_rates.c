@@ -12,10 +12,11 @@ static void @{p}_joint_columns(const @{p}_direct_work *w, @{real} sides[@{nsides
     @{real} sides[@{nsides}];
     @{real} rates[@{nj}];
 @{y}
-    @{p}_status status = @{p}_check_range(@{P}_OK, joints, @{p}_low_joints, @{p}_high_joints, @{nq});
-    status = @{p}_check_range(status, found, @{p}_low_found, @{p}_high_found, @{nq});
+    @{p}_status status = @{p}_limit_joints(@{P}_OK, joints);
+    status = @{p}_limit_found(status, found);
 @{state}
     if (status == @{P}_OK) {
+@{set}
         @{p}_direct_rows(&w);
         if (!(@{p}_direct_residual(&w) <= @{near})) {
             status = @{P}_OUT_OF_RANGE; /* no configuration has both */

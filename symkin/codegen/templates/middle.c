@@ -5,6 +5,7 @@ static @{COLD} bool @{k}_reaches_middle(@{gp}@{k}_work *w, const @{real} to[@{nt
 {
     @{real} end[@{ns}];
     @{real} size[3];
+@{aimed_at}
 @{to_begin}
     @{k}_set_target(@{ga}w, to, middle);
     for (int i = 0; i < 3; ++i) {

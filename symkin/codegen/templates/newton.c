@@ -25,7 +25,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
+    @{quick_variable}
     bool kept = false; /* whether the factors are those of the part that is done */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
@@ -98,7 +98,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 ++taken;
             } else if ((taken == 0U) || ((taken == 1U) && (size > @{still2}))) {
                 /* towards a point of the line: the next step judges this one */
-                quick = (size * @{quick} <= before);
+                @{set_quick}
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;
@@ -116,7 +116,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             }
         } else if (aim - done > @{least_part}) {
             /* refused: back to the part that is done, and aim nearer */
-            aim = done + @{shrink} * (aim - done);
+@{nearer}
 @{retreat}
             fresh = settling || !kept;
             taken = 0U;

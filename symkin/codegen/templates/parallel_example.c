@@ -1,54 +1,69 @@
-/* How a control loop uses @{p}: from a pose to joint values and back, then tracking.
+/* A control loop with @{p}: where the platform is, cycle after cycle, and what to do when that is not known.
  * SPDX-License-Identifier: MIT */
 #include "@{p}.h"
 #include "@{p}_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, @{p}_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    @{p}_pose pose; /* the last one that was known */
+    int tracked; /* cycles answered by one step */
+    int recovered; /* cycles answered by the whole line from the last pose */
+    int held; /* cycles without an answer: the machine must not move */
+} loop_state;
+
+/* One cycle: the pose at the joint values that were read. */
+static void cycle(@{gpe}loop_state *state, const @{p}_real joints[@{P}_JOINTS])
 {
-    static const char *const names[] = {
-        "@{P}_OK", "@{P}_MAX_ITERATIONS", "@{P}_SINGULAR", "@{P}_NONFINITE", "@{P}_OUT_OF_RANGE", "@{P}_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    @{p}_pose pose = state->pose;
+    @{p}_info info;
+    if ((@{p}_track(@{ga}joints, &pose, &info) == @{P}_OK) && (info.residual <= @{P}_TRACK_LIMIT)) {
+        ++state->tracked;
+        state->pose = pose;
+    } else if (@{p}_direct(@{ga}NULL, joints, &state->pose, &pose, &info) == @{P}_OK) {
+        /* too long a step, as after a gap in the readings */
+        ++state->recovered;
+        state->pose = pose;
+    } else {
+        /* joint info.joint is to blame, if it is below @{P}_JOINTS; the pose stays the last good one */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
 @{nominal}
-    @{p}_pose pose;
-    @{p}_real joints[@{P}_JOINTS];
-    @{p}_info info;
-    @{p}_status status;
+    loop_state state = { { { @{zero} }, { @{zero} } }, 0, 0, 0 };
+    @{p}_real begin[@{P}_JOINTS];
     for (int i = 0; i < 3; ++i) {
-        pose.position[i] = @{p}_vector_home[i];
+        state.pose.position[i] = @{p}_vector_home[i];
     }
     for (int i = 0; i < 4; ++i) {
-        pose.quaternion[i] = @{p}_vector_home[3 + i];
+        state.pose.quaternion[i] = @{p}_vector_home[3 + i];
     }
-    status = @{p}_inverse(@{ga}&pose, joints);
-    if (status != @{P}_OK) {
-        return stopped("@{p}_inverse", status);
-    }
-    /* Power-up: the machine's joints as they are read, home as the guess. Anything but OK: do not move. */
-    for (int i = 0; i < @{P}_JOINTS; ++i) {
-        joints[i] = @{p}_vector_joints[0][i];
-    }
-    status = @{p}_direct(@{ga}NULL, joints, &pose, &pose, &info);
-    if (status != @{P}_OK) {
-        return stopped("@{p}_direct", status);
-    }
-    /* Each cycle: one step from the last pose; a predicted error that is too large asks for @{p}_direct. */
-    status = @{p}_track(@{ga}joints, &pose, &info);
-    if (status != @{P}_OK) {
-        return stopped("@{p}_track", status);
-    }
-    if (info.residual > @{P}_TRACK_LIMIT) {
-        (void)fprintf(stderr, "@{p}_track: predicted error %g; call @{p}_direct\n", (double)info.residual);
+    if (@{p}_inverse(@{ga}&state.pose, begin) != @{P}_OK) {
+        (void)fprintf(stderr, "home cannot be taken; the machine must not move\n");
         return 1;
     }
-    (void)printf("position %.6f %.6f %.6f\n", (double)pose.position[0], (double)pose.position[1], (double)pose.position[2]);
+    /* the joints move from home in a straight line; readings 40 to 69 are lost, reading 80 is not a number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const @{p}_real part = (@{p}_real)k / (@{p}_real)CYCLES;
+        @{p}_real joints[@{P}_JOINTS];
+        for (int i = 0; i < @{P}_JOINTS; ++i) {
+            joints[i] = begin[i] + part * (@{p}_vector_joints[0][i] - begin[i]);
+        }
+        if (k == 80) {
+            joints[0] = (@{p}_real)NAN;
+        }
+        if ((k < 40) || (k >= 70)) {
+            cycle(@{ga}&state, joints);
+        }
+    }
+    (void)printf("position %.6f %.6f %.6f: %d tracked, %d recovered, %d held\n", (double)state.pose.position[0],
+        (double)state.pose.position[1], (double)state.pose.position[2], state.tracked, state.recovered, state.held);
     return 0;
 }

@@ -69,7 +69,7 @@ static @{COLD} void @{k}_pivoted_solve(@{k}_work *w)
         }
     }
     /* back substitution */
-    for (int c = @{n} - 1; c >= 0; --c) {
+    for (int c = @{last}; c >= 0; --c) {
         const @{real} t = w->f[c] * w->a[@{n} * c + c];
         w->f[c] = t;
         for (int r = 0; r < c; ++r) {

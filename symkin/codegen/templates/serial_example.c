@@ -1,36 +1,71 @@
-/* How a control loop uses @{p}: from joint values to a pose and back from a guess.
+/* A control loop with @{p}: joint values of poses, cycle after cycle, and what to do when there are none.
  * SPDX-License-Identifier: MIT */
 #include "@{p}.h"
 #include "@{p}_vectors.h"
 
+#include <math.h>
 #include <stdio.h>
 
-/* Says on stderr why the example ends: the status by its name. */
-static int stopped(const char *call, @{p}_status status)
+#define CYCLES (100)
+
+/* What the loop keeps from one cycle to the next. */
+typedef struct {
+    @{p}_real joints[@{P}_JOINTS]; /* the last ones that were answered */
+    int moved; /* cycles with an answer */
+    int held; /* cycles without one: the arm must not move */
+} loop_state;
+
+/* One cycle: the joint values of the pose that is wanted, from the last ones. */
+static void cycle(@{gpe}loop_state *state, const @{p}_pose *pose)
 {
-    static const char *const names[] = {
-        "@{P}_OK", "@{P}_MAX_ITERATIONS", "@{P}_SINGULAR", "@{P}_NONFINITE", "@{P}_OUT_OF_RANGE", "@{P}_WRONG_BRANCH"
-    };
-    (void)fprintf(stderr, "%s: %s; the machine must not move\n", call, names[status]);
-    return 1;
+    @{p}_info info;
+    if (@{p}_inverse(@{ga}NULL, pose, state->joints, state->joints, &info) == @{P}_OK) {
+        ++state->moved;
+    } else {
+        /* joint info.joint is to blame, if it is below @{P}_JOINTS; the joint values stay the last good ones */
+        ++state->held;
+    }
 }
 
 int main(void)
 {
 @{nominal}
-    @{p}_pose pose;
-    @{p}_real joints[@{P}_JOINTS];
-    @{p}_info info;
-    @{p}_status status;
-    status = @{p}_direct(@{ga}@{p}_vector_joints[0], &pose);
-    if (status != @{P}_OK) {
-        return stopped("@{p}_direct", status);
+    loop_state state = { { @{zero} }, 0, 0 };
+    @{p}_pose from;
+    @{p}_pose to;
+    for (int i = 0; i < @{P}_JOINTS; ++i) {
+        state.joints[i] = @{p}_vector_guesses[0][i];
     }
-    /* Anything but OK: joints are untouched, do not move. */
-    status = @{p}_inverse(@{ga}NULL, &pose, @{p}_vector_guesses[0], joints, &info);
-    if (status != @{P}_OK) {
-        return stopped("@{p}_inverse", status);
+    if ((@{p}_direct(@{ga}state.joints, &from) != @{P}_OK) || (@{p}_direct(@{ga}@{p}_vector_joints[0], &to) != @{P}_OK)) {
+        (void)fprintf(stderr, "no pose to begin with; the arm must not move\n");
+        return 1;
     }
-    (void)printf("first joint %.6f after %d steps\n", (double)joints[0], (int)info.iterations);
+    /* the tool moves in a straight line; in cycle 80 the pose that is wanted is not a number */
+    for (int k = 1; k <= CYCLES; ++k) {
+        const double part = (double)k / CYCLES;
+        double cosine = 0.0;
+        double squared = 0.0;
+        @{p}_pose pose;
+        for (int i = 0; i < 4; ++i) {
+            cosine += (double)from.quaternion[i] * (double)to.quaternion[i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            const double other = (cosine < 0.0) ? -(double)to.quaternion[i] : (double)to.quaternion[i];
+            const double q = (1.0 - part) * (double)from.quaternion[i] + part * other;
+            pose.quaternion[i] = (@{p}_real)q;
+            squared += q * q;
+        }
+        for (int i = 0; i < 4; ++i) {
+            pose.quaternion[i] = (@{p}_real)((double)pose.quaternion[i] / sqrt(squared));
+        }
+        for (int i = 0; i < 3; ++i) {
+            pose.position[i] = (@{p}_real)((1.0 - part) * (double)from.position[i] + part * (double)to.position[i]);
+        }
+        if (k == 80) {
+            pose.position[0] = (@{p}_real)NAN;
+        }
+        cycle(@{ga}&state, &pose);
+    }
+    (void)printf("first joint %.6f: %d moved, %d held\n", (double)state.joints[0], state.moved, state.held);
     return 0;
 }

@@ -26,7 +26,7 @@
     @{real} to[7];
     @{p}_status status = @{p}_check_finite(guess, @{nq}, @{p}_normalise_pose(pose, to));
     @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
-    for (int i = @{nq} - 1; i >= 0; --i) {
+    for (int i = @{last_joint}; i >= 0; --i) {
         if (!(@{fabs}(guess[i]) <= @{farthest_joint})) {
             status = (status == @{P}_OK) ? @{P}_OUT_OF_RANGE : status;
             if (info != NULL) {

@@ -1,0 +1,222 @@
+"""Take passive joints out of a limb's rows: what is left ties the platform's pose to the actuated joints alone.
+
+The rows of a limb hold a platform point w by the joints, w + f(q, x) = 0. A combination of them in which no passive joint x stands is
+
+    |w - A(q)|^2 = c(q)     the point lies on a sphere (or with a plane, on a circle) that the actuated joints q move, or
+    n(q) . w = c(q)         it lies in a plane.
+
+A(q), n(q) and c(q) are polynomials of lengths, cosines and sines; their coefficients solve linear equations: all terms with a passive joint
+vanish. So the structure is found in the rows, whatever joints have made them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.closure.snapping import snap
+from symkin.elimination.polynomial import Monomial, Polynomial, Ring
+from symkin.elimination.rows import NotPolynomialError, polynomial_rows
+from symkin.elimination.sums import product
+from symkin.elimination.workspace import Workspace
+from symkin.model.joint import Coordinate
+from symkin.numeric.system import System
+
+_VANISHED = 1e-10
+"""Share of the largest term below which a sum of terms is zero."""
+_CANCELLED = 1e-13
+"""Share of the largest coefficient below which one is what rounding leaves of others that cancel."""
+
+
+@dataclass(frozen=True, eq=False)
+class PointRow:
+    """|w - of|^2 = level where `is_sphere`, else of . w = level: `point` w by the pose, `of` and `level` by the actuated joints."""
+
+    point: ca.SX
+    of: ca.SX
+    level: ca.SX
+    is_sphere: bool
+
+
+def pose_rows(system: System, poses: np.ndarray) -> list[PointRow] | None:
+    """The rows of a limb without its passive joints, as many as the platform loses freedoms by it; None where none are found.
+    Coefficients are compared at the sampled `poses` (n, known)."""
+    limb = _limb(system, poses)
+    if limb is None:
+        return None
+    lacking = len(limb.rows) - len(limb.passive)
+    points = limb.planes(lacking)
+    sphere = limb.sphere() if len(points) < lacking else None
+    if sphere is not None:
+        points.append(sphere)
+    return points if len(points) == lacking else None
+
+
+def plain(expressions: ca.SX, joints: ca.SX, coordinates: Sequence[Coordinate]) -> ca.SX:
+    """The same expressions of joints as sums of products, where they are polynomials of lengths, cosines and sines."""
+    none = ca.SX(0, 1)
+    system = System(tuple(coordinates), joints, none, expressions, expressions, 1.0)
+    ring = Ring(system.unknowns)
+    try:
+        rows = polynomial_rows(ring, system, expressions, {})
+    except NotPolynomialError:
+        return expressions
+    return ca.vertcat(none, *(expression_of(ring, row, joints) for row in rows))
+
+
+def _limb(system: System, poses: np.ndarray) -> _Limb | None:
+    """The limb's rows as polynomials, where their coefficients are constants but for the term without joints."""
+    ring = Ring(system.unknowns)
+    try:
+        rows = polynomial_rows(ring, system, system.rows, {})
+    except NotPolynomialError:
+        return None
+    work = Workspace(ring, rows, set(), [system.known], poses)
+    rows = [work.tidied(row) for row in rows]
+    if any(not c.is_constant() for row in rows for m, c in row.terms.items() if m != ring.one):
+        return None
+    point = ca.vertcat(*(row.terms.get(ring.one, ca.SX(0)) for row in rows))
+    others = tuple(Polynomial({m: c for m, c in row.terms.items() if m != ring.one}) for row in rows)
+    return _Limb(system, ring, others, point)
+
+
+@dataclass(frozen=True, eq=False)
+class _Limb:
+    """Rows point + rows(joints) = 0 with constant coefficients."""
+
+    system: System
+    ring: Ring
+    rows: tuple[Polynomial, ...]
+    point: ca.SX
+
+    @property
+    def passive(self) -> set[int]:
+        return {k for k, c in enumerate(self.system.unknowns) if c.role != "actuated"}
+
+    def _is_free(self, monomial: Monomial) -> bool:
+        """Whether no passive joint stands in a term."""
+        return not any(e and self.ring.generators[place][0] in self.passive for place, e in enumerate(monomial))
+
+    @property
+    def _factors(self) -> list[list[Monomial]]:
+        """Terms that factors of rows may have: the number alone, then those of the actuated joints in the rows."""
+        own = {
+            tuple(e * (self.ring.generators[p][0] not in self.passive) for p, e in enumerate(m))
+            for row in self.rows
+            for m in row.terms
+        }
+        return [[self.ring.one], sorted({self.ring.one, *own}, reverse=True)]
+
+    def _products(self, monomials: Sequence[Monomial]) -> list[Polynomial]:
+        """Each row times each term."""
+        return [self.ring.product(Polynomial({m: ca.SX(1)}), row) for row in self.rows for m in monomials]
+
+    def _bound(self, polynomials: Sequence[Polynomial]) -> np.ndarray:
+        """Coefficients (terms, polynomials) of the terms with passive joints, the largest of each term 1."""
+        terms = sorted({m for p in polynomials for m in p.terms if not self._is_free(m)})
+        if not terms:
+            return np.zeros((0, len(polynomials)))
+        matrix = np.array([[float(p.terms.get(m, ca.SX(0))) for p in polynomials] for m in terms]).reshape(len(terms), -1)
+        sizes = np.max(np.abs(matrix), axis=1, initial=0.0)
+        kept = sizes > _CANCELLED * np.max(sizes, initial=0.0)
+        return np.asarray(matrix[kept] / sizes[kept, None])
+
+    def planes(self, most: int) -> list[PointRow]:
+        """Planes in which the point lies, at most so many."""
+        for monomials in self._factors:
+            polynomials = self._products(monomials)
+            matrix = self._bound(polynomials)
+            null = _null_space(matrix, len(polynomials))
+            if len(null) and (len(monomials) == 1 or len(null) == 1):
+                return [self._plane(factors, monomials, polynomials) for factors in null[:most]]
+        return []
+
+    def _plane(self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]) -> PointRow:
+        level = _sum(zip(factors, polynomials, strict=True)).times(-1.0)
+        return PointRow(self.point, self._vector(factors, monomials), self._expression(self._free(level)), is_sphere=False)
+
+    def sphere(self) -> PointRow | None:
+        """The sphere on which the point lies."""
+        squares = _sum((1.0, self.ring.product(row, row)) for row in self.rows)
+        for monomials in self._factors:
+            polynomials = [squares, *(p.times(2.0) for p in self._products(monomials))]
+            matrix = self._bound(polynomials)
+            if not len(matrix):
+                continue
+            factors = np.linalg.lstsq(matrix[:, 1:], -matrix[:, 0], rcond=_VANISHED)[0]
+            left = matrix[:, 1:] @ factors + matrix[:, 0]
+            if np.max(np.abs(left)) <= _VANISHED * max(1.0, float(np.max(np.abs(factors)))):
+                return self._sphere(np.array([_tidy(v, factors) for v in factors]), monomials, polynomials)
+        return None
+
+    def _sphere(self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]) -> PointRow:
+        # |w - A|^2 = |f + A|^2 = |f|^2 + 2 A f + |A|^2
+        n, level = len(monomials), self._free(_sum(zip((1.0, *factors), polynomials, strict=True)))
+        for j in range(len(self.rows)):
+            part = Polynomial({m: ca.SX(float(v)) for m, v in zip(monomials, factors[n * j : n * j + n], strict=True)})
+            level = level.plus(self.ring.product(part, part))
+        return PointRow(self.point, self._vector(factors, monomials), self._expression(level), is_sphere=True)
+
+    def _free(self, polynomial: Polynomial) -> Polynomial:
+        return Polynomial({m: c for m, c in polynomial.terms.items() if self._is_free(m)})
+
+    def _vector(self, factors: np.ndarray, monomials: Sequence[Monomial]) -> ca.SX:
+        """One expression of the actuated joints for each row."""
+        n = len(monomials)
+        parts = [
+            Polynomial(dict(zip(monomials, map(ca.SX, map(float, factors[n * j : n * j + n])), strict=True)))
+            for j in range(len(self.rows))
+        ]
+        return ca.vertcat(*(self._expression(part) for part in parts))
+
+    def _expression(self, polynomial: Polynomial) -> ca.SX:
+        return expression_of(self.ring, polynomial, self.system.unknown)
+
+
+def expression_of(ring: Ring, polynomial: Polynomial, joints: ca.SX) -> ca.SX:
+    """A polynomial of the joints with constant coefficients as an expression, without terms that are rounding."""
+    numbers = {m: float(c) for m, c in polynomial.terms.items()}
+    largest, found = max((abs(v) for v in numbers.values()), default=0.0), ca.SX(0)
+    for m, v in numbers.items():
+        if abs(v) > _VANISHED * largest:
+            found = found + snap(v) * product(_generator(ring, place, joints) for place, e in enumerate(m) for _ in range(e))
+    return found
+
+
+def _generator(ring: Ring, place: int, joints: ca.SX) -> ca.SX:
+    number, part = ring.generators[place]
+    z = joints[number]
+    return z if part == "value" else ca.cos(z) if part == "cosine" else ca.sin(z)
+
+
+def _sum(parts: Iterable[tuple[float, Polynomial]]) -> Polynomial:
+    whole = Polynomial({})
+    for factor, polynomial in parts:
+        whole = whole.plus(polynomial, ca.SX(float(factor)))
+    return whole
+
+
+def _tidy(value: float, beside: np.ndarray) -> float:
+    """A factor, nothing where it is rounding of others."""
+    return float(value) if abs(value) > _VANISHED * np.max(np.abs(beside)) else 0.0
+
+
+def _null_space(matrix: np.ndarray, count: int) -> np.ndarray:
+    """Unit vectors (k, count) that a matrix makes zero, in a form of its own: reduced, so that plain factors stay plain."""
+    if not len(matrix):
+        return np.eye(count)
+    _, sizes, v = np.linalg.svd(matrix)
+    rank = int(np.sum(sizes > _VANISHED * sizes[0]))
+    null = v[rank:].copy()
+    # reduced row by row: ones and zeros where the vectors allow them
+    for i in range(len(null)):
+        place = int(np.argmax(np.abs(null[i])))
+        null[i] /= null[i, place]
+        for other in range(len(null)):
+            if other != i:
+                null[other] -= null[other, place] * null[i]
+    null[np.abs(null) < _VANISHED] = 0.0
+    return np.asarray(null / np.linalg.norm(null, axis=1, keepdims=True))

@@ -1,0 +1,19 @@
+/* The pose of world coordinates: the orientation is that of home. */
+static @{p}_pose @{p}_pose_of(const EmcPose *world)
+{
+    @{p}_pose pose = @{p}_home;
+@{positions}
+    return pose;
+}
+
+/* World coordinates of a pose. */
+static void @{p}_world_of(const @{p}_pose *pose, EmcPose *world)
+{
+    world->tran.x = pose->position[0] * @{P}_MM;
+    world->tran.y = pose->position[1] * @{P}_MM;
+    world->tran.z = pose->position[2] * @{P}_MM;
+    world->a = 0.0;
+    world->b = 0.0;
+    world->c = 0.0;
+}
+

@@ -1,0 +1,6 @@
+/* Cosine and sine of an angle@{circle_error}. */
+static @{SHARED} void @{p}_circle(@{real} angle, @{real} circle[2])
+{
+@{circle}
+}
+

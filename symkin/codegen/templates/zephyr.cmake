@@ -1,0 +1,6 @@
+if(CONFIG_@{P})
+  zephyr_library()
+  zephyr_library_sources(${CMAKE_CURRENT_LIST_DIR}/../@{p}.c)
+  zephyr_library_compile_options(-fno-math-errno -ffp-contract=off)
+  zephyr_include_directories(${CMAKE_CURRENT_LIST_DIR}/..)
+endif()

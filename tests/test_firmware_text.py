@@ -1,0 +1,94 @@
+"""How generated C reads: its lines, its constants, and the words of its comments."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from helpers import firmware_tools as tools
+from symkin.codegen.c_emitter import Emitter, Real
+from symkin.codegen.line_width import WIDTH, narrowed
+
+CODEGEN = Path(__file__).parent.parent / "codegen"
+SOURCES = sorted(path for folder in CODEGEN.glob("*/manifest.json") for path in folder.parent.glob("*.[ch]"))
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_lines_and_constants(path):
+    """No line is longer than a hundred characters; nothing is added to or divided by a negative constant, no constant computed."""
+    text = path.read_text()
+    assert max(map(len, text.split("\n"))) <= WIDTH
+    number = r"\d[\d.]*(?:e[+-]?\d+)?f?"
+    assert not re.search(rf"[-+/] \(?-{number}\)?(?![\w.])", re.sub(r"/\*.*?\*/|#define.*|\{{[^;]*\}};", "", text, flags=re.S))
+    assert not re.search(rf"= -?{number} [-+*/] -?{number};", text)
+
+
+@pytest.mark.parametrize("name", ["zhang2009", "zhao2000"])
+def test_rows_are_named_as_in_the_model(name):
+    """A comment before each row says which limb or which coordinates it is about."""
+    text = (CODEGEN / f"{name}_float" / f"{name}.c").read_text()
+    wanted = ["leg1", "leg6"] if name == "zhang2009" else ["theta1", "op"]
+    assert all(re.search(rf"/\* [^*]*\b{word}\b", text) for word in wanted)
+
+
+def test_narrow_text_is_the_same_program(tmp_path):
+    """Long calls, conditions, strings, macros and comments: the compiler prints the same, the words stay in their order."""
+    text = """#include <stdio.h>
+/* A comment of very many words that goes on and on over more than a hundred characters, so that it must be broken somewhere in it
+ * and continues on a next line of its own with few words.
+ *
+ * joints[0] begins a line of its own. */
+#define NUMBERS { 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0, 19.0, 20.0, 21.0, 22.0 }
+#define LIMIT (12) /* a comment behind a definition, long enough that both together are too long for one line of a hundred */
+static double sum_of_many_numbers(const double numbers_with_a_long_name[22], int count_of_the_numbers, double what_is_added_first, int unused)
+{
+    double sum = what_is_added_first; /* what a comment at the end of a line of code says, which makes the line too long for the page */
+    for (int i = 0; (i < count_of_the_numbers) && (i < LIMIT) && (numbers_with_a_long_name[i] > 0.0) && (unused == 0) && (sum < 1e30); ++i) {
+        sum += numbers_with_a_long_name[i] * numbers_with_a_long_name[i] + numbers_with_a_long_name[i] - 0.5 * numbers_with_a_long_name[i];
+    }
+    return sum;
+}
+int main(void)
+{
+    static const double numbers[22] = NUMBERS;
+    (void)printf("%s %g\\n", "a string, with a comma, that must not be broken: && || = + - * however long it may be, and it is long", sum_of_many_numbers(numbers, 22, 1.0, 0));
+    return 0;
+}
+"""
+    narrow = narrowed(text.replace("18.0, 19.0, 20.0, 21.0, 22.0 }", "18.0, \\\n    19.0, 20.0, 21.0, 22.0 }"))
+    words = [re.sub(r"[\s\\*/]+", "", t) for t in (text, narrow)]
+    assert sorted(words[0]) == sorted(words[1])
+    outputs = []
+    for version in (text, narrow):
+        (tmp_path / "program.c").write_text(version)
+        outputs.append(tools.passed(tools.built("gcc", tmp_path, ["program.c"], "program")))
+    assert outputs[0] == outputs[1]
+    assert all(len(line) <= WIDTH or "a string" in line or "NUMBERS" in line for line in narrow.split("\n"))
+    assert " * joints[0] begins" in narrow
+
+
+def test_constants_are_folded():
+    """Sums with several constants, negative ones, products with 1 and -1, and what is constant throughout."""
+    x = ca.SX.sym("x", 2)
+    one = ca.SX(1.0 + 1e-15)
+    values = ca.vertcat(
+        x[0] - 69.25 - 69.25 + 138.5,
+        x[0] - ca.SX(-275.0),
+        -3.0 + x[1],
+        x[0] * one,
+        x[1] / ca.SX(-1.0),
+        one / -one + x[0],
+        4.0 - x[0],
+    )
+    function = ca.Function("f", [x], [values])
+    emitter = Emitter(function, [["x0", "x1"]], Real("double"))
+    texts = [emitter.value(0, i) for i in range(7)]
+    named = {line.split(" = ")[0].split()[-1]: line.split(" = ")[1].rstrip(";") for line in emitter.lines}
+    written = [named.get(text, text) for text in texts]
+    assert written == ["x0", "x0 + 275.0", "x1 - 3.0", "x0", "-x1", "x0 - 1.0", "4.0 - x0"]
+    at = np.array([0.3, -1.7])
+    assert np.allclose([eval(text, {"x0": at[0], "x1": at[1]}) for text in written], function(at).full().ravel(), atol=1e-12)
