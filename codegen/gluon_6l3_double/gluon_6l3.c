@@ -1170,7 +1170,7 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
         least = (left[k] < least) ? left[k] : least;
     }
     gluon_6l3_write_info(info, count, (status == GLUON_6L3_OK) ? 2.3987771354403583e-09 : HUGE_VAL,
-        way2 * 290837.71719999996, (least > 0.0) ? (1.0 / least) : 0.0);
+        way2 * 290837.71719999996, (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
     return status;
 }
 

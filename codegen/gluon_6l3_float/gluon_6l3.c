@@ -1199,7 +1199,7 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
         least = (left[k] < least) ? left[k] : least;
     }
     gluon_6l3_write_info(info, count, (status == GLUON_6L3_OK) ? 0.00218582f : HUGE_VALF,
-        way2 * 290837.72f, (least > 0.0f) ? (1.0f / least) : 0.0f);
+        way2 * 290837.72f, (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }
 

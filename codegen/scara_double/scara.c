@@ -680,7 +680,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
         least = (left[k] < least) ? left[k] : least;
     }
     scara_write_info(info, count, (status == SCARA_OK) ? 1.7791990103432909e-09 : HUGE_VAL,
-        way2 * 160000.0, (least > 0.0) ? (1.0 / least) : 0.0);
+        way2 * 160000.0, (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
     return status;
 }
 

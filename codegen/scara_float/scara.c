@@ -718,7 +718,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
         least = (left[k] < least) ? left[k] : least;
     }
     scara_write_info(info, count, (status == SCARA_OK) ? 0.0016212463f : HUGE_VALF,
-        way2 * 160000.0f, (least > 0.0f) ? (1.0f / least) : 0.0f);
+        way2 * 160000.0f, (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }
 

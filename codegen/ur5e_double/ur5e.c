@@ -1165,7 +1165,7 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
         least = (left[k] < least) ? left[k] : least;
     }
     ur5e_write_info(info, count, (status == UR5E_OK) ? 3.753200649988964e-09 : HUGE_VAL,
-        way2 * 711990.9800000002, (least > 0.0) ? (1.0 / least) : 0.0);
+        way2 * 711990.9800000002, (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
     return status;
 }
 

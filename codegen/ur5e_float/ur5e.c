@@ -1194,7 +1194,7 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
         least = (left[k] < least) ? left[k] : least;
     }
     ur5e_write_info(info, count, (status == UR5E_OK) ? 0.0034200011f : HUGE_VALF, way2 * 711991.0f,
-        (least > 0.0f) ? (1.0f / least) : 0.0f);
+        (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }
 

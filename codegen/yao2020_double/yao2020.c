@@ -951,7 +951,7 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
         least = (left[k] < least) ? left[k] : least;
     }
     yao2020_write_info(info, count, (status == YAO2020_OK) ? 2.468738804943144e-09 : HUGE_VAL,
-        way2 * 308050.0, (least > 0.0) ? (1.0 / least) : 0.0);
+        way2 * 308050.0, (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
     return status;
 }
 

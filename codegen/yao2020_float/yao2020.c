@@ -990,7 +990,7 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
         least = (left[k] < least) ? left[k] : least;
     }
     yao2020_write_info(info, count, (status == YAO2020_OK) ? 0.0022495706f : HUGE_VALF,
-        way2 * 308050.0f, (least > 0.0f) ? (1.0f / least) : 0.0f);
+        way2 * 308050.0f, (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }
 

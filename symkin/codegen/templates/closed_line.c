@@ -111,7 +111,7 @@ static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *co
     for (int k = 0; k < @{margins}; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    @{p}_write_info(info, count, (status == @{P}_OK) ? @{answer_rounding} : @{huge}, way2 * @{size2}, (least > @{zero}) ? (@{one} / least) : @{zero});
+    @{p}_write_info(info, count, (status == @{P}_OK) ? @{answer_rounding} : @{huge}, way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
     return status;
 }
 
