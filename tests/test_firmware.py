@@ -77,6 +77,14 @@ def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("file", sorted((CODEGEN / "bench" / "machines").glob("*.toml")), ids=lambda path: path.stem)
+def test_machines_of_the_bench_compile_and_pass(file, tmp_path):
+    """A Tricept too, whose middle limb has rows that say the same and vanish at home in part."""
+    write_folder(load(str(file)), tmp_path, Options("double"))
+    tools.passed(tools.built("gcc", tmp_path, [f"{file.stem}.c", f"{file.stem}_test.c"], "test", "-O1"))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("geometry", ["fixed", "struct"])
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_home_relative_form(real, geometry, tmp_path):

@@ -171,12 +171,25 @@ class Workspace:
         return self.tidied(Polynomial(terms))
 
     def without_repeats(self) -> None:
-        """Leave out rows that are multiples of others."""
+        """Leave out rows that are multiples of others: of two, keep the later one where the first comes nearer to zero by half."""
         kept: list[Polynomial] = []
         for row in self.rows:
-            monomials = sorted(row.terms)
-            vector = [row.terms[m] for m in monomials]
-            same = (other for other in kept if sorted(other.terms) == monomials)
-            if self.ring.held(row) and not any(self.is_parallel(vector, [other.terms[m] for m in monomials]) for other in same):
+            if not self.ring.held(row):
+                continue
+            alike = next((i for i, other in enumerate(kept) if self._repeats(row, other)), None)
+            if alike is None:
                 kept.append(row)
+            elif self._least(row) > 2.0 * self._least(kept[alike]):
+                kept[alike] = row
         self.rows = kept
+
+    def _repeats(self, row: Polynomial, other: Polynomial) -> bool:
+        """Whether a row is a multiple of another at all samples."""
+        monomials = sorted(row.terms)
+        return sorted(other.terms) == monomials and self.is_parallel(
+            [row.terms[m] for m in monomials], [other.terms[m] for m in monomials]
+        )
+
+    def _least(self, row: Polynomial) -> float:
+        """The smallest length of a row's coefficients among the samples."""
+        return float(np.min(np.linalg.norm(self.numbers(list(row.terms.values())), axis=1)))
