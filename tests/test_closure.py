@@ -453,3 +453,14 @@ def test_rows_and_checks_hold_no_symbol_but_the_coordinates_once_bound(motion, r
     limbs = [Limb("limb", joints), RodLimb("leg", (1, 2, 3), (0, 0, 1))]
     closure = build_closure(Mechanism("any", limbs, (0.0, 1.0, 2.0), unit(rng, 4), motion=motion))
     ca.Function("bound", [closure.variables], [closure.bound(closure.rows), closure.bound(closure.errors)])
+
+
+def test_problems_of_a_mechanism_share_its_closure_however_many_others_came_between():
+    """Symbols of a closure that is built anew are others: problems must not hold one that the rest has forgotten."""
+    delta = symkin.load("delta")
+    build_problem(delta, "inverse")
+    for k in range(140):
+        build_problem(delta, "direct")
+        other = symkin.Mechanism(f"other{k}", delta.limbs, platform_position=(0.0, 0.0, -100.0 - k), motion="translation")
+        build_problem(other, "inverse")
+    assert build_problem(delta, "direct").closure is build_problem(delta, "inverse").closure

@@ -17,8 +17,8 @@ from processors import HOST, measure
 from readme import written
 from symkin.codegen.options import Options
 
-PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"))
-SERIAL = ("gluon_6l3", "yao2020")
+PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"), ("delta", "mm"))
+SERIAL = ("gluon_6l3", "yao2020", "ur5e", "scara")
 
 
 def subjects() -> Iterator[tuple[str, Harness, tuple[str, ...], str]]:

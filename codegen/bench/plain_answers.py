@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from bench_cases import cases_of, vectors_of
-from branches import WIDE_JOINTS, WIDE_POSES, goals_about
+from goals import MIDDLE, goals_about
 from plain_casadi import PlainCasadi
 from symkin.codegen.folder import write_folder
 from symkin.codegen.rod_platform import RodPlatform
@@ -130,11 +130,9 @@ class Both:
         """As `branches` asks for; of an arm the poses of joint values about the start."""
         kind, rng = self.plain.program.kind, np.random.default_rng(seed)
         if not self.serial:
-            return goals_about(kind, count, WIDE_POSES if isinstance(kind, RodPlatform) else WIDE_JOINTS, rng)
+            return goals_about(kind, count, MIDDLE, rng)
         mechanism = self.plain.mechanism
-        spread = [
-            WIDE_POSES.turn if c.is_angular else WIDE_JOINTS.part * mechanism.characteristic_length for c in mechanism.actuated
-        ]
+        spread = [1.0 if c.is_angular else MIDDLE.part * mechanism.characteristic_length for c in mechanism.actuated]
         joints = self.start + np.array(spread) * rng.uniform(-1, 1, (count, len(spread)))
         return np.array([kind.forward_at(q) for q in joints])  # type: ignore[union-attr]
 

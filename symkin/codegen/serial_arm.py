@@ -28,6 +28,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.position.feasible_pose import closing_poses
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.rotation import conjugate, multiply
 
@@ -119,6 +120,18 @@ class SerialArm:
             q = np.array([_middle(c, self.mechanism.characteristic_length, float(rng.uniform(-1, 1))) for c in self.actuated])
             found.append((q, self.forward_at(q)))
         return found
+
+    @property
+    def keeps_to_lines(self) -> bool:
+        """Whether poses between two that the arm can take are such poses too: not of most arms of fewer than six joints, which then go
+        by least squares along the line."""
+        if len(self.actuated) >= 6:
+            return True
+        first, second = (np.array([pose for _, pose in self.samples[k::2]]) for k in (0, 1))
+        middle = first + np.where(np.sum(first[:, 3:] * second[:, 3:], axis=1) < 0.0, -1.0, 1.0)[:, None] * second
+        middle[:, :3] = 0.5 * (first[:, :3] + second[:, :3])
+        middle[:, 3:] /= np.linalg.norm(middle[:, 3:], axis=1)[:, None]
+        return bool(np.mean(closing_poses(self.mechanism, middle)) > 0.5)
 
     @cached_property
     def plan(self) -> tuple[Plan, bool] | None:
@@ -214,7 +227,7 @@ class ArmSource:
     @cached_property
     def line(self) -> ClosedLine | None:
         """The closed form's check of lines, where it is the arm's own."""
-        if self.closed is None or self.closed.newton is not None:
+        if self.closed is None or self.closed.newton is not None or not self.arm.keeps_to_lines:
             return None
         return ClosedLine(self.closed, self.closed.misfit)
 

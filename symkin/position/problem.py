@@ -155,15 +155,14 @@ class Problem:
 
 
 def build_problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None) -> Problem:
-    """The problem of a mechanism; built once for each mechanism and kind. `names` are the known coordinates of a "given" one, in
+    """The problem of a mechanism; built once for each closure and kind, so that problems of one closure share its symbols. `names` are the known coordinates of a "given" one, in
     the order of their values; `held` are others that the closure must hold, where they tell a start. Without `names` and `held` the
     geometry is what is known."""
-    return _problem(mechanism, kind, names, held)
+    return _problem(build_closure(mechanism, _partition(mechanism, kind, names, held)), kind, names)
 
 
 @lru_cache(maxsize=128)
-def _problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...], held: tuple[str, ...] | None) -> Problem:
-    closure = build_closure(mechanism, _partition(mechanism, kind, names, held))
+def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
     if kind == "given":
         named = {c.name: c for c in closure.coordinates}
         known = tuple(named[name] for name in names) or closure.role("geometry")
