@@ -18,7 +18,7 @@ from symkin.codegen.closed_limb import RESOLVED, LimbFormulas
 from symkin.codegen.closed_source import arctangent
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.gathered import gathered
-from symkin.codegen.lifted import Generators, lifted
+from symkin.codegen.lifted import Generators, NotLiftedError, lifted
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.newton_source import tuning_of
@@ -135,7 +135,9 @@ class ClosedDirectSource:
         places = self._places(formulas.system)
         told = self._told(lifted(self._signed(formulas.told), places, generators, formulas.roots))
         divisors = lifted(formulas.divisors, places, generators, formulas.roots)
-        guards = ca.vertcat(*(guard.of(told**2, divisors) for guard in self.found.guards))
+        reaches = ca.vertcat(ca.SX(0, 1), *(reach.of_configuration for reach in self.found.whole.reaches))
+        reaches = lifted(reaches, places, generators, formulas.roots)
+        guards = ca.vertcat(*(guard.of(told**2, reaches, divisors) for guard in self.found.guards))
         at = ca.vertcat(*(part for c in made.actuated for part in generators[c.name].parts))
         off = ca.vertcat(ca.SX(0, 1), *taken.off)
         return self._read(
@@ -173,14 +175,12 @@ class ClosedDirectSource:
     def _store_guards(self, emitter: Emitter, output: int, array: str, *, of_divisors: bool) -> None:
         """Add statements of guards: those of divisors, by which formulas divide, or those of discriminants."""
         for j, guard in enumerate(self.found.guards):
-            if (guard.choice is None) == of_divisors:
+            if guard.is_divisor == of_divisors:
                 emitter.lines.append(f"w->{array}[{j}] = {emitter.value(output, j)};")
 
     def _above(self, array: str, *, of_divisors: bool) -> str:
         """C condition: these guards are more than rounding."""
-        tests = [
-            f"(w->{array}[{j}] > {self._least[j]})" for j, g in enumerate(self.found.guards) if (g.choice is None) == of_divisors
-        ]
+        tests = [f"(w->{array}[{j}] > {self._least[j]})" for j, g in enumerate(self.found.guards) if g.is_divisor == of_divisors]
         return " && ".join(tests)
 
     def _pose_generators(self, lengths: Sequence[ca.SX], half: tuple[ca.SX, ca.SX] | None) -> dict[str, Generators]:
@@ -239,7 +239,9 @@ class ClosedDirectSource:
         unknowns = [
             part for k, c in enumerate(self._unknowns) for part in ((first[k], second[k]) if c.is_angular else (first[k],))
         ]
-        guards = [guard.of(discriminants, divisors) for guard in self.found.guards]
+        reaches = ca.vertcat(ca.SX(0, 1), *(self._signed(reach.of_known) for reach in self.found.whole.reaches))
+        reaches = lifted(reaches, places, self._generators, formulas.roots)
+        guards = [guard.of(discriminants, reaches, divisors) for guard in self.found.guards]
         outputs = [discriminants, ca.vertcat(*unknowns), ca.vertcat(*guards)]
         outputs = gathered(outputs, [self._u, formulas.roots], self._turns)
         function = ca.Function("formulas", [self._u, formulas.roots], outputs, {"cse": True})
@@ -267,7 +269,7 @@ class ClosedDirectSource:
         for k, share in enumerate(shares[1:], start=2):
             lines.append(f"const {real.type} share{k} = {share};")
             lines.append(f"w->share = (share{k} < w->share) ? share{k} : w->share;")
-        none = [f"w->guard[{j}] = {zero};" for j, guard in enumerate(self.found.guards) if guard.choice is not None]
+        none = [f"w->guard[{j}] = {zero};" for j, guard in enumerate(self.found.guards) if not guard.is_divisor]
         condition = self._above("guard", of_divisors=True)
         if not condition:
             return lines
@@ -324,7 +326,7 @@ class ClosedDirectSource:
                 "        excursion = (other > excursion) ? other : excursion;",
                 "    }",
             ]
-        for reach in self.found.reaches[:-1]:
+        for reach in self.found.parts[:-1]:
             lines += [f"    w.reach += (excursion > {real.literal(reach)}) ? 1U : 0U;"]
         return [*lines, f"    if (!(excursion <= {real.literal(1.0)})) {{", f"        status = {p}_WRONG_BRANCH;", "    }", "}"]
 
@@ -354,7 +356,12 @@ class ClosedDirectSource:
             if c.is_angular:
                 generators[c.name] = Generators((self._half[0], self._half[1]), is_half=True)
         none = ca.SX(0, 1)
-        rows = lifted(formulas.system.rows, self._places(formulas.system), generators, none)
+        places = self._places(formulas.system)
+        try:
+            rows = lifted(formulas.system.rows, places, generators, none)
+        except NotLiftedError:
+            # these hold whole angles only
+            rows = lifted(formulas.system.errors, places, generators, none)
         sides = [none]
         for block in made.blocks:
             if block.formulas is None:
@@ -469,7 +476,7 @@ class ClosedDirectSource:
 
     @property
     def _reach_member(self) -> str:
-        return "    unsigned int reach;" if len(self.found.reaches) > 1 else ""
+        return "    unsigned int reach;" if len(self.found.parts) > 1 else ""
 
     @property
     def _keep_lines(self) -> list[str]:
