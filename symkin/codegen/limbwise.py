@@ -145,7 +145,7 @@ class _Limbwise:
 
     def _reaches_of(self, form: ClosedForm, whole: _Composed) -> list[Reach] | None:
         """The bounds of N of each choice; None where a discriminant does not follow the law of cosines or a divisor may vanish alone."""
-        if int(form.signs.shape[0]) > 1 or ca.depends_on(form.discriminants, form.roots):
+        if ca.depends_on(ca.vertcat(form.discriminants, form.divisors), form.roots):
             return None
         known = self._values(self._given)
         function = ca.Function("d", [form.system.known], [form.discriminants, form.divisors])
