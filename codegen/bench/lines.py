@@ -91,8 +91,11 @@ class Lines:
         if isinstance(kind, SerialArm):
             joints, pose = kind.samples[0]
             return Starts(*(np.tile(v, (count, 1)) for v in (joints, pose, joints)))
-        unknowns = problem.select_values(kind.home_values, problem.system.unknowns)
-        known = problem.select_values(kind.home_values, problem.known_coordinates)
+        # code may be of a motion that the mechanism's joints imply: its home is the reference then
+        alike = len(kind.home_values) == len(problem.closure.reference)
+        values = kind.home_values if alike else problem.closure.reference
+        unknowns = problem.select_values(values, problem.system.unknowns)
+        known = problem.select_values(values, problem.known_coordinates)
         return Starts(*(np.tile(v, (count, 1)) for v in (unknowns, known, self.stated(unknowns[None], known[None])[0])))
 
     def stated(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:

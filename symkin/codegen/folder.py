@@ -123,7 +123,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
     options = program.options
     content = {
         "mechanism": program.mechanism.name,
-        "model_sha256": program.mechanism.digest,
+        "model_sha256": program.described.digest,
         "symkin": __version__,
         "casadi": ca.__version__,
         "options": {

@@ -12,6 +12,7 @@ from symkin.codegen.arm_speeds import arm_speeds_header
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.c_templates import fill
 from symkin.codegen.home_pose import home_pose
+from symkin.codegen.implied_platform import limb_platform
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_source import JointMapSource
 from symkin.codegen.limb_platform import LimbPlatform
@@ -39,8 +40,10 @@ _SOURCES: dict[type, Callable[[Any], RodSource | LimbPlatformSource | ArmSource 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """Source and header of a mechanism, and what the other files of its folder are made from."""
+    """Source and header of a mechanism, and what the other files of its folder are made from. The kind's mechanism may be of a declared
+    motion where the `described` one is of an implied one."""
 
+    described: Mechanism
     kind: Kind
     source: str
     header: str
@@ -69,13 +72,14 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     kind.check()
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
-    values = source.values | _header_values(kind, source.code)
+    values = source.values | _header_values(kind, source.code, mechanism.digest)
     if mechanism.serial:
         values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
     else:
         values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
+        described=mechanism,
         kind=kind,
         source=fill("begin.c", values) + source.text.rstrip() + "\n",
         header=fill("header.h", values),
@@ -93,10 +97,10 @@ def _kind(mechanism: Mechanism, options: Options) -> Kind:
         return SerialArm(mechanism, options, real)
     if is_rod_platform(mechanism):
         return RodPlatform(mechanism, options, home_pose(mechanism, options.home), real)
-    return LimbPlatform(mechanism, options, real)
+    return limb_platform(mechanism, options, real)
 
 
-def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
+def _header_values(kind: Kind, main: NewtonCode, digest: str) -> dict[str, object]:
     mechanism, real, options = kind.mechanism, kind.real, kind.options
     name = mechanism.name
     struct = options.geometry == "struct"
@@ -112,7 +116,7 @@ def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
         *_branch_lines(kind), "",
         *_effort_lines(kind, counts), f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
         f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
-        f"Model SHA-256 {mechanism.digest}",
+        f"Model SHA-256 {digest}",
     ]  # fmt: skip
     if relative:
         about[about.index("") + 2 : about.index("") + 3] = [
