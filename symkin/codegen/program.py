@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
@@ -24,6 +24,7 @@ from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
 from symkin.codegen.serial_arm import ArmSource, SerialArm
+from symkin.codegen.worst_case import WorstCase
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.text import c_comment
@@ -46,6 +47,7 @@ class Program:
     header: str
     main: NewtonCode
     values: dict[str, object]
+    worst: WorstCase
 
     @property
     def mechanism(self) -> Mechanism:
@@ -60,8 +62,8 @@ class Program:
         return self.kind.options
 
 
-def build_program(mechanism: Mechanism, options: Options) -> Program:
-    """Everything that is compiled, as text."""
+def build_program(mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None) -> Program:
+    """Everything that is compiled, as text; `measured`: figures of a processor, stated where they are those of this code."""
     check_c_name(mechanism.name)
     options.check(mechanism)
     kind = _kind(mechanism, options)
@@ -69,7 +71,9 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     kind.check()
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
-    values = source.values | _header_values(kind, source.code)
+    text = fill("begin.c", source.values | _header_values(kind, source.code, [])) + source.text.rstrip() + "\n"
+    worst = WorstCase.of(mechanism.name, text, measured)
+    values = source.values | _header_values(kind, source.code, worst.header_lines())
     if mechanism.serial:
         values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
     else:
@@ -77,10 +81,11 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
         kind=kind,
-        source=fill("begin.c", values) + source.text.rstrip() + "\n",
+        source=text,
         header=fill("header.h", values),
         main=source.code,
         values=values,
+        worst=worst,
     )
 
 
@@ -96,7 +101,7 @@ def _kind(mechanism: Mechanism, options: Options) -> Kind:
     return LimbPlatform(mechanism, options, real)
 
 
-def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
+def _header_values(kind: Kind, main: NewtonCode, worst: list[str]) -> dict[str, object]:
     mechanism, real, options = kind.mechanism, kind.real, kind.options
     name = mechanism.name
     struct = options.geometry == "struct"
@@ -112,6 +117,7 @@ def _header_values(kind: Kind, main: NewtonCode) -> dict[str, object]:
         *_branch_lines(kind), "",
         *_effort_lines(kind, counts), f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
         f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
+        *worst, "",
         f"Model SHA-256 {mechanism.digest}",
     ]  # fmt: skip
     if relative:

@@ -314,6 +314,8 @@ on every machine{_LIBM if program.main.operations.get("sin") else ""}. Source: {
 
 {"One evaluation of formulas for each part of the line" if is_closed(program.kind) else f"One step: {counts}"}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.length_unit}.
 
+{program.worst.chapter()}
+
 ## Equations
 
 {chapters}
