@@ -17,6 +17,26 @@
  * One step of Newton's method: 146 additions, 7 divisions, 160 multiplications, 1 sqrt (rows,
  * matrix, factors, step). Predicted error of an answer: ZHANG2009_TOLERANCE and the rounding of the
  * type, about 4.71853e-13 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 37491 add, 44355 mul, 1517 div, 912 sqrt
+ *   track: 292 add, 380 mul, 16 div, 6 sqrt
+ *   inverse: 79 add, 53 mul, 1 div, 7 sqrt
+ *   jacobian: 97 add, 136 mul, 7 div, 7 sqrt
+ *   rates: 139 add, 172 mul, 7 div, 7 sqrt
+ *   feed: 145 add, 178 mul, 13 div, 7 sqrt
+ *   twist: 265 add, 382 mul, 49 div, 7 sqrt
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 39888 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 87270 instructions, 968 stack, 5616 code
+ *   track: 2485 instructions, 832 stack, 4224 code
+ *   inverse: 370 instructions, 792 stack, 1380 code
+ *   jacobian: 455 instructions, 416 stack, 1864 code
+ *   rates: 840 instructions, 720 stack, 2008 code
+ *   feed: 1005 instructions, 784 stack, 2104 code
+ *   twist: 2905 instructions, 1088 stack, 2520 code
+ *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */
 #ifndef ZHANG2009_H
