@@ -19,18 +19,18 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 27951 add, 40581 mul, 1428 div, 916 sqrt
+ *   direct: 100 iterations, 27951 add, 40783 mul, 1428 div, 916 sqrt
  *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 200 iterations, 36290 add, 50529 mul, 1839 div, 1322 sqrt
+ *   inverse: 200 iterations, 36290 add, 50731 mul, 1839 div, 1322 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 22449 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 25124 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 45270 instructions, 424 stack, 6220 code
- *   track: 1070 instructions, 184 stack, 3464 code
- *   inverse: 69955 instructions, 584 stack, 9864 code
+ *   direct: 43840 instructions, 432 stack, 6328 code
+ *   track: 1065 instructions, 184 stack, 3464 code
+ *   inverse: 70505 instructions, 592 stack, 9972 code
  *   track_inverse: 1010 instructions, 192 stack, 4804 code
  *   jacobian: 765 instructions, 216 stack, 2864 code
  *   rates: 870 instructions, 264 stack, 3048 code
