@@ -97,6 +97,7 @@ class LimbPlatformSource:
             first_turn=_FIRST_TURN,
             measured=made.core is not None,
             keeps_known=self._keeps_known,
+            compact=made.options.compact,
         )
 
     @property
@@ -129,7 +130,7 @@ class LimbPlatformSource:
             "enter": indent(self._enter_lines(passive)), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
             "keep_known": indent(copy("w.k0", "w.k", int(kernel.known.shape[0])), 2) if self._keeps_known else "",
             "to": "given", "whole": ", " + literal(1.0),
-            "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga),
+            "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga, compact=made.options.compact),
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.characteristic_length / 24) ** 2),
         }  # fmt: skip
 
@@ -276,7 +277,7 @@ class LimbPlatformSource:
             solve = [f"status = {k}_joints(c, w.x);", *copy("w.k", "c", int(block.system.known.shape[0]))]
         body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", *solve,
                 f"if (status == {self._ok}) {{", f"    {k}_twist_columns({self._ga}&w, sides);",
-                f"    if ({singular_condition(block.kernel, k, '&w', self._ga)}) {{",
+                f"    if ({singular_condition(block.kernel, k, '&w', self._ga, compact=made.options.compact)}) {{",
                 f"        status = {self.name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
         for j, column in enumerate(columns):
             plus = f" + {j}" if j else ""

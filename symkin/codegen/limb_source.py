@@ -62,6 +62,7 @@ def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> Newton
         kappa=curvature(kernel, states, poses, made.geometry.values),
         target_lines=line_target(made.real, int(kernel.known.shape[0]), kernel.quaternion),
         on_the_way=kernel.is_square or _closes_on_the_way(made, block, states, poses),
+        compact=made.options.compact,
     )
 
 

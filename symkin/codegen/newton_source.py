@@ -56,7 +56,8 @@ class NewtonCode:
     `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `measured`, whether the ratio of steps says how far the next part reaches; `members`, more members of the work space; `matrix`,
     statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
     and puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix reads w->k0, the known values at
-    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them.
+    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them; `compact`: one
+    factorisation, in loops.
     """
 
     kernel: Kernel
@@ -74,6 +75,7 @@ class NewtonCode:
     matrix: Sequence[str] = ()
     retarget: str = ""
     keeps_known: bool = False
+    compact: bool = False
 
     @property
     def k(self) -> str:
@@ -107,7 +109,7 @@ class NewtonCode:
         inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
         if self.keeps_known:
             inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
-        return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix)
+        return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix, compact=self.compact)
 
     @property
     def bends(self) -> bool:
@@ -203,7 +205,7 @@ class NewtonCode:
     def _values(self) -> dict[str, object]:
         return (
             common_values(self.name, self.real, struct=bool(self.geometry))
-            | {"k": self.k, **factor_calls(self.kernel, self.k, self._ga)}
+            | {"k": self.k, **factor_calls(self.kernel, self.k, self._ga, compact=self.compact)}
             | self._sizes
             | self._members
             | self._constants
