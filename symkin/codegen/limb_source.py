@@ -10,8 +10,9 @@ import numpy as np
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.line_parts import line_target
 from symkin.codegen.newton_kernel import Kernel, curvature, quaternion_place
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 

@@ -11,9 +11,10 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import copy, fill
 from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel, system_kernel
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.pose_kernel import PoseKernel
 from symkin.codegen.pose_target import core_target

@@ -23,9 +23,10 @@ from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_functions, ranges_of
+from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.options import Options
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
