@@ -15,6 +15,20 @@
  * One step of Newton's method: 61 additions, 11 cos, 200 multiplications, 10 sin (rows, matrix,
  * factors, step). Predicted error of an answer: SCARA_TOLERANCE and the rounding of the type, about
  * 3.55271e-13 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   inverse_all: 160 add, 163 mul, 5 div, 7 sqrt, 6 atan2
+ *   inverse_branch: 128 add, 147 mul, 5 div, 7 sqrt, 6 atan2
+ *   inverse_nearest: 138 add, 154 mul, 5 div, 7 sqrt, 6 atan2
+ *   direct: 17 add, 32 mul, 1 div, 1 sqrt, 3 sin, 3 cos
+ *   inverse: 100 iterations, 13570 add, 18285 mul, 804 div, 707 sqrt, 3 sin, 3 cos, 600 atan2
+ *   jacobian: 12 add, 18 mul, 3 sin, 3 cos
+ *   twist: 40 add, 42 mul, 3 sin, 3 cos
+ *   rates: 378 add, 475 mul, 25 div, 5 sqrt, 3 sin, 3 cos
+ *   feed: 382 add, 479 mul, 29 div, 5 sqrt, 3 sin, 3 cos
+ *   track: 537 add, 737 mul, 27 div, 10 sqrt, 18 sin, 18 cos
+ *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */
 #ifndef SCARA_H

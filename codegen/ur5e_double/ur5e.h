@@ -17,6 +17,20 @@
  * One step of Newton's method: 356 additions, 24 cos, 6 divisions, 599 multiplications, 24 sin
  * (rows, matrix, factors, step). Predicted error of an answer: UR5E_TOLERANCE and the rounding of
  * the type, about 7.49441e-13 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   inverse_all: 735 add, 710 mul, 15 div, 35 sqrt, 34 atan2
+ *   inverse_branch: 399 add, 542 mul, 15 div, 35 sqrt, 34 atan2
+ *   inverse_nearest: 430 add, 570 mul, 15 div, 35 sqrt, 34 atan2
+ *   direct: 58 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
+ *   inverse: 100 iterations, 41462 add, 59798 mul, 2104 div, 3508 sqrt, 6 sin, 6 cos, 3400 atan2
+ *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
+ *   twist: 139 add, 171 mul, 6 sin, 6 cos
+ *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
+ *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
+ *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
+ *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */
 #ifndef UR5E_H

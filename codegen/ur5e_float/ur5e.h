@@ -17,6 +17,20 @@
  * One step of Newton's method: 356 additions, 24 cos, 6 divisions, 599 multiplications, 24 sin
  * (rows, matrix, factors, step). Predicted error of an answer: UR5E_TOLERANCE and the rounding of
  * the type, about 0.000402353 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   inverse_all: 1041 add, 1016 mul, 83 div, 35 sqrt
+ *   inverse_branch: 705 add, 848 mul, 83 div, 35 sqrt
+ *   inverse_nearest: 736 add, 876 mul, 83 div, 35 sqrt
+ *   direct: 130 add, 170 mul, 1 div, 1 sqrt
+ *   inverse: 100 iterations, 72134 add, 90476 mul, 8904 div, 3508 sqrt
+ *   jacobian: 169 add, 213 mul
+ *   twist: 211 add, 249 mul
+ *   rates: 959 add, 1136 mul, 47 div, 5 sqrt
+ *   feed: 965 add, 1142 mul, 53 div, 5 sqrt
+ *   track: 1673 add, 2088 mul, 49 div, 10 sqrt
+ *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */
 #ifndef UR5E_H
