@@ -72,9 +72,10 @@ class Harness:
     kinds: tuple[str, ...]
 
 
-def harness_of(name: str, options: Options) -> Harness:
-    """A mechanism's folder, written anew, with its bench."""
-    program = build_program(load(name), options)
+def harness_of(source: str, options: Options) -> Harness:
+    """The folder of a shipped mechanism or a file, written anew, with its bench."""
+    program = build_program(load(source), options)
+    name = program.mechanism.name
     folder = Path(tempfile.mkdtemp())
     write_folder(program.mechanism, folder, options)
     (folder / "bench.c").write_text(main_text(program))

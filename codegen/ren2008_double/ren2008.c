@@ -411,15 +411,14 @@ static void ren2008_direct_matrix(ren2008_direct_work *w)
     static const ren2008_real base[6][2] = { { 0.0, 0.0 }, { 0.6016, 0.0 }, { 2.5132, 3.3112 },
         { 2.2124, 3.832 }, { -1.6108, 3.832 }, { -1.9116, 3.3112 } };
     for (int i = 0; i < 6; ++i) {
-        const ren2008_real *const b = base[i];
         const ren2008_real *const d = &w->d[3 * i];
         ren2008_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2];
-        row[4] = -(b[0] * d[2]);
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2];
+        row[4] = -(base[i][0] * d[2]);
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 

@@ -403,15 +403,14 @@ static void ren2008_direct_matrix(ren2008_direct_work *w)
     static const ren2008_real base[6][2] = { { 0.0f, 0.0f }, { 0.6016f, 0.0f }, { 2.5132f,
         3.3112f }, { 2.2124f, 3.832f }, { -1.6108f, 3.832f }, { -1.9116f, 3.3112f } };
     for (int i = 0; i < 6; ++i) {
-        const ren2008_real *const b = base[i];
         const ren2008_real *const d = &w->d[3 * i];
         ren2008_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2];
-        row[4] = -(b[0] * d[2]);
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2];
+        row[4] = -(base[i][0] * d[2]);
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 

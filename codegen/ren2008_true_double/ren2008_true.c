@@ -487,15 +487,14 @@ static void ren2008_true_direct_matrix(ren2008_true_direct_work *w)
         { 2.4932, 3.3024, -0.02 }, { 2.2024, 3.8396, 0.012 }, { -1.6272, 3.8196, 0.0196 },
         { -1.9044, 3.3004, 0.016 } };
     for (int i = 0; i < 6; ++i) {
-        const ren2008_true_real *const b = base[i];
         const ren2008_true_real *const d = &w->d[3 * i];
         ren2008_true_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2] - b[2] * d[1];
-        row[4] = b[2] * d[0] - b[0] * d[2];
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2] - base[i][2] * d[1];
+        row[4] = base[i][2] * d[0] - base[i][0] * d[2];
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 

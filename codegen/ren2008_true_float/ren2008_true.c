@@ -478,15 +478,14 @@ static void ren2008_true_direct_matrix(ren2008_true_direct_work *w)
         { 2.4932f, 3.3024f, -0.02f }, { 2.2024f, 3.8396f, 0.012f }, { -1.6272f, 3.8196f, 0.0196f },
         { -1.9044f, 3.3004f, 0.016f } };
     for (int i = 0; i < 6; ++i) {
-        const ren2008_true_real *const b = base[i];
         const ren2008_true_real *const d = &w->d[3 * i];
         ren2008_true_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2] - b[2] * d[1];
-        row[4] = b[2] * d[0] - b[0] * d[2];
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2] - base[i][2] * d[1];
+        row[4] = base[i][2] * d[0] - base[i][0] * d[2];
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 

@@ -411,15 +411,14 @@ static void zhang2009_direct_matrix(zhang2009_direct_work *w)
         { 952.6279441628825, 550.0 }, { 550.0, 952.6279441628825 }, { -952.6279441628825, 550.0 },
         { -1100.0, 0.0 } };
     for (int i = 0; i < 6; ++i) {
-        const zhang2009_real *const b = base[i];
         const zhang2009_real *const d = &w->d[3 * i];
         zhang2009_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2];
-        row[4] = -(b[0] * d[2]);
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2];
+        row[4] = -(base[i][0] * d[2]);
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 

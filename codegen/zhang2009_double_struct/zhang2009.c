@@ -504,15 +504,14 @@ static void zhang2009_direct_matrix(const zhang2009_geometry *geometry, zhang200
 {
     (void)geometry;
     for (int i = 0; i < 6; ++i) {
-        const zhang2009_real *const b = geometry->base[i];
         const zhang2009_real *const d = &w->d[3 * i];
         zhang2009_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = 4.0 * b[1] * d[2] - 4.0 * b[2] * d[1];
-        row[4] = 4.0 * b[2] * d[0] - 4.0 * b[0] * d[2];
-        row[5] = 4.0 * b[0] * d[1] - 4.0 * b[1] * d[0];
+        row[3] = 4.0 * geometry->base[i][1] * d[2] - 4.0 * geometry->base[i][2] * d[1];
+        row[4] = 4.0 * geometry->base[i][2] * d[0] - 4.0 * geometry->base[i][0] * d[2];
+        row[5] = 4.0 * geometry->base[i][0] * d[1] - 4.0 * geometry->base[i][1] * d[0];
     }
 }
 

@@ -402,15 +402,14 @@ static void zhang2009_direct_matrix(zhang2009_direct_work *w)
     static const zhang2009_real base[6][2] = { { 0.0f, -1100.0f }, { 550.0f, -952.6279f },
         { 952.6279f, 550.0f }, { 550.0f, 952.6279f }, { -952.6279f, 550.0f }, { -1100.0f, 0.0f } };
     for (int i = 0; i < 6; ++i) {
-        const zhang2009_real *const b = base[i];
         const zhang2009_real *const d = &w->d[3 * i];
         zhang2009_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2];
-        row[4] = -(b[0] * d[2]);
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2];
+        row[4] = -(base[i][0] * d[2]);
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 

@@ -16,14 +16,12 @@ import numpy as np
 
 from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.plan import Plan
-from symkin.closed.steps import Carry, Factor, Operand, Step, Word
-from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.closed.steps import Carry, Step
+from symkin.codegen.arm_motion import ArmMotion
+from symkin.codegen.c_emitter import Real, indent
 from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_source import ClosedCode
-from symkin.codegen.gathered import gathered
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.turns import cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
 
@@ -48,6 +46,7 @@ class ClosedLine:
     """The line check of one arm's closed form; `rounding` bounds the error of an answer's pose, as a length."""
 
     code: ClosedCode
+    motion: ArmMotion
     rounding: float
 
     @property
@@ -61,39 +60,14 @@ class ClosedLine:
     # --- expressions of joint values --------------------------------------------------------------------------------------
 
     @cached_property
-    def _halves(self) -> ca.SX:
-        """Cosine and sine of half an angle, a slide and 0, joint by joint; each from its zero."""
-        return ca.SX.sym("u", 2 * len(self.plan.arm))
-
-    @cached_property
-    def _motions(self) -> dict[int, Motion]:
-        found = {}
-        for i, screw in enumerate(self.plan.arm.screws):
-            c, s = self._halves[2 * i], self._halves[2 * i + 1]
-            found[i] = Motion(c) if screw.slides else Motion(ca.SX(0), c * c - s * s, 2 * c * s)
-        return found
-
-    @cached_property
-    def _pose(self) -> ca.SX:
-        """Tool pose: position by the chain of motions, quaternion as the product of the turns'."""
-        arm = self.plan.arm
-        chain: Word = tuple(Factor(i) for i in range(len(arm)))
-        still = replace(Evaluation(arm, ca.SX(3, 1), ca.SX(4, 1)), motions=self._motions)
-        x, y, z = (float(v) for v in np.asarray(arm.tool.position))
-        position = still.value(Operand((x, y, z), True, chain))
-        quaternion = ca.SX(ca.DM(np.asarray(arm.tool.quaternion, dtype=float)))
-        for i in reversed(range(len(arm))):
-            screw = arm.screws[i]
-            if not screw.slides:
-                turn = ca.vertcat(self._halves[2 * i], *(self._halves[2 * i + 1] * k for k in screw.axis))
-                quaternion = multiply(turn, quaternion)
-        return ca.vertcat(position, quaternion)
+    def _x(self) -> ca.SX:
+        return ca.SX.sym("x", 7)
 
     @cached_property
     def _guards(self) -> ca.SX:
-        """Of the guarded steps g, where they have two solutions, else g^2."""
-        pose = self._pose
-        at = replace(Evaluation(self.plan.arm, pose[:3], pose[3:]), motions=self._motions)
+        """Of the guarded steps g, where they have two solutions, else g^2; by the half turns and the pose that they lead to."""
+        pose = self._x
+        at = replace(Evaluation(self.plan.arm, pose[:3], pose[3:]), motions=self.motion.motions)
         found = []
         for i in self.code.guarded:
             step = self.plan.steps[i]
@@ -124,7 +98,7 @@ class ClosedLine:
         base = ca.vertcat(
             *(v for i, s in enumerate(screws) for v in ((size * q[i], 0) if s.slides else (ca.cos(q[i] / 2), ca.sin(q[i] / 2))))
         )
-        pose = ca.substitute(self._pose, self._halves, base)
+        pose = ca.substitute(self.motion.pose, self.motion.halves, base)
         turned = multiply(ca.vertcat(1 - ca.dot(moved[3:6], moved[3:6]) / 8, 0.5 * moved[3:6]), pose[3:])
         values = [size * (q[i] + moved[6 + i]) if s.slides else q[i] + moved[6 + i] for i, s in enumerate(screws)]
         motions = {i: Motion(v) if screws[i].slides else Motion(v, ca.cos(v), ca.sin(v)) for i, v in enumerate(values)}
@@ -143,46 +117,19 @@ class ClosedLine:
 
     # --- text ------------------------------------------------------------------------------------------------------------
 
-    @cached_property
-    def _emitter(self) -> Emitter:
-        arm = self.plan.arm
-        turns = [(self._halves[2 * i], self._halves[2 * i + 1]) for i, s in enumerate(arm.screws) if not s.slides]
-        pose, guards = gathered([self._pose, self._guards], [self._halves], turns)
-        expression = snapped_expression(ca.vertcat(pose, guards), [self._halves], 1.0)
-        function = ca.Function("f", [self._halves], [ca.densify(expression)], {"cse": True})
-        return Emitter(function, [indexed("u", 2 * len(arm))], self.real)
-
     @property
     def _read_lines(self) -> list[str]:
-        """Statements that set pose, margins and bits."""
-        emitter, number, zero = self._emitter, 0, self.real.literal(0.0)
-        emitter.comment("the tool's pose")
-        for i in range(7):
-            text = emitter.value(0, i)
-            emitter.lines.append(f"x[{i}] = {text};")
+        """Statements that set margins and bits."""
+        emitter, number, zero = self.motion.emitter(self._guards, self._x), 0, self.real.literal(0.0)
         choices = [i for i, step in enumerate(self.plan.steps) if step.branch is not None]
         for k, i in enumerate(self.code.guarded):
             emitter.comment(self.plan.steps[i].reason)
-            text = emitter.value(0, 7 + k)
+            text = emitter.value(0, k)
             emitter.lines.append(f"margin[{k}] = {text} * {text};" if i in choices else f"margin[{k}] = {text};")
             if i in choices:
                 number = choices.index(i)
                 emitter.lines.append(f"wanted |= ({text} < {zero}) ? {2 << (2 * number)}U : {1 << (2 * number)}U;")
         return emitter.lines
-
-    @property
-    def _turned_lines(self) -> list[str]:
-        """Statements that set u from the joint values."""
-        lines, literal = [], self.real.literal
-        for i, screw in enumerate(self.plan.arm.screws):
-            value = f"(joints[{i}] - {literal(screw.zero)})" if screw.zero else f"joints[{i}]"
-            if screw.slides:
-                lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = {literal(0.0)};"]
-            elif self.real.name == "float":
-                lines.append(f"{self.code.values['p']}_cosine_and_sine({literal(0.5)} * {value}, &u[{2 * i}]);")
-            else:
-                lines += [f"u[{2 * i}] = cos(0.5 * {value});", f"u[{2 * i + 1}] = sin(0.5 * {value});"]
-        return lines
 
     @property
     def _bend_lines(self) -> list[str]:
@@ -208,18 +155,13 @@ class ClosedLine:
         """The functions, which need those of the closed form."""
         literal, size = self.real.literal, self.plan.arm.size
         names = self.code.names | {
-            "turns": 2 * len(self.plan.arm), "turned": indent(self._turned_lines), "read": indent(self._read_lines),
+            "turns": 2 * len(self.plan.arm), "read": indent(self._read_lines),
             "bends": indent(self._bend_lines), "longest2": literal(_LONGEST**2),
             "per_lengths": ", ".join(literal(1.0 / size if s.slides else 1.0) for s in self.plan.arm.screws),
             "per_size2": literal(size**-2), "size2": literal(size**2), "least": literal(_LEAST * self.real.epsilon),
             "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "answer_rounding": literal(self.rounding), "huge": self.code.values["huge"],
         }  # fmt: skip
-        turn = (
-            cosine_and_sine(self.real, names)
-            if self.real.name == "float" and any(not s.slides for s in self.plan.arm.screws)
-            else ""
-        )
-        return turn + fill("closed_line.c", names)
+        return fill("closed_line.c", names)
 
 
 def _block_sums(matrices: np.ndarray) -> np.ndarray:

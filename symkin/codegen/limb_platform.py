@@ -19,6 +19,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.geometry import Geometry
+from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.pose_core import PoseCore, pose_core
@@ -67,6 +68,11 @@ class LimbPlatform:
     is_redundant: ClassVar[bool] = False
     zero: ClassVar[float] = 0.0
     """Joint values at home, where joints are changes from there."""
+
+    @property
+    def can_be_compact(self) -> bool:
+        """Whether there is code that --compact makes shorter."""
+        return self.direct_formulas is None and is_unrolled(self.direct_kernel, compact=False)
 
     @property
     def name(self) -> str:

@@ -28,6 +28,8 @@ class RodPlatform:
     templates: ClassVar[str] = "parallel"
     is_redundant: ClassVar[bool] = False
     has_dead_centres: ClassVar[bool] = False
+    can_be_compact: ClassVar[bool] = True
+    """Whether there is code that --compact makes shorter."""
 
     @property
     def name(self) -> str:

@@ -13,7 +13,9 @@ import casadi as ca
 import numpy as np
 
 from symkin.closed.plan import Plan, plan_of
+from symkin.closed.screws import arm_screws
 from symkin.closure.snapping import snapped_expression
+from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.arm_speeds import arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
@@ -21,8 +23,10 @@ from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_functions, ranges_of
+from symkin.codegen.line_parts import line_target
+from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.options import Options
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
@@ -144,6 +148,11 @@ class SerialArm:
         return None if found is None else (found, exact is None)
 
     @property
+    def can_be_compact(self) -> bool:
+        """Whether there is code that --compact makes shorter."""
+        return self.plan is None and is_unrolled(self.kernel, compact=False)
+
+    @property
     def is_redundant(self) -> bool:
         """A tool pose does not decide the joints."""
         return len(self.actuated) > 6
@@ -199,6 +208,7 @@ class ArmSource:
             matrices=matrices,
             kappa=curvature(kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values),
             target_lines=line_target(arm.real, 7, 3),
+            compact=arm.options.compact,
         )
 
     @cached_property
@@ -225,11 +235,19 @@ class ArmSource:
         return ClosedCode(plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None)
 
     @cached_property
+    def motion(self) -> ArmMotion | None:
+        """Pose and Jacobian by the screws' motions, where the geometry is that of the code and joints turn or slide."""
+        arm = self.arm
+        screws = None if arm.geometry.at_run_time else arm_screws(arm.mechanism)
+        return None if screws is None else ArmMotion(screws, arm.real, common_values(arm.name, arm.real, struct=False))
+
+    @cached_property
     def line(self) -> ClosedLine | None:
         """The closed form's check of lines, where it is the arm's own."""
         if self.closed is None or self.closed.newton is not None or not self.arm.keeps_to_lines:
             return None
-        return ClosedLine(self.closed, self.closed.misfit)
+        assert self.motion is not None  # noqa: S101 - a closed form is one of screws
+        return ClosedLine(self.closed, self.motion, self.closed.misfit)
 
     @property
     def _solving(self) -> dict[str, object]:
@@ -261,7 +279,7 @@ class ArmSource:
         line = "" if self.line is None else self.line.text
         return "".join([
             normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
-            fill("forward.c", values | {"forward": indent(self._forward_lines)}), newton, closed, line, functions, self._speeds,
+            self._forward, newton, closed, line, functions, self._speeds,
         ])  # fmt: skip
 
     @property
@@ -278,15 +296,19 @@ class ArmSource:
         return Emitter(function, [indexed(joints, len(arm.actuated)), arm.geometry.names], arm.real)
 
     @property
-    def _forward_lines(self) -> list[str]:
-        """Statements of the tool's pose."""
+    def _forward(self) -> str:
+        """NAME_forward: the tool's pose of joint values."""
+        if self.motion is not None:
+            return self.motion.text
         emitter = self._emitter(self.arm.pose, "q")
         stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
-        return [*emitter.lines, *stores]
+        return fill("forward.c", self.values | {"forward": indent([*emitter.lines, *stores])})
 
     @property
     def _jacobian_lines(self) -> list[str]:
         """Statements of the Jacobian, row by row."""
+        if self.motion is not None:
+            return self.motion.jacobian_lines
         emitter, nq = self._emitter(self.arm.jacobian, "joints"), len(self.arm.actuated)
         stores = [f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
         return [*emitter.lines, *stores]

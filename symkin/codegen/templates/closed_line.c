@@ -4,7 +4,8 @@ static unsigned int @{p}_read_joints(const @{real} joints[@{nn}], @{real} x[7], 
 {
     @{real} u[@{turns}];
     unsigned int wanted = 0U;
-@{turned}
+    @{p}_half_turns(joints, u);
+    @{p}_pose_of_turns(u, x);
 @{read}
     return wanted;
 }
