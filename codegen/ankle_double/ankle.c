@@ -62,10 +62,10 @@ static ANKLE_COLD ankle_status ankle_check_config(const ankle_config *config, an
 
 
 /* Cosine and sine of an angle. */
-static ANKLE_SHARED void ankle_circle(ankle_real angle, ankle_real circle[2])
+static void ankle_cosine_and_sine(ankle_real angle, ankle_real u[2])
 {
-    circle[0] = cos(angle);
-    circle[1] = sin(angle);
+    u[0] = cos(angle);
+    u[1] = sin(angle);
 }
 
 /* An angle moved by whole turns: the one next to `near` within the limits, where they hold one. */
@@ -295,8 +295,10 @@ static ankle_real ankle_direct_apply_step(ankle_direct_work *w)
 static ANKLE_SHARED void ankle_direct_set_target(ankle_direct_work *w, const ankle_real to[2],
     ankle_real part)
 {
-    ankle_circle((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->numbers[0]);
-    ankle_circle((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->numbers[2]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0],
+        &w->numbers[0]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1],
+        &w->numbers[2]);
     ankle_direct_coefficients(w->numbers, w->k);
 }
 
@@ -767,15 +769,15 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
 static ANKLE_SHARED void ankle_direct_place(ankle_direct_work *w, const ankle_real joints[2],
     const ankle_real found[2])
 {
-    ankle_circle(joints[0], &w->numbers[0]);
-    ankle_circle(joints[1], &w->numbers[2]);
+    ankle_cosine_and_sine(joints[0], &w->numbers[0]);
+    ankle_cosine_and_sine(joints[1], &w->numbers[2]);
     ankle_direct_coefficients(w->numbers, w->k);
     w->k0[0] = w->k[0];
     w->k0[1] = w->k[1];
     w->k0[2] = w->k[2];
     w->k0[3] = w->k[3];
-    ankle_circle(found[0], &w->x[0]);
-    ankle_circle(found[1], &w->x[2]);
+    ankle_cosine_and_sine(found[0], &w->x[0]);
+    ankle_cosine_and_sine(found[1], &w->x[2]);
 }
 
 /* Whether known values are near those of the reference configuration, where polynomials, held
@@ -973,8 +975,8 @@ static ankle_real ankle_inverse_apply_step(ankle_inverse_work *w)
 static ANKLE_SHARED void ankle_inverse_set_target(ankle_inverse_work *w, const ankle_real to[2],
     ankle_real part)
 {
-    ankle_circle((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->k[0]);
-    ankle_circle((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->k[0]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
 }
 
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
@@ -1500,10 +1502,10 @@ static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real
 static ANKLE_SHARED void ankle_inverse_place(ankle_inverse_work *w, const ankle_real found[2],
     const ankle_real joints[2])
 {
-    ankle_circle(found[0], &w->k[0]);
-    ankle_circle(found[1], &w->k[2]);
-    ankle_circle(joints[0], &w->x[0]);
-    ankle_circle(joints[1], &w->x[2]);
+    ankle_cosine_and_sine(found[0], &w->k[0]);
+    ankle_cosine_and_sine(found[1], &w->k[2]);
+    ankle_cosine_and_sine(joints[0], &w->x[0]);
+    ankle_cosine_and_sine(joints[1], &w->x[2]);
 }
 
 /* All numbers y of the configuration that has the values: of angles cosine and sine, in the order
@@ -1517,8 +1519,8 @@ static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2]
     ankle_real k[4];
     ankle_real x[4];
     ankle_real d[2];
-    ankle_circle(values[0], &k[0]);
-    ankle_circle(values[1], &k[2]);
+    ankle_cosine_and_sine(values[0], &k[0]);
+    ankle_cosine_and_sine(values[1], &k[2]);
     ankle_inverse_formulas(k, sign, x, d);
     for (int i = 0; i < 2; ++i) {
         if (!(d[i] > 7.105427357601002e-15)) {

@@ -82,32 +82,33 @@ static ankle_real ankle_angle(ankle_real s, ankle_real c)
     return (s < 0.0f) ? -angle : angle;
 }
 
-/* Cosine and sine of an angle by polynomials: the same bits on every machine. */
-static ANKLE_SHARED void ankle_circle(ankle_real angle, ankle_real circle[2])
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
+static void ankle_cosine_and_sine(ankle_real angle, ankle_real u[2])
 {
-    /* quarter turns, each taken off in three parts where there are any, and polynomials of least
-     * error within an eighth of a turn */
-    int quarters = 0;
+    int quarter = 0;
     ankle_real x = angle;
     if (fabsf(angle) > 0.7853982f) {
         const ankle_real number = angle * 0.63661975f;
-        quarters = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-        const ankle_real whole = (ankle_real)quarters;
-        x = ((angle - whole * 1.5703125f) - whole * 0.0004837513f) - whole * 7.54979e-08f;
+        quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        /* the quarter turn in three parts, the first of which have few digits, so that their
+         * products are exact */
+        const ankle_real k = (ankle_real)quarter;
+        x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
     }
     const ankle_real square = x * x;
-    const ankle_real sine = x + x * square * (-0.16666651f + square * (0.00833197f
-        + square * -0.00019495f));
-    const ankle_real cosine = (1.0f - 0.5f * square) + square * square * (0.041666646f
-        + square * (-0.001388736f + square * 2.4437533e-05f));
-    circle[0] = cosine;
-    circle[1] = sine;
-    if (quarters != 0) {
-        const bool odd = ((unsigned int)quarters & 1U) != 0U;
-        const ankle_real c = odd ? sine : cosine;
-        const ankle_real s = odd ? cosine : sine;
-        circle[0] = ((((unsigned int)quarters + 1U) & 2U) != 0U) ? -c : c;
-        circle[1] = (((unsigned int)quarters & 2U) != 0U) ? -s : s;
+    const ankle_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const ankle_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
+    u[0] = c;
+    u[1] = s;
+    if (quarter != 0) {
+        const bool odd = ((unsigned int)quarter & 1U) != 0U;
+        const ankle_real cosine = odd ? s : c;
+        const ankle_real sine = odd ? c : s;
+        u[0] = ((((unsigned int)quarter + 1U) & 2U) != 0U) ? -cosine : cosine;
+        u[1] = (((unsigned int)quarter & 2U) != 0U) ? -sine : sine;
     }
 }
 
@@ -340,8 +341,10 @@ static ankle_real ankle_direct_apply_step(ankle_direct_work *w)
 static ANKLE_SHARED void ankle_direct_set_target(ankle_direct_work *w, const ankle_real to[2],
     ankle_real part)
 {
-    ankle_circle((part < 1.0f) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->numbers[0]);
-    ankle_circle((part < 1.0f) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->numbers[2]);
+    ankle_cosine_and_sine((part < 1.0f) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0],
+        &w->numbers[0]);
+    ankle_cosine_and_sine((part < 1.0f) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1],
+        &w->numbers[2]);
     ankle_direct_coefficients(w->numbers, w->k);
 }
 
@@ -813,15 +816,15 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
 static ANKLE_SHARED void ankle_direct_place(ankle_direct_work *w, const ankle_real joints[2],
     const ankle_real found[2])
 {
-    ankle_circle(joints[0], &w->numbers[0]);
-    ankle_circle(joints[1], &w->numbers[2]);
+    ankle_cosine_and_sine(joints[0], &w->numbers[0]);
+    ankle_cosine_and_sine(joints[1], &w->numbers[2]);
     ankle_direct_coefficients(w->numbers, w->k);
     w->k0[0] = w->k[0];
     w->k0[1] = w->k[1];
     w->k0[2] = w->k[2];
     w->k0[3] = w->k[3];
-    ankle_circle(found[0], &w->x[0]);
-    ankle_circle(found[1], &w->x[2]);
+    ankle_cosine_and_sine(found[0], &w->x[0]);
+    ankle_cosine_and_sine(found[1], &w->x[2]);
 }
 
 /* Whether known values are near those of the reference configuration, where polynomials, held
@@ -1021,8 +1024,8 @@ static ankle_real ankle_inverse_apply_step(ankle_inverse_work *w)
 static ANKLE_SHARED void ankle_inverse_set_target(ankle_inverse_work *w, const ankle_real to[2],
     ankle_real part)
 {
-    ankle_circle((part < 1.0f) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->k[0]);
-    ankle_circle((part < 1.0f) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
+    ankle_cosine_and_sine((part < 1.0f) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->k[0]);
+    ankle_cosine_and_sine((part < 1.0f) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
 }
 
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
@@ -1547,10 +1550,10 @@ static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real
 static ANKLE_SHARED void ankle_inverse_place(ankle_inverse_work *w, const ankle_real found[2],
     const ankle_real joints[2])
 {
-    ankle_circle(found[0], &w->k[0]);
-    ankle_circle(found[1], &w->k[2]);
-    ankle_circle(joints[0], &w->x[0]);
-    ankle_circle(joints[1], &w->x[2]);
+    ankle_cosine_and_sine(found[0], &w->k[0]);
+    ankle_cosine_and_sine(found[1], &w->k[2]);
+    ankle_cosine_and_sine(joints[0], &w->x[0]);
+    ankle_cosine_and_sine(joints[1], &w->x[2]);
 }
 
 /* All numbers y of the configuration that has the values: of angles cosine and sine, in the order
@@ -1564,8 +1567,8 @@ static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2]
     ankle_real k[4];
     ankle_real x[4];
     ankle_real d[2];
-    ankle_circle(values[0], &k[0]);
-    ankle_circle(values[1], &k[2]);
+    ankle_cosine_and_sine(values[0], &k[0]);
+    ankle_cosine_and_sine(values[1], &k[2]);
     ankle_inverse_formulas(k, sign, x, d);
     for (int i = 0; i < 2; ++i) {
         if (!(d[i] > 3.8146973e-06f)) {

@@ -118,22 +118,30 @@ static gluon_6l3_status gluon_6l3_check_limits(const gluon_6l3_real joints[6])
  * quarter. */
 static void gluon_6l3_cosine_and_sine(gluon_6l3_real angle, gluon_6l3_real u[2])
 {
-    const gluon_6l3_real number = angle * 0.63661975f;
-    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-    /* the quarter turn in three parts, the first of which have few digits, so that their products
-     * are exact */
-    const gluon_6l3_real k = (gluon_6l3_real)quarter;
-    const gluon_6l3_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    int quarter = 0;
+    gluon_6l3_real x = angle;
+    if (fabsf(angle) > 0.7853982f) {
+        const gluon_6l3_real number = angle * 0.63661975f;
+        quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        /* the quarter turn in three parts, the first of which have few digits, so that their
+         * products are exact */
+        const gluon_6l3_real k = (gluon_6l3_real)quarter;
+        x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    }
     const gluon_6l3_real square = x * x;
     const gluon_6l3_real s = x + x * square * (-0.16666651f + square * (0.008331973f
         + square * -0.00019494935f));
     const gluon_6l3_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
         + square * (-0.0013887362f + square * 2.4437715e-05f));
-    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
-    const gluon_6l3_real cosine = odd ? s : c;
-    const gluon_6l3_real sine = odd ? c : s;
-    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
-    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+    u[0] = c;
+    u[1] = s;
+    if (quarter != 0) {
+        const bool odd = ((unsigned int)quarter & 1U) != 0U;
+        const gluon_6l3_real cosine = odd ? s : c;
+        const gluon_6l3_real sine = odd ? c : s;
+        u[0] = ((((unsigned int)quarter + 1U) & 2U) != 0U) ? -cosine : cosine;
+        u[1] = (((unsigned int)quarter & 2U) != 0U) ? -sine : sine;
+    }
 }
 
 /* Cosine and sine of half of each joint's angle, a slide and 0 of a slide, into u. */
