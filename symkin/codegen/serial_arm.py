@@ -17,6 +17,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.arm_speeds import arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
+from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
@@ -211,7 +212,26 @@ class ArmSource:
         literal = self.arm.real.literal
         return common | {"nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
                          "farthest_joint": literal(FARTHEST * max(size, 1.0)),
-                         "closed": "" if self.closed is None else self.closed.header}  # fmt: skip
+                         "closed": "" if self.closed is None else self.closed.header, "line_words": self._line_words}  # fmt: skip
+
+    @property
+    def _line_words(self) -> str:
+        """What the line costs at most, and where limits are checked, as lines of a comment in the header."""
+        prefix = self.arm.name.upper()
+        limited = any(c.limits is not None for c in self.arm.actuated)
+        words = []
+        if self.line is None:
+            words = [
+                f" * Newton's method: the worst case is config->max_iterations steps ({prefix}_MAX_STEPS where config is NULL), whatever pose and",
+                " * guess. The answer's error is that of the last step: predicted to be within the tolerance, its rows evaluated.",
+            ]
+            words += [" * Limits are checked at the answer, not along the line."] if limited else []
+        elif limited:
+            words = [
+                " * Joints keep their limits at all points of the line, the guess included: else, and where one comes too near to be",
+                f" * decided, {prefix}_OUT_OF_RANGE, and info->joint is the joint.",
+            ]
+        return "\n".join(words)
 
     @cached_property
     def closed(self) -> ClosedCode | None:
@@ -258,7 +278,7 @@ class ArmSource:
         })  # fmt: skip
         newton = "" if self.line is not None else self.code.text
         closed = "" if self.closed is None else self.closed.text
-        line = "" if self.line is None else self.line.text
+        line = "" if self.line is None else self.line.text(limit_check(self.line))
         return "".join([
             normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
             fill("forward.c", values | {"forward": indent(self._forward_lines)}), newton, closed, line, functions, self._speeds,
