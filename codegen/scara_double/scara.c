@@ -481,6 +481,169 @@ scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real gues
     return status;
 }
 
+/* Whether a joint may come to a limit from which it is `spare` away at the nearer of two points
+ * (over the size of a slide), by a way that is no longer than the root of twice way2. */
+static bool scara_may_reach(scara_real spare, scara_real way2)
+{
+    return 4.0 * spare * spare < way2;
+}
+
+/* Whether a function keeps its sign between two points: it bends away from its chord by no more
+ * than the second derivative allows. */
+static bool scara_keeps_sign(scara_real a, scara_real b, scara_real bend)
+{
+    const scara_real first = fabs(a);
+    const scara_real second = fabs(b);
+    const scara_real lesser = (first < second) ? first : second;
+    return ((a > 0.0) == (b > 0.0)) && (bend < 2.0 * (first + second) + 4.0 * lesser);
+}
+
+/* Of each limit a function that is zero where a solution of the joint's step has that value, and
+ * one that is negative where it is the other solution (README.md). */
+static void scara_limit_values(const scara_real joints[4], scara_real at[12])
+{
+    scara_real u[8];
+    u[0] = cos(0.5 * joints[0]);
+    u[1] = sin(0.5 * joints[0]);
+    u[2] = cos(0.5 * joints[1]);
+    u[3] = sin(0.5 * joints[1]);
+    u[4] = cos(0.5 * joints[2]);
+    u[5] = sin(0.5 * joints[2]);
+    u[6] = joints[3];
+    u[7] = 0.0;
+    const scara_real t0 = 350.0 * u[2];
+    const scara_real t1 = u[2] * t0;
+    const scara_real t2 = t1 + 50.0;
+    const scara_real t3 = u[0] + u[0];
+    const scara_real t4 = u[0] * t3;
+    const scara_real t5 = t4 - 1.0;
+    const scara_real t6 = u[3] + u[3];
+    const scara_real t7 = u[2] * t6;
+    const scara_real t8 = 175.0 * t7;
+    const scara_real t9 = t5 * t8;
+    const scara_real t10 = u[1] + u[1];
+    const scara_real t11 = u[0] * t10;
+    const scara_real t12 = t11 * t2;
+    const scara_real t13 = t9 + t12;
+    const scara_real t14 = t2 * t13;
+    const scara_real t15 = t5 * t2;
+    const scara_real t16 = t11 * t8;
+    const scara_real t17 = t15 - t16;
+    const scara_real t18 = t8 * t17;
+    const scara_real t19 = t14 - t18;
+    const scara_real t20 = -0.6691306071020031 * t19;
+    const scara_real t21 = t2 * t17;
+    const scara_real t22 = t8 * t13;
+    const scara_real t23 = t21 + t22;
+    const scara_real t24 = -0.7431448248082635 * t23;
+    const scara_real t25 = t20 - t24;
+    const scara_real t26 = t25 * 6.25e-06;
+    const scara_real t27 = -0.6691306071020031 * t23;
+    const scara_real t28 = -0.7431448248082635 * t19;
+    const scara_real t29 = t27 + t28;
+    const scara_real t30 = t29 * 6.25e-06;
+    const scara_real t31 = 0.7431448248082635 * t23;
+    const scara_real t32 = t20 - t31;
+    const scara_real t33 = t32 * 6.25e-06;
+    const scara_real t34 = 0.7431448248082635 * t19;
+    const scara_real t35 = t27 + t34;
+    const scara_real t36 = t35 * 6.25e-06;
+    const scara_real t37 = -0.4921875 * u[2];
+    const scara_real t38 = u[2] * t37;
+    const scara_real t39 = t38 + 0.05484298589282673;
+    const scara_real t40 = 0.0025 * u[6];
+    const scara_real t41 = -0.375000001 - t40;
+    const scara_real t42 = 1e-09 - t40;
+    const scara_real t43 = 39375.0 * t7;
+    at[0] = t26;
+    at[1] = t30;
+    at[2] = t33;
+    at[3] = t36;
+    at[4] = t39;
+    at[5] = ((t43 < 0.0) ? -1.0 : 1.0) * -0.15487181479367013;
+    at[6] = t39;
+    at[7] = ((t43 < 0.0) ? -1.0 : 1.0) * 0.15487181479367013;
+    at[8] = t41;
+    at[9] = 1.0;
+    at[10] = t42;
+    at[11] = 1.0;
+}
+
+/* The first joint, from 0, that is not proved to keep its limits between two points a and b of the
+ * line, both within them; the number of joints where all are. */
+static uint8_t scara_first_leaving(const scara_real a[4], const scara_real b[4], scara_real place,
+    scara_real turn, const scara_real moved[4], scara_real way2)
+{
+    static const scara_real low[4] = { -2.303834613632515, -2.460914246312005, -1000.000000001,
+        -150.0000004 };
+    static const scara_real high[4] = { 2.303834613632515, 2.460914246312005, 1000.000000001,
+        4.0000000000000003e-07 };
+    static const scara_real per_length[4] = { 1.0, 1.0, 1.0, 0.0025 };
+    scara_real below[4];
+    scara_real above[4];
+    bool near = false;
+    uint8_t joint = scara_first_beyond(b);
+    (void)place;
+    (void)turn;
+    (void)moved;
+    for (int i = 0; i < 4; ++i) {
+        below[i] = (((a[i] < b[i]) ? a[i] : b[i]) - low[i]) * per_length[i];
+        above[i] = (high[i] - ((a[i] > b[i]) ? a[i] : b[i])) * per_length[i];
+        near = near || scara_may_reach(below[i], way2) || scara_may_reach(above[i], way2);
+    }
+    if (near && (joint == 4U)) {
+        scara_real at_a[12];
+        scara_real at_b[12];
+        scara_limit_values(a, at_a);
+        scara_limit_values(b, at_b);
+        /* shoulder, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[0], way2)
+    && !scara_keeps_sign(at_a[0], at_b[0], 1.09 * place + 4.74 * turn + 3.17 * moved[1]
+        + 2.5 * moved[3])
+    && !((at_a[1] < 0.0) && scara_keeps_sign(at_a[1], at_b[1],
+        1.09 * place + 4.74 * turn + 3.22 * moved[1] + 2.5 * moved[3]))) {
+            joint = 0U;
+        }
+        /* shoulder, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[0], way2)
+    && !scara_keeps_sign(at_a[2], at_b[2], 1.09 * place + 4.74 * turn + 3.19 * moved[1]
+        + 2.5 * moved[3])
+    && !((at_a[3] < 0.0) && scara_keeps_sign(at_a[3], at_b[3],
+        1.09 * place + 4.74 * turn + 3.04 * moved[1] + 2.5 * moved[3]))) {
+            joint = 0U;
+        }
+        /* elbow, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[1], way2)
+    && !scara_keeps_sign(at_a[4], at_b[4], 4.97 * place + 5.4 * turn + 5.0 * moved[3])
+    && !((at_a[5] < 0.0) && scara_keeps_sign(at_a[5], at_b[5], 0.0))) {
+            joint = 1U;
+        }
+        /* elbow, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[1], way2)
+    && !scara_keeps_sign(at_a[6], at_b[6], 4.97 * place + 5.4 * turn + 5.0 * moved[3])
+    && !((at_a[7] < 0.0) && scara_keeps_sign(at_a[7], at_b[7], 0.0))) {
+            joint = 1U;
+        }
+        /* slide, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[3], way2)
+    && !scara_keeps_sign(at_a[8], at_b[8], 1.25 * turn)) {
+            joint = 3U;
+        }
+        /* slide, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[3], way2)
+    && !scara_keeps_sign(at_a[10], at_b[10], 1.25 * turn)) {
+            joint = 3U;
+        }
+    }
+    return joint;
+}
+
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7],
@@ -607,6 +770,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     scara_real way2 = 0.0;
     scara_real least = 1.0;
     unsigned int count = 0U;
+    uint8_t blamed = scara_first_beyond(joints); /* the joint that leaves its limits */
     const unsigned int wanted = scara_read_joints(joints, at, left);
     /* of q and -q, one rotation, the one on the guess's side */
     const scara_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
@@ -621,6 +785,9 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
         if (!(left[k] > 2.842170943040401e-14)) {
             status = SCARA_SINGULAR;
         }
+    }
+    if (blamed < 4U) {
+        status = SCARA_OUT_OF_RANGE;
     }
     while ((status == SCARA_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
         const scara_real end = (done + part < 0.999) ? (done + part) : 1.0;
@@ -656,7 +823,15 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             }
             const scara_real share = scara_line_share(left, margin, part * part * place2,
                 part * part * turn2, moved);
-            if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
+            const bool follows = (way2 <= most2) && (way2 <= 2.25) && (share < 1.0);
+            if (follows) {
+                blamed = scara_first_leaving(joints, found[0], part * part * place2,
+                    part * part * turn2, moved, way2);
+                if (scara_first_beyond(found[0]) < 4U) {
+                    status = SCARA_OUT_OF_RANGE;
+                }
+            }
+            if (follows && (blamed == 4U)) {
                 for (int i = 0; i < 4; ++i) {
                     joints[i] = found[0][i];
                 }
@@ -671,7 +846,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             } else {
                 part *= (share < 4.0) ? 0.5 : 0.25;
                 if (part < 0.000244140625) {
-                    status = SCARA_WRONG_BRANCH;
+                    status = (blamed < 4U) ? SCARA_OUT_OF_RANGE : SCARA_WRONG_BRANCH;
                 }
             }
         }
@@ -681,6 +856,9 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     }
     scara_write_info(info, count, (status == SCARA_OK) ? 1.7791990103432909e-09 : HUGE_VAL,
         way2 * 160000.0, (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
+    if ((info != NULL) && (status == SCARA_OUT_OF_RANGE)) {
+        info->joint = blamed;
+    }
     return status;
 }
 

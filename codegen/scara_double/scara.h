@@ -83,7 +83,9 @@ scara_status scara_direct(const scara_real joints[SCARA_JOINTS], scara_pose *pos
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, SCARA_WRONG_BRANCH. Angles are near the
  * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
- * of the line by as much.
+ * of the line by as much. Joints keep their limits at all points of the line, the guess included:
+ * else, and where one comes too near to be decided, SCARA_OUT_OF_RANGE, and info->joint is the
+ * joint.
  */
 scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
     const scara_real guess[SCARA_JOINTS],
