@@ -222,6 +222,8 @@ def _branch(program: Program) -> str:
     kernel, kind = program.main.kernel, program.kind
     if isinstance(kind, LimbPlatform) and kind.direct_formulas is not None:
         return "\n\n".join(_by_formulas(kind, kind.direct_formulas))
+    if isinstance(kind, SerialArm) and kind.follows_closed_form:
+        return _CLOSED_LINE
     pieces = _RULE.split("@@")
     rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + _dead_centres(program) + pieces[2]
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH

@@ -144,6 +144,11 @@ class SerialArm:
         found = plan_of(self.mechanism, NEARLY) if exact is None else exact
         return None if found is None else (found, exact is None)
 
+    @cached_property
+    def follows_closed_form(self) -> bool:
+        """Whether the inverse problem is the closed form along the line of poses; else it is Newton's method."""
+        return self.plan is not None and not self.plan[1] and self.keeps_to_lines
+
     @property
     def is_redundant(self) -> bool:
         """A tool pose does not decide the joints."""
@@ -247,7 +252,7 @@ class ArmSource:
     @cached_property
     def line(self) -> ClosedLine | None:
         """The closed form's check of lines, where it is the arm's own."""
-        if self.closed is None or self.closed.newton is not None or not self.arm.keeps_to_lines:
+        if self.closed is None or not self.arm.follows_closed_form:
             return None
         return ClosedLine(self.closed, self.closed.misfit)
 
