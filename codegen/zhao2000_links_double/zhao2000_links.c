@@ -4984,11 +4984,11 @@ static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_li
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
  * values turn by at most 0.5 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
+ * the first (of a far one, a sixth), or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says
+ * what is proved): the state is put back and a nearer point of the line is aimed at. Factors are
+ * kept for one more step where that is predicted to reach the tolerance. The answer's rows are
+ * evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_work *w,
     const zhao2000_links_real to[4], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
@@ -5004,6 +5004,8 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
     zhao2000_links_real kappa2 = 0.0003459599999999999;
     zhao2000_links_real limit;
     zhao2000_links_real residual = HUGE_VAL;
+    /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
+    zhao2000_links_real room = 2.1744364967741743e-13;
     zhao2000_links_real still2 = 3.026031410242268e-24; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
@@ -5015,6 +5017,8 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
     /* whether the first step is long beside the way to a singularity, as the least pivot tells
      * it */
     bool far = false;
+    /* four times as long: the second and third step keep the factors, whose ratio judges it */
+    bool very_far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -5041,10 +5045,11 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         zhao2000_links_direct_rows(w);
         if (verify) {
             residual = zhao2000_links_direct_residual(w);
-            if (residual <= config->tolerance + 1.7395491974193394e-12) {
+            if (residual <= config->tolerance + room) {
                 status = ZHAO2000_LINKS_OK;
                 break;
             }
+            room = 1.7395491974193394e-12;
             verify = false;
             fresh = true;
         }
@@ -5074,16 +5079,17 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
             still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0))
                 ? (4.7281740785035435e-26 * w->spread) : 3.026031410242268e-24;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
+         * 1/6, later 3/8 (README.md) */
         zhao2000_links_direct_solve(w);
         const zhao2000_links_real before = size;
         size = zhao2000_links_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
             far = (size * w->spread > 59936.72708598572);
+            very_far = (size * w->spread > 16.0 * 59936.72708598572);
         } else if (taken == 1U) {
-            limit = 0.0625 * before;
+            limit = (far ? 0.027777777777777776 : 0.0625) * before;
         } else {
             limit = 0.140625 * before;
         }
@@ -5109,7 +5115,8 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
                     && (size <= still2));
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
+                fresh = (gain2 * error2 > tolerance2)
+                    && ((taken > 0U) ? !(very_far && (taken == 1U)) : ((gain2 < 0.3) && !very_far));
                 ++taken;
             } else if ((taken == 0U) || ((size > still2)
                 && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {

@@ -4970,11 +4970,11 @@ static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_li
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
  * values turn by at most 0.5 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
+ * the first (of a far one, a sixth), or a later one than three eighths of the one before, the
+ * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says
+ * what is proved): the state is put back and a nearer point of the line is aimed at. Factors are
+ * kept for one more step where that is predicted to reach the tolerance. The answer's rows are
+ * evaluated before it is called OK. */
 static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_work *w,
     const zhao2000_links_real to[4], const zhao2000_links_config *config, zhao2000_links_info *info)
 {
@@ -4990,6 +4990,8 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
     zhao2000_links_real kappa2 = 0.00034596f;
     zhao2000_links_real limit;
     zhao2000_links_real residual = HUGE_VALF;
+    /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
+    zhao2000_links_real room = 0.00011673917f;
     zhao2000_links_real still2 = 8.7219416e-07f; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
@@ -5001,6 +5003,8 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
     /* whether the first step is long beside the way to a singularity, as the least pivot tells
      * it */
     bool far = false;
+    /* four times as long: the second and third step keep the factors, whose ratio judges it */
+    bool very_far = false;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -5027,10 +5031,11 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
         zhao2000_links_direct_rows(w);
         if (verify) {
             residual = zhao2000_links_direct_residual(w);
-            if (residual <= config->tolerance + 0.00093391334f) {
+            if (residual <= config->tolerance + room) {
                 status = ZHAO2000_LINKS_OK;
                 break;
             }
+            room = 0.00093391334f;
             verify = false;
             fresh = true;
         }
@@ -5060,16 +5065,17 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
             still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
                 ? (1.3628034e-08f * w->spread) : 8.7219416e-07f;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
+         * 1/6, later 3/8 (README.md) */
         zhao2000_links_direct_solve(w);
         const zhao2000_links_real before = size;
         size = zhao2000_links_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
             far = (size * w->spread > 59936.727f);
+            very_far = (size * w->spread > 16.0f * 59936.727f);
         } else if (taken == 1U) {
-            limit = 0.0625f * before;
+            limit = (far ? 0.027777778f : 0.0625f) * before;
         } else {
             limit = 0.140625f * before;
         }
@@ -5096,7 +5102,9 @@ static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
                     && (size <= still2));
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
+                fresh = (gain2 * error2 > tolerance2)
+                    && ((taken > 0U) ? !(very_far && (taken == 1U)) : ((gain2 < 0.3f)
+                        && !very_far));
                 ++taken;
             } else if ((taken == 0U) || ((size > still2)
                 && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {

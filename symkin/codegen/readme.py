@@ -100,12 +100,14 @@ matrix at the pose aimed at, and $\theta$ compares successive shortest steps. No
 
 _RULE = r"""The rule is therefore: the whole line is tried (a part of it where given values turn far) and accepted at $\theta \le \tfrac14$, when
 each later step is at most three eighths of the one before; elsewhere it is cut into pieces, each accepted after three steps
-by the same rule, after four where the first step times $1 / p$ ($p$: the least pivot) is above the size and the third is above a fifth
-of the second; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch
+by the same rule, after four where the first step is far and the third is above a fifth of the second. A first step is far where its
+square times $1 / p$ ($p$: the least pivot) is above the size's: $\theta \le \tfrac16$ is then asked, and four times as far both steps
+after it are taken with $J_0$, at the end of the line too; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch
 rests on random goals compared with fine continuation.@@
 
 The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
-evaluated once more and must vanish to the tolerance plus rounding."""
+evaluated once more and must vanish to the tolerance plus 8 roundings of the size; where they do not, one more step with new factors
+is taken, and 64 are allowed, which the rows of an ill-conditioned answer may leave."""
 _SIGN = r", or the sign of $\det J$ (free with the pivots) changes"
 _DEAD_CENTRE = r"""
 
