@@ -47,7 +47,7 @@ def limit_check(line: ClosedLine) -> LimitCheck:
         "limits_kept": indent([
             f"const bool follows = {accepted};", "if (follows) {",
             f"    blamed = {prefix}_first_leaving(joints, found[0], part * part * place2, part * part * turn2, moved, way2);",
-            f"    if ({prefix}_first_beyond(found[0]) < {count}) {{", f"        status = {capital}_OUT_OF_RANGE;", "    }", "}",
+            f"    if ((blamed < {count}) && ({prefix}_first_beyond(found[0]) < {count})) {{", f"        status = {capital}_OUT_OF_RANGE;", "    }", "}",
         ], 3),
         "kept": f"follows && (blamed == {count})",
         "refused": f"(blamed < {count}) ? {capital}_OUT_OF_RANGE : {capital}_WRONG_BRANCH",
@@ -56,6 +56,8 @@ def limit_check(line: ClosedLine) -> LimitCheck:
         ]),
     }  # fmt: skip
     own = {
+        "last": len(line.plan.arm) - 1,
+        "limited": ", ".join("true" if c.limits is not None else "false" for c in line.code.coordinates),
         "values": 2 * len(limits.ends), "turned": indent(line.turned_lines), "read": indent(limits.read_lines),
         "lows": ", ".join(real.literal(low) for low, _ in limits.ranges), "highs": ", ".join(real.literal(high) for _, high in limits.ranges),
         "per_lengths": line.per_lengths, "nn": len(line.plan.arm), "turns": 2 * len(line.plan.arm), "tests": indent(limits.test_lines, 2),

@@ -23,24 +23,30 @@ static void @{p}_limit_values(const @{real} joints[@{nn}], @{real} at[@{values}]
 @{read}
 }
 
-/* The first joint, from 0, that is not proved to keep its limits between two points a and b of the line, both within them; the number
- * of joints where all are. */
+/* The first joint, from 0, that is not proved to keep its limits between two points a and b of the line; the number of joints where all
+ * are. */
 static uint8_t @{p}_first_leaving(const @{real} a[@{nn}], const @{real} b[@{nn}], @{real} place, @{real} turn, const @{real} moved[@{nn}], @{real} way2)
 {
     static const @{real} low[@{nn}] = { @{lows} };
     static const @{real} high[@{nn}] = { @{highs} };
     static const @{real} per_length[@{nn}] = { @{per_lengths} };
-    @{real} below[@{nn}];
-    @{real} above[@{nn}];
+    static const bool limited[@{nn}] = { @{limited} };
+    @{real} below[@{nn}] = { @{zero} };
+    @{real} above[@{nn}] = { @{zero} };
     bool near = false;
-    uint8_t joint = @{p}_first_beyond(b);
+    uint8_t joint = @{nn}U;
     (void)place;
     (void)turn;
     (void)moved;
-    for (int i = 0; i < @{nn}; ++i) {
-        below[i] = (((a[i] < b[i]) ? a[i] : b[i]) - low[i]) * per_length[i];
-        above[i] = (high[i] - ((a[i] > b[i]) ? a[i] : b[i])) * per_length[i];
-        near = near || @{p}_may_reach(below[i], way2) || @{p}_may_reach(above[i], way2);
+    for (int i = @{last}; i >= 0; --i) {
+        if (limited[i]) {
+            const bool rises = (a[i] < b[i]);
+            below[i] = ((rises ? a[i] : b[i]) - low[i]) * per_length[i];
+            above[i] = (high[i] - (rises ? b[i] : a[i])) * per_length[i];
+            const @{real} spare = (below[i] < above[i]) ? below[i] : above[i];
+            near = near || @{p}_may_reach(spare, way2);
+            joint = (spare < @{zero}) ? (uint8_t)i : joint;
+        }
     }
     if (near && (joint == @{nn}U)) {
         @{real} at_a[@{values}];
