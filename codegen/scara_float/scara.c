@@ -608,24 +608,30 @@ static void scara_limit_values(const scara_real joints[4], scara_real at[12])
 }
 
 /* The first joint, from 0, that is not proved to keep its limits between two points a and b of the
- * line, both within them; the number of joints where all are. */
+ * line; the number of joints where all are. */
 static uint8_t scara_first_leaving(const scara_real a[4], const scara_real b[4], scara_real place,
     scara_real turn, const scara_real moved[4], scara_real way2)
 {
     static const scara_real low[4] = { -2.3038356f, -2.460915f, -1000.0f, -150.00038f };
     static const scara_real high[4] = { 2.3038356f, 2.460915f, 1000.0f, 0.00038146973f };
     static const scara_real per_length[4] = { 1.0f, 1.0f, 1.0f, 0.0025f };
-    scara_real below[4];
-    scara_real above[4];
+    static const bool limited[4] = { true, true, false, true };
+    scara_real below[4] = { 0.0f };
+    scara_real above[4] = { 0.0f };
     bool near = false;
-    uint8_t joint = scara_first_beyond(b);
+    uint8_t joint = 4U;
     (void)place;
     (void)turn;
     (void)moved;
-    for (int i = 0; i < 4; ++i) {
-        below[i] = (((a[i] < b[i]) ? a[i] : b[i]) - low[i]) * per_length[i];
-        above[i] = (high[i] - ((a[i] > b[i]) ? a[i] : b[i])) * per_length[i];
-        near = near || scara_may_reach(below[i], way2) || scara_may_reach(above[i], way2);
+    for (int i = 3; i >= 0; --i) {
+        if (limited[i]) {
+            const bool rises = (a[i] < b[i]);
+            below[i] = ((rises ? a[i] : b[i]) - low[i]) * per_length[i];
+            above[i] = (high[i] - (rises ? b[i] : a[i])) * per_length[i];
+            const scara_real spare = (below[i] < above[i]) ? below[i] : above[i];
+            near = near || scara_may_reach(spare, way2);
+            joint = (spare < 0.0f) ? (uint8_t)i : joint;
+        }
     }
     if (near && (joint == 4U)) {
         scara_real at_a[12];
@@ -860,7 +866,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             if (follows) {
                 blamed = scara_first_leaving(joints, found[0], part * part * place2,
                     part * part * turn2, moved, way2);
-                if (scara_first_beyond(found[0]) < 4U) {
+                if ((blamed < 4U) && (scara_first_beyond(found[0]) < 4U)) {
                     status = SCARA_OUT_OF_RANGE;
                 }
             }
