@@ -25,7 +25,7 @@ from symkin.formats.load import load
 from symkin.model.mechanism import Mechanism
 from symkin.position.solution import pose_of
 
-STUDIED = ("delta", "zhao2000", str(Path(__file__).parent / "machines" / "five_bar.toml"))
+STUDIED = ("delta", "zhao2000", "zhao2000_links", str(Path(__file__).parent / "machines" / "five_bar.toml"))
 _SHARES = (0.03, 0.1, 0.3, 1.0)
 """Parts of the range within which goals lie."""
 _BESIDE = 0.03

@@ -91,8 +91,11 @@ class Lines:
         if isinstance(kind, SerialArm):
             joints, pose = kind.samples[0]
             return Starts(*(np.tile(v, (count, 1)) for v in (joints, pose, joints)))
-        unknowns = problem.select_values(kind.home_values, problem.system.unknowns)
-        known = problem.select_values(kind.home_values, problem.known_coordinates)
+        # code may be of a motion that the mechanism's joints imply: its home is the reference then
+        alike = len(kind.home_values) == len(problem.closure.reference)
+        values = kind.home_values if alike else problem.closure.reference
+        unknowns = problem.select_values(values, problem.system.unknowns)
+        known = problem.select_values(values, problem.known_coordinates)
         return Starts(*(np.tile(v, (count, 1)) for v in (unknowns, known, self.stated(unknowns[None], known[None])[0])))
 
     def stated(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
@@ -118,12 +121,14 @@ class Lines:
         return Outcome(begun, ends_at, answers, walked, ends, self._right(ends, ends_at, answers))
 
     def _line(self, known: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of the same sign."""
+        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of the same sign and of length one, which
+        those of float goals are not quite."""
         begin, end, place = known.copy(), goals.copy(), 0
         for c in self.problem.known_coordinates:
             at = slice(place, place + c.width)
             if c.kind == "quaternion":
                 end[:, at] *= np.where(np.sum(begin[:, at] * end[:, at], axis=1) < 0, -1.0, 1.0)[:, None]
+                end[:, at] /= np.linalg.norm(end[:, at], axis=1, keepdims=True)
             elif c.kind == "angle" and not self.mechanism.serial:
                 turns = 2 * np.pi * np.round((end[:, place] - begin[:, place]) / (2 * np.pi))
                 if c.limits is None:

@@ -15,6 +15,20 @@
  * One step of Newton's method: 61 additions, 11 cos, 200 multiplications, 10 sin (rows, matrix,
  * factors, step). Predicted error of an answer: SCARA_TOLERANCE and the rounding of the type, about
  * 3.55271e-13 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   inverse_all: 160 add, 163 mul, 5 div, 7 sqrt, 6 atan2
+ *   inverse_branch: 128 add, 147 mul, 5 div, 7 sqrt, 6 atan2
+ *   inverse_nearest: 138 add, 154 mul, 5 div, 7 sqrt, 6 atan2
+ *   direct: 20 add, 31 mul, 1 div, 1 sqrt, 5 sin, 6 cos
+ *   inverse: 100 iterations, 21149 add, 33057 mul, 804 div, 706 sqrt, 603 sin, 603 cos, 600 atan2
+ *   jacobian: 32 add, 53 mul, 5 sin, 5 cos
+ *   twist: 60 add, 77 mul, 5 sin, 5 cos
+ *   rates: 398 add, 510 mul, 25 div, 5 sqrt, 5 sin, 5 cos
+ *   feed: 402 add, 514 mul, 29 div, 5 sqrt, 5 sin, 5 cos
+ *   track: 572 add, 767 mul, 27 div, 10 sqrt, 30 sin, 35 cos
+ *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */
 #ifndef SCARA_H

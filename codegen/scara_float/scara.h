@@ -15,6 +15,20 @@
  * One step of Newton's method: 61 additions, 11 cos, 200 multiplications, 10 sin (rows, matrix,
  * factors, step). Predicted error of an answer: SCARA_TOLERANCE and the rounding of the type, about
  * 0.000190735 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   inverse_all: 214 add, 217 mul, 17 div, 7 sqrt
+ *   inverse_branch: 182 add, 201 mul, 17 div, 7 sqrt
+ *   inverse_nearest: 192 add, 208 mul, 17 div, 7 sqrt
+ *   direct: 20 add, 31 mul, 1 div, 1 sqrt, 5 sin, 6 cos
+ *   inverse: 100 iterations, 33785 add, 46296 mul, 2004 div, 706 sqrt
+ *   jacobian: 32 add, 53 mul, 5 sin, 5 cos
+ *   twist: 60 add, 77 mul, 5 sin, 5 cos
+ *   rates: 398 add, 510 mul, 25 div, 5 sqrt, 5 sin, 5 cos
+ *   feed: 402 add, 514 mul, 29 div, 5 sqrt, 5 sin, 5 cos
+ *   track: 572 add, 767 mul, 27 div, 10 sqrt, 30 sin, 35 cos
+ *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */
 #ifndef SCARA_H

@@ -8,7 +8,7 @@
 #define ZHAO2000_LINKS_VECTORS 24
 #define ZHAO2000_LINKS_VECTOR_JACOBIANS 4
 #define ZHAO2000_LINKS_VECTOR_SINGULAR 0
-#define ZHAO2000_LINKS_VECTOR_FAR 1
+#define ZHAO2000_LINKS_VECTOR_FAR 0
 
 static const zhao2000_links_real zhao2000_links_vector_guesses[24][7] = {
     { 0x0.0p+0, 0x0.0p+0, 0x1.9000000000000p+6, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0,

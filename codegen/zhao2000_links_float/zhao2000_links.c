@@ -99,33 +99,30 @@ static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_config(
 
 /* Pose coordinates of a pose. */
 static zhao2000_links_status zhao2000_links_pose_coordinates(const zhao2000_links_pose *pose,
-    zhao2000_links_real c[7])
+    zhao2000_links_real c[4])
 {
     zhao2000_links_real x[7];
     zhao2000_links_status status = zhao2000_links_normalise_pose(pose, x);
     if (status == ZHAO2000_LINKS_OK) {
+        const zhao2000_links_real t0 = atan2f(x[6], x[3]);
+        const zhao2000_links_real t1 = t0 + t0;
+        const zhao2000_links_real t2 = 489.63956f * x[4];
+        const zhao2000_links_real t3 = 489.63956f * x[5];
         c[0] = x[0];
         c[1] = x[1];
         c[2] = x[2];
-        c[3] = x[3];
-        c[4] = x[4];
-        c[5] = x[5];
-        c[6] = x[6];
+        c[3] = t1;
+        if (c[3] > 3.1415927f) {
+            c[3] -= 6.2831855f;
+        }
+        if (c[3] < -3.1415927f) {
+            c[3] += 6.2831855f;
+        }
+        if (!((fabsf(t2) <= 0.00093391334f) && (fabsf(t3) <= 0.00093391334f))) {
+            status = ZHAO2000_LINKS_OUT_OF_RANGE;
+        }
     }
     return status;
-}
-
-/* The pose of pose coordinates. */
-static void zhao2000_links_pose_from_coordinates(const zhao2000_links_real c[7],
-    zhao2000_links_pose *pose)
-{
-    pose->position[0] = c[0];
-    pose->position[1] = c[1];
-    pose->position[2] = c[2];
-    pose->quaternion[0] = c[3];
-    pose->quaternion[1] = c[4];
-    pose->quaternion[2] = c[5];
-    pose->quaternion[3] = c[6];
 }
 
 /* The first joint, from 0, whose value is outside its range or not finite; the number of joints
@@ -158,39 +155,490 @@ static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_check_limits(
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
  * reference's branch. */
-static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_real c[7],
+static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_real c[4],
     zhao2000_links_real x[4])
 {
-    const zhao2000_links_real t0 = -69.282036f * c[4];
-    const zhao2000_links_real t1 = c[5] * t0;
-    const zhao2000_links_real t2 = -69.282036f * c[6];
-    const zhao2000_links_real t3 = c[3] * t2;
-    const zhao2000_links_real t4 = t1 - t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = c[0] + t5;
-    const zhao2000_links_real t7 = t6 * t6;
-    const zhao2000_links_real t8 = c[6] * t2;
-    const zhao2000_links_real t9 = c[4] * t0;
-    const zhao2000_links_real t10 = t8 + t9;
-    const zhao2000_links_real t11 = -t10;
-    const zhao2000_links_real t12 = t11 + t11;
-    const zhao2000_links_real t13 = t12 - 69.282036f;
-    const zhao2000_links_real t14 = c[1] + t13;
-    const zhao2000_links_real t15 = t14 + 138.56407f;
-    const zhao2000_links_real t16 = t15 * t15;
-    const zhao2000_links_real t17 = t7 + t16;
-    const zhao2000_links_real d1 = t17; /* above 0 where theta1_side has two values */
+    const zhao2000_links_real t0 = 0.5f * c[3];
+    const zhao2000_links_real t1 = cosf(t0);
+    const zhao2000_links_real t2 = sinf(t0);
+    const zhao2000_links_real t3 = -69.282036f * t2;
+    const zhao2000_links_real t4 = t1 * t3;
+    const zhao2000_links_real t5 = -t4;
+    const zhao2000_links_real t6 = t5 + t5;
+    const zhao2000_links_real t7 = c[0] + t6;
+    const zhao2000_links_real t8 = t7 * t7;
+    const zhao2000_links_real t9 = t2 * t3;
+    const zhao2000_links_real t10 = -t9;
+    const zhao2000_links_real t11 = t10 + t10;
+    const zhao2000_links_real t12 = t11 - 69.282036f;
+    const zhao2000_links_real t13 = c[1] + t12;
+    const zhao2000_links_real t14 = t13 + 138.56407f;
+    const zhao2000_links_real t15 = t14 * t14;
+    const zhao2000_links_real t16 = t8 + t15;
+    const zhao2000_links_real d1 = t16; /* above 0 where theta1_side has two values */
     const zhao2000_links_real r1 = (d1 > 1.87e-08f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_links_real t20 = c[3] * t0;
-    const zhao2000_links_real t21 = c[5] * t2;
-    const zhao2000_links_real t22 = t20 + t21;
-    const zhao2000_links_real t23 = t22 + t22;
-    const zhao2000_links_real t24 = c[2] + t23;
-    const zhao2000_links_real t25 = 0.0012584238f * t24;
+    const zhao2000_links_real t19 = 0.0012584238f * c[2];
+    const zhao2000_links_real t20 = 0.01423018f * r1;
+    const zhao2000_links_real t21 = t19 - t20;
+    const zhao2000_links_real t22 = 1.7201067f * t21;
+    const zhao2000_links_real t23 = -0.01423018f * c[2];
+    const zhao2000_links_real t24 = 0.0012584238f * r1;
+    const zhao2000_links_real t25 = t23 - t24;
+    const zhao2000_links_real t26 = -1.0204082f * t25;
+    const zhao2000_links_real t27 = t22 - t26;
+    const zhao2000_links_real t28 = t27 * t27;
+    const zhao2000_links_real t29 = -1.0204082f * t21;
+    const zhao2000_links_real t30 = -1.7201067f * t25;
+    const zhao2000_links_real t31 = t29 - t30;
+    const zhao2000_links_real t32 = t31 * t31;
+    const zhao2000_links_real t33 = t28 + t32;
+    const zhao2000_links_real t34 = t25 * t25;
+    const zhao2000_links_real t35 = t34 + 0.7396918f;
+    const zhao2000_links_real t36 = t21 * t21;
+    const zhao2000_links_real t37 = t36 + 0.2603082f;
+    const zhao2000_links_real t38 = t35 + t37;
+    const zhao2000_links_real t39 = t38 - 1.0f;
+    const zhao2000_links_real t40 = t39 * t39;
+    const zhao2000_links_real t41 = t33 - t40;
+    const zhao2000_links_real d2 = t41; /* above 0 where elbow1 has two values */
+    const zhao2000_links_real r2 = (d2 > 1.14e-11f) ? sqrtf(d2) : 1.0f;
+    zhao2000_links_status status = ZHAO2000_LINKS_OUT_OF_RANGE;
+    if ((d1 > 1.87e-08f) && (d2 > 1.14e-11f)) {
+        const zhao2000_links_real t44 = t27 * r2;
+        const zhao2000_links_real t45 = t31 * t39;
+        const zhao2000_links_real t46 = t44 - t45;
+        const zhao2000_links_real t47 = 1.0f / t33;
+        const zhao2000_links_real t48 = t46 * t47;
+        const zhao2000_links_real t49 = 30.272121f * t48;
+        const zhao2000_links_real t50 = t27 * t39;
+        const zhao2000_links_real t51 = t31 * r2;
+        const zhao2000_links_real t52 = t50 + t51;
+        const zhao2000_links_real t53 = t52 * t47;
+        const zhao2000_links_real t54 = -63.115757f * t53;
+        const zhao2000_links_real t55 = t49 - t54;
+        const zhao2000_links_real t56 = t55 + r1;
+        const zhao2000_links_real t57 = -6.1662765f * t56;
+        const zhao2000_links_real t58 = -30.272121f * t53;
+        const zhao2000_links_real t59 = c[2] - t58;
+        const zhao2000_links_real t60 = -63.115757f * t48;
+        const zhao2000_links_real t61 = t59 + t60;
+        const zhao2000_links_real t62 = 69.727875f * t61;
+        const zhao2000_links_real t63 = t57 - t62;
+        const zhao2000_links_real t64 = t63 * -0.00020408163f;
+        const zhao2000_links_real t65 = -6.1662765f * t64;
+        const zhao2000_links_real t66 = -6.1662765f * t61;
+        const zhao2000_links_real t67 = -69.727875f * t56;
+        const zhao2000_links_real t68 = t66 - t67;
+        const zhao2000_links_real t69 = t68 * -0.00020408163f;
+        const zhao2000_links_real t70 = 69.727875f * t69;
+        const zhao2000_links_real t71 = t65 + t70;
+        const zhao2000_links_real t72 = t71 - t54;
+        const zhao2000_links_real t73 = t72 + t49;
+        const zhao2000_links_real t74 = t73 * t7;
+        const zhao2000_links_real t75 = t73 * t73;
+        const zhao2000_links_real t76 = 1.0f / t75;
+        const zhao2000_links_real t77 = t74 * t76;
+        const zhao2000_links_real t78 = t73 * t14;
+        const zhao2000_links_real t79 = t78 * t76;
+        const zhao2000_links_real t80 = -t79;
+        const zhao2000_links_real t81 = atan2f(t77, t80);
+        const zhao2000_links_real t82 = t81 + 1.5707964f;
+        const zhao2000_links_real t83 = atan2f(t69, t64);
+        const zhao2000_links_real t84 = t48 * t64;
+        const zhao2000_links_real t85 = t53 * t69;
+        const zhao2000_links_real t86 = t84 + t85;
+        const zhao2000_links_real t87 = t48 * t69;
+        const zhao2000_links_real t88 = t53 * t64;
+        const zhao2000_links_real t89 = t87 - t88;
+        const zhao2000_links_real t90 = atan2f(t86, t89);
+        const zhao2000_links_real t91 = -t48;
+        const zhao2000_links_real t92 = -t53;
+        const zhao2000_links_real t93 = atan2f(t91, t92);
+        x[0] = t82;
+        x[1] = t83;
+        x[2] = t90;
+        x[3] = t93;
+        status = ZHAO2000_LINKS_OK;
+    } else {
+        x[0] = 0.0f;
+        x[1] = 0.0f;
+        x[2] = 0.0f;
+        x[3] = 0.0f;
+    }
+    return status;
+}
+
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
+static zhao2000_links_status zhao2000_links_limb1_rates(const zhao2000_links_real c[4],
+    zhao2000_links_real rates[4])
+{
+    const zhao2000_links_real t0 = 0.5f * c[3];
+    const zhao2000_links_real t1 = cosf(t0);
+    const zhao2000_links_real t2 = sinf(t0);
+    const zhao2000_links_real t3 = -69.282036f * t2;
+    const zhao2000_links_real t4 = t1 * t3;
+    const zhao2000_links_real t5 = -t4;
+    const zhao2000_links_real t6 = t5 + t5;
+    const zhao2000_links_real t7 = c[0] + t6;
+    const zhao2000_links_real t8 = t7 * t7;
+    const zhao2000_links_real t9 = t2 * t3;
+    const zhao2000_links_real t10 = -t9;
+    const zhao2000_links_real t11 = t10 + t10;
+    const zhao2000_links_real t12 = t11 - 69.282036f;
+    const zhao2000_links_real t13 = c[1] + t12;
+    const zhao2000_links_real t14 = t13 + 138.56407f;
+    const zhao2000_links_real t15 = t14 * t14;
+    const zhao2000_links_real t16 = t8 + t15;
+    const zhao2000_links_real d1 = t16; /* above 0 where theta1_side has two values */
+    const zhao2000_links_real r1 = (d1 > 0.00514f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t19 = 0.0012584238f * c[2];
+    const zhao2000_links_real t20 = 0.01423018f * r1;
+    const zhao2000_links_real t21 = t19 - t20;
+    const zhao2000_links_real t22 = 1.7201067f * t21;
+    const zhao2000_links_real t23 = -0.01423018f * c[2];
+    const zhao2000_links_real t24 = 0.0012584238f * r1;
+    const zhao2000_links_real t25 = t23 - t24;
+    const zhao2000_links_real t26 = -1.0204082f * t25;
+    const zhao2000_links_real t27 = t22 - t26;
+    const zhao2000_links_real t28 = t27 * t27;
+    const zhao2000_links_real t29 = -1.0204082f * t21;
+    const zhao2000_links_real t30 = -1.7201067f * t25;
+    const zhao2000_links_real t31 = t29 - t30;
+    const zhao2000_links_real t32 = t31 * t31;
+    const zhao2000_links_real t33 = t28 + t32;
+    const zhao2000_links_real t34 = t25 * t25;
+    const zhao2000_links_real t35 = t34 + 0.7396918f;
+    const zhao2000_links_real t36 = t21 * t21;
+    const zhao2000_links_real t37 = t36 + 0.2603082f;
+    const zhao2000_links_real t38 = t35 + t37;
+    const zhao2000_links_real t39 = t38 - 1.0f;
+    const zhao2000_links_real t40 = t39 * t39;
+    const zhao2000_links_real t41 = t33 - t40;
+    const zhao2000_links_real d2 = t41; /* above 0 where elbow1 has two values */
+    const zhao2000_links_real r2 = (d2 > 3.13e-06f) ? sqrtf(d2) : 1.0f;
+    zhao2000_links_status status = ZHAO2000_LINKS_SINGULAR;
+    if ((d1 > 0.00514f) && (d2 > 3.13e-06f)) {
+        const zhao2000_links_real t44 = t27 * r2;
+        const zhao2000_links_real t45 = t31 * t39;
+        const zhao2000_links_real t46 = t44 - t45;
+        const zhao2000_links_real t47 = 1.0f / t33;
+        const zhao2000_links_real t48 = t46 * t47;
+        const zhao2000_links_real t49 = 30.272121f * t48;
+        const zhao2000_links_real t50 = t27 * t39;
+        const zhao2000_links_real t51 = t31 * r2;
+        const zhao2000_links_real t52 = t50 + t51;
+        const zhao2000_links_real t53 = t52 * t47;
+        const zhao2000_links_real t54 = -63.115757f * t53;
+        const zhao2000_links_real t55 = t49 - t54;
+        const zhao2000_links_real t56 = t55 + r1;
+        const zhao2000_links_real t57 = -6.1662765f * t56;
+        const zhao2000_links_real t58 = -30.272121f * t53;
+        const zhao2000_links_real t59 = c[2] - t58;
+        const zhao2000_links_real t60 = -63.115757f * t48;
+        const zhao2000_links_real t61 = t59 + t60;
+        const zhao2000_links_real t62 = 69.727875f * t61;
+        const zhao2000_links_real t63 = t57 - t62;
+        const zhao2000_links_real t64 = t63 * -0.00020408163f;
+        const zhao2000_links_real t65 = -6.1662765f * t64;
+        const zhao2000_links_real t66 = -6.1662765f * t61;
+        const zhao2000_links_real t67 = -69.727875f * t56;
+        const zhao2000_links_real t68 = t66 - t67;
+        const zhao2000_links_real t69 = t68 * -0.00020408163f;
+        const zhao2000_links_real t70 = 69.727875f * t69;
+        const zhao2000_links_real t71 = t65 + t70;
+        const zhao2000_links_real t72 = t71 - t54;
+        const zhao2000_links_real t73 = t72 + t49;
+        const zhao2000_links_real t74 = t73 * t7;
+        const zhao2000_links_real t75 = t73 * t73;
+        const zhao2000_links_real t76 = 1.0f / t75;
+        const zhao2000_links_real t77 = t74 * t76;
+        const zhao2000_links_real t78 = t77 * t77;
+        const zhao2000_links_real t79 = t73 * t14;
+        const zhao2000_links_real t80 = t79 * t76;
+        const zhao2000_links_real t81 = t80 * t80;
+        const zhao2000_links_real t82 = t78 + t81;
+        const zhao2000_links_real t83 = 1.0f / t82;
+        const zhao2000_links_real t84 = t77 * t83;
+        const zhao2000_links_real t85 = -0.025761534f * r2;
+        const zhao2000_links_real t86 = 0.012355968f * t39;
+        const zhao2000_links_real t87 = -0.0025168476f * t25;
+        const zhao2000_links_real t88 = -0.02846036f * t21;
+        const zhao2000_links_real t89 = t87 + t88;
+        const zhao2000_links_real t90 = t31 * t89;
+        const zhao2000_links_real t91 = t86 + t90;
+        const zhao2000_links_real t92 = t85 - t91;
+        const zhao2000_links_real t93 = t92 * t47;
+        const zhao2000_links_real t94 = t48 * t47;
+        const zhao2000_links_real t95 = -0.051523067f * t27;
+        const zhao2000_links_real t96 = 0.024711937f * t31;
+        const zhao2000_links_real t97 = t95 + t96;
+        const zhao2000_links_real t98 = t94 * t97;
+        const zhao2000_links_real t99 = t93 - t98;
+        const zhao2000_links_real t100 = 30.272121f * t99;
+        const zhao2000_links_real t101 = -0.025761534f * t39;
+        const zhao2000_links_real t102 = t27 * t89;
+        const zhao2000_links_real t103 = t101 + t102;
+        const zhao2000_links_real t104 = 0.012355968f * r2;
+        const zhao2000_links_real t105 = t103 + t104;
+        const zhao2000_links_real t106 = t105 * t47;
+        const zhao2000_links_real t107 = t53 * t47;
+        const zhao2000_links_real t108 = t107 * t97;
+        const zhao2000_links_real t109 = t106 - t108;
+        const zhao2000_links_real t110 = -63.115757f * t109;
+        const zhao2000_links_real t111 = t100 - t110;
+        const zhao2000_links_real t112 = t111 + 1.0f;
+        const zhao2000_links_real t113 = -6.1662765f * t112;
+        const zhao2000_links_real t114 = -63.115757f * t99;
+        const zhao2000_links_real t115 = -30.272121f * t109;
+        const zhao2000_links_real t116 = t114 - t115;
+        const zhao2000_links_real t117 = 69.727875f * t116;
+        const zhao2000_links_real t118 = t113 - t117;
+        const zhao2000_links_real t119 = 0.0012584238f * t118;
+        const zhao2000_links_real t120 = -6.1662765f * t116;
+        const zhao2000_links_real t121 = -69.727875f * t112;
+        const zhao2000_links_real t122 = t120 - t121;
+        const zhao2000_links_real t123 = -0.01423018f * t122;
+        const zhao2000_links_real t124 = t119 + t123;
+        const zhao2000_links_real t125 = t124 - t110;
+        const zhao2000_links_real t126 = t125 + t100;
+        const zhao2000_links_real t127 = t14 * t126;
+        const zhao2000_links_real t128 = t127 * t76;
+        const zhao2000_links_real t129 = t80 * t76;
+        const zhao2000_links_real t130 = t73 * t126;
+        const zhao2000_links_real t131 = t130 + t130;
+        const zhao2000_links_real t132 = t129 * t131;
+        const zhao2000_links_real t133 = t128 - t132;
+        const zhao2000_links_real t134 = t84 * t133;
+        const zhao2000_links_real t135 = t80 * t83;
+        const zhao2000_links_real t136 = t7 * t126;
+        const zhao2000_links_real t137 = t136 * t76;
+        const zhao2000_links_real t138 = t77 * t76;
+        const zhao2000_links_real t139 = t138 * t131;
+        const zhao2000_links_real t140 = t137 - t139;
+        const zhao2000_links_real t141 = t135 * t140;
+        const zhao2000_links_real t142 = t134 - t141;
+        const zhao2000_links_real t143 = 1.0f / r1;
+        const zhao2000_links_real t144 = t7 * t143;
+        const zhao2000_links_real t145 = t142 * t144;
+        const zhao2000_links_real t146 = t27 * t47;
+        const zhao2000_links_real t147 = 30.272121f * t146;
+        const zhao2000_links_real t148 = t31 * t47;
+        const zhao2000_links_real t149 = -63.115757f * t148;
+        const zhao2000_links_real t150 = t147 - t149;
+        const zhao2000_links_real t151 = -6.1662765f * t150;
+        const zhao2000_links_real t152 = -63.115757f * t146;
+        const zhao2000_links_real t153 = -30.272121f * t148;
+        const zhao2000_links_real t154 = t152 - t153;
+        const zhao2000_links_real t155 = 69.727875f * t154;
+        const zhao2000_links_real t156 = t151 - t155;
+        const zhao2000_links_real t157 = 0.0012584238f * t156;
+        const zhao2000_links_real t158 = -6.1662765f * t154;
+        const zhao2000_links_real t159 = -69.727875f * t150;
+        const zhao2000_links_real t160 = t158 - t159;
+        const zhao2000_links_real t161 = -0.01423018f * t160;
+        const zhao2000_links_real t162 = t157 + t161;
+        const zhao2000_links_real t163 = t162 - t149;
+        const zhao2000_links_real t164 = t163 + t147;
+        const zhao2000_links_real t165 = t14 * t164;
+        const zhao2000_links_real t166 = t165 * t76;
+        const zhao2000_links_real t167 = t73 * t164;
+        const zhao2000_links_real t168 = t167 + t167;
+        const zhao2000_links_real t169 = t129 * t168;
+        const zhao2000_links_real t170 = t166 - t169;
+        const zhao2000_links_real t171 = t84 * t170;
+        const zhao2000_links_real t172 = t7 * t164;
+        const zhao2000_links_real t173 = t172 * t76;
+        const zhao2000_links_real t174 = t138 * t168;
+        const zhao2000_links_real t175 = t173 - t174;
+        const zhao2000_links_real t176 = t135 * t175;
+        const zhao2000_links_real t177 = t171 - t176;
+        const zhao2000_links_real t178 = t39 + t39;
+        const zhao2000_links_real t179 = t178 * t89;
+        const zhao2000_links_real t180 = t97 - t179;
+        const zhao2000_links_real t181 = t180 * t144;
+        const zhao2000_links_real t182 = r2 + r2;
+        const zhao2000_links_real t183 = 1.0f / t182;
+        const zhao2000_links_real t184 = t181 * t183;
+        const zhao2000_links_real t185 = t177 * t184;
+        const zhao2000_links_real t186 = t145 + t185;
+        const zhao2000_links_real t187 = t135 * t76;
+        const zhao2000_links_real t188 = t73 * t187;
+        const zhao2000_links_real t189 = t186 - t188;
+        const zhao2000_links_real t190 = t84 * t76;
+        const zhao2000_links_real t191 = t73 * t190;
+        const zhao2000_links_real t192 = t14 * t143;
+        const zhao2000_links_real t193 = t142 * t192;
+        const zhao2000_links_real t194 = t180 * t192;
+        const zhao2000_links_real t195 = t194 * t183;
+        const zhao2000_links_real t196 = t177 * t195;
+        const zhao2000_links_real t197 = t193 + t196;
+        const zhao2000_links_real t198 = t191 + t197;
+        const zhao2000_links_real t199 = t14 * t190;
+        const zhao2000_links_real t200 = t138 * t135;
+        const zhao2000_links_real t201 = t129 * t84;
+        const zhao2000_links_real t202 = t200 - t201;
+        const zhao2000_links_real t203 = t73 * t202;
+        const zhao2000_links_real t204 = t199 + t203;
+        const zhao2000_links_real t205 = 69.727875f * t204;
+        const zhao2000_links_real t206 = t7 * t187;
+        const zhao2000_links_real t207 = t203 - t206;
+        const zhao2000_links_real t208 = 69.727875f * t207;
+        const zhao2000_links_real t209 = t205 + t208;
+        const zhao2000_links_real t210 = 0.0012584238f * t209;
+        const zhao2000_links_real t211 = -6.1662765f * t204;
+        const zhao2000_links_real t212 = -6.1662765f * t207;
+        const zhao2000_links_real t213 = t211 + t212;
+        const zhao2000_links_real t214 = -0.01423018f * t213;
+        const zhao2000_links_real t215 = t210 - t214;
+        const zhao2000_links_real t216 = t25 + t25;
+        const zhao2000_links_real t217 = -63.115757f * t204;
+        const zhao2000_links_real t218 = -63.115757f * t207;
+        const zhao2000_links_real t219 = t217 + t218;
+        const zhao2000_links_real t220 = -30.272121f * t215;
+        const zhao2000_links_real t221 = t219 + t220;
+        const zhao2000_links_real t222 = 0.0012584238f * t213;
+        const zhao2000_links_real t223 = 0.01423018f * t209;
+        const zhao2000_links_real t224 = t222 - t223;
+        const zhao2000_links_real t225 = -63.115757f * t224;
+        const zhao2000_links_real t226 = t221 + t225;
+        const zhao2000_links_real t227 = t226 * t47;
+        const zhao2000_links_real t228 = t27 * t227;
+        const zhao2000_links_real t229 = 30.272121f * t204;
+        const zhao2000_links_real t230 = 30.272121f * t207;
+        const zhao2000_links_real t231 = t229 + t230;
+        const zhao2000_links_real t232 = -63.115757f * t215;
+        const zhao2000_links_real t233 = t231 + t232;
+        const zhao2000_links_real t234 = 30.272121f * t224;
+        const zhao2000_links_real t235 = t233 + t234;
+        const zhao2000_links_real t236 = t235 * t47;
+        const zhao2000_links_real t237 = t31 * t236;
+        const zhao2000_links_real t238 = t228 + t237;
+        const zhao2000_links_real t239 = t216 * t238;
+        const zhao2000_links_real t240 = t31 + t31;
+        const zhao2000_links_real t241 = t107 * t226;
+        const zhao2000_links_real t242 = t94 * t235;
+        const zhao2000_links_real t243 = t241 - t242;
+        const zhao2000_links_real t244 = t240 * t243;
+        const zhao2000_links_real t245 = r2 * t227;
+        const zhao2000_links_real t246 = t244 - t245;
+        const zhao2000_links_real t247 = t39 * t236;
+        const zhao2000_links_real t248 = t246 - t247;
+        const zhao2000_links_real t249 = -1.7201067f * t248;
+        const zhao2000_links_real t250 = t239 + t249;
+        const zhao2000_links_real t251 = t27 + t27;
+        const zhao2000_links_real t252 = t251 * t243;
+        const zhao2000_links_real t253 = t39 * t227;
+        const zhao2000_links_real t254 = t252 - t253;
+        const zhao2000_links_real t255 = r2 * t236;
+        const zhao2000_links_real t256 = t254 + t255;
+        const zhao2000_links_real t257 = -1.0204082f * t256;
+        const zhao2000_links_real t258 = t250 + t257;
+        const zhao2000_links_real t259 = -0.01423018f * t258;
+        const zhao2000_links_real t260 = t215 - t259;
+        const zhao2000_links_real t261 = -1.0204082f * t248;
+        const zhao2000_links_real t262 = t21 + t21;
+        const zhao2000_links_real t263 = t262 * t238;
+        const zhao2000_links_real t264 = t261 - t263;
+        const zhao2000_links_real t265 = 1.7201067f * t256;
+        const zhao2000_links_real t266 = t264 + t265;
+        const zhao2000_links_real t267 = 0.0012584238f * t266;
+        const zhao2000_links_real t268 = t260 + t267;
+        const zhao2000_links_real t269 = -0.024711937f * t27;
+        const zhao2000_links_real t270 = -0.051523067f * t31;
+        const zhao2000_links_real t271 = t269 + t270;
+        const zhao2000_links_real t272 = -0.02846036f * t25;
+        const zhao2000_links_real t273 = 0.0025168476f * t21;
+        const zhao2000_links_real t274 = t272 + t273;
+        const zhao2000_links_real t275 = t178 * t274;
+        const zhao2000_links_real t276 = t271 - t275;
+        const zhao2000_links_real t277 = t276 * t183;
+        const zhao2000_links_real t278 = t177 * t277;
+        const zhao2000_links_real t279 = t268 + t278;
+        const zhao2000_links_real t280 = -t188;
+        const zhao2000_links_real t281 = t280 + t280;
+        const zhao2000_links_real t282 = t3 * t281;
+        const zhao2000_links_real t283 = t2 * t282;
+        const zhao2000_links_real t284 = t191 + t191;
+        const zhao2000_links_real t285 = t3 * t284;
+        const zhao2000_links_real t286 = t2 * t284;
+        const zhao2000_links_real t287 = t1 * t281;
+        const zhao2000_links_real t288 = t286 + t287;
+        const zhao2000_links_real t289 = -69.282036f * t288;
+        const zhao2000_links_real t290 = t285 + t289;
+        const zhao2000_links_real t291 = t1 * t290;
+        const zhao2000_links_real t292 = t283 - t291;
+        const zhao2000_links_real t293 = 0.5f * t292;
+        const zhao2000_links_real t294 = 4.0f * t7;
+        const zhao2000_links_real t295 = t3 * t294;
+        const zhao2000_links_real t296 = t2 * t295;
+        const zhao2000_links_real t297 = 4.0f * t14;
+        const zhao2000_links_real t298 = t3 * t297;
+        const zhao2000_links_real t299 = t2 * t297;
+        const zhao2000_links_real t300 = t1 * t294;
+        const zhao2000_links_real t301 = t299 + t300;
+        const zhao2000_links_real t302 = -69.282036f * t301;
+        const zhao2000_links_real t303 = t298 + t302;
+        const zhao2000_links_real t304 = t1 * t303;
+        const zhao2000_links_real t305 = t296 - t304;
+        const zhao2000_links_real t306 = 0.5f * t305;
+        const zhao2000_links_real t307 = r1 + r1;
+        const zhao2000_links_real t308 = t306 / t307;
+        const zhao2000_links_real t309 = t142 * t308;
+        const zhao2000_links_real t310 = t180 * t308;
+        const zhao2000_links_real t311 = t310 * t183;
+        const zhao2000_links_real t312 = t177 * t311;
+        const zhao2000_links_real t313 = t309 + t312;
+        const zhao2000_links_real t314 = t293 + t313;
+        rates[0] = t189;
+        rates[1] = t198;
+        rates[2] = t279;
+        rates[3] = t314;
+        status = ZHAO2000_LINKS_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+        rates[3] = 0.0f;
+    }
+    return status;
+}
+
+/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
+ * reference's branch. */
+static zhao2000_links_status zhao2000_links_limb2_joints(const zhao2000_links_real c[4],
+    zhao2000_links_real x[4])
+{
+    const zhao2000_links_real t0 = 0.5f * c[3];
+    const zhao2000_links_real t1 = cosf(t0);
+    const zhao2000_links_real t2 = sinf(t0);
+    const zhao2000_links_real t3 = 34.641018f * t2;
+    const zhao2000_links_real t4 = t1 * t3;
+    const zhao2000_links_real t5 = 60.0f * t2;
+    const zhao2000_links_real t6 = t2 * t5;
+    const zhao2000_links_real t7 = t4 + t6;
+    const zhao2000_links_real t8 = -t7;
+    const zhao2000_links_real t9 = t8 + t8;
+    const zhao2000_links_real t10 = t9 + 60.0f;
+    const zhao2000_links_real t11 = c[0] + t10;
+    const zhao2000_links_real t12 = t11 - 120.0f;
+    const zhao2000_links_real t13 = t12 * t12;
+    const zhao2000_links_real t14 = t1 * t5;
+    const zhao2000_links_real t15 = t2 * t3;
+    const zhao2000_links_real t16 = t14 - t15;
+    const zhao2000_links_real t17 = t16 + t16;
+    const zhao2000_links_real t18 = t17 + 34.641018f;
+    const zhao2000_links_real t19 = c[1] + t18;
+    const zhao2000_links_real t20 = t19 - 69.282036f;
+    const zhao2000_links_real t21 = t20 * t20;
+    const zhao2000_links_real t22 = t13 + t21;
+    const zhao2000_links_real d1 = t22; /* above 0 where theta2_side has two values */
+    const zhao2000_links_real r1 = (d1 > 1.74e-08f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t25 = 0.0012584238f * c[2];
     const zhao2000_links_real t26 = 0.01423018f * r1;
     const zhao2000_links_real t27 = t25 - t26;
     const zhao2000_links_real t28 = 1.7201067f * t27;
-    const zhao2000_links_real t29 = -0.01423018f * t24;
+    const zhao2000_links_real t29 = -0.01423018f * c[2];
     const zhao2000_links_real t30 = 0.0012584238f * r1;
     const zhao2000_links_real t31 = t29 - t30;
     const zhao2000_links_real t32 = -1.0204082f * t31;
@@ -209,10 +657,10 @@ static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_re
     const zhao2000_links_real t45 = t44 - 1.0f;
     const zhao2000_links_real t46 = t45 * t45;
     const zhao2000_links_real t47 = t39 - t46;
-    const zhao2000_links_real d2 = t47; /* above 0 where elbow1 has two values */
-    const zhao2000_links_real r2 = (d2 > 1.14e-11f) ? sqrtf(d2) : 1.0f;
+    const zhao2000_links_real d2 = t47; /* above 0 where elbow2 has two values */
+    const zhao2000_links_real r2 = (d2 > 1.18e-11f) ? sqrtf(d2) : 1.0f;
     zhao2000_links_status status = ZHAO2000_LINKS_OUT_OF_RANGE;
-    if ((d1 > 1.87e-08f) && (d2 > 1.14e-11f)) {
+    if ((d1 > 1.74e-08f) && (d2 > 1.18e-11f)) {
         const zhao2000_links_real t50 = t33 * r2;
         const zhao2000_links_real t51 = t37 * t45;
         const zhao2000_links_real t52 = t50 - t51;
@@ -228,7 +676,7 @@ static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_re
         const zhao2000_links_real t62 = t61 + r1;
         const zhao2000_links_real t63 = -6.1662765f * t62;
         const zhao2000_links_real t64 = -30.272121f * t59;
-        const zhao2000_links_real t65 = t24 - t64;
+        const zhao2000_links_real t65 = c[2] - t64;
         const zhao2000_links_real t66 = -63.115757f * t54;
         const zhao2000_links_real t67 = t65 + t66;
         const zhao2000_links_real t68 = 69.727875f * t67;
@@ -243,30 +691,29 @@ static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_re
         const zhao2000_links_real t77 = t71 + t76;
         const zhao2000_links_real t78 = t77 - t60;
         const zhao2000_links_real t79 = t78 + t55;
-        const zhao2000_links_real t80 = t79 * t6;
+        const zhao2000_links_real t80 = t79 * t20;
         const zhao2000_links_real t81 = t79 * t79;
         const zhao2000_links_real t82 = 1.0f / t81;
         const zhao2000_links_real t83 = t80 * t82;
-        const zhao2000_links_real t84 = t79 * t15;
+        const zhao2000_links_real t84 = t79 * t12;
         const zhao2000_links_real t85 = t84 * t82;
-        const zhao2000_links_real t86 = -t85;
-        const zhao2000_links_real t87 = atan2f(t83, t86);
-        const zhao2000_links_real t88 = t87 + 1.5707964f;
-        const zhao2000_links_real t89 = atan2f(t75, t70);
-        const zhao2000_links_real t90 = t54 * t70;
-        const zhao2000_links_real t91 = t59 * t75;
-        const zhao2000_links_real t92 = t90 + t91;
-        const zhao2000_links_real t93 = t54 * t75;
-        const zhao2000_links_real t94 = t59 * t70;
-        const zhao2000_links_real t95 = t93 - t94;
-        const zhao2000_links_real t96 = atan2f(t92, t95);
-        const zhao2000_links_real t97 = -t54;
-        const zhao2000_links_real t98 = -t59;
-        const zhao2000_links_real t99 = atan2f(t97, t98);
-        x[0] = t88;
-        x[1] = t89;
-        x[2] = t96;
-        x[3] = t99;
+        const zhao2000_links_real t86 = atan2f(t83, t85);
+        const zhao2000_links_real t87 = t86 + 3.1415927f;
+        const zhao2000_links_real t88 = atan2f(t75, t70);
+        const zhao2000_links_real t89 = t54 * t70;
+        const zhao2000_links_real t90 = t59 * t75;
+        const zhao2000_links_real t91 = t89 + t90;
+        const zhao2000_links_real t92 = t54 * t75;
+        const zhao2000_links_real t93 = t59 * t70;
+        const zhao2000_links_real t94 = t92 - t93;
+        const zhao2000_links_real t95 = atan2f(t91, t94);
+        const zhao2000_links_real t96 = -t54;
+        const zhao2000_links_real t97 = -t59;
+        const zhao2000_links_real t98 = atan2f(t96, t97);
+        x[0] = t87;
+        x[1] = t88;
+        x[2] = t95;
+        x[3] = t98;
         status = ZHAO2000_LINKS_OK;
     } else {
         x[0] = 0.0f;
@@ -277,1617 +724,478 @@ static zhao2000_links_status zhao2000_links_limb1_joints(const zhao2000_links_re
     return status;
 }
 
-/* Work space of zhao2000_links_limb1_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta1, hip1, elbow1, wrist1
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_links_real x[4]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_links_real x0[4];
-    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
-    zhao2000_links_real k[7]; /* known values aimed at */
-    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    zhao2000_links_real spread;
-    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_links_limb1_work;
-
-/* The matrix into w->a, row by row. */
-static void zhao2000_links_limb1_matrix(zhao2000_links_limb1_work *w)
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
+static zhao2000_links_status zhao2000_links_limb2_rates(const zhao2000_links_real c[4],
+    zhao2000_links_real rates[4])
 {
-    const zhao2000_links_real t0 = cosf(w->x[1]);
-    const zhao2000_links_real t1 = cosf(w->x[2]);
-    const zhao2000_links_real t2 = 63.115757f * t1;
-    const zhao2000_links_real t3 = sinf(w->x[2]);
-    const zhao2000_links_real t4 = -30.272121f * t3;
-    const zhao2000_links_real t5 = t2 + t4;
-    const zhao2000_links_real t6 = t5 + 6.1662765f;
-    const zhao2000_links_real t7 = t0 * t6;
-    const zhao2000_links_real t8 = sinf(w->x[1]);
-    const zhao2000_links_real t9 = 30.272121f * t1;
-    const zhao2000_links_real t10 = 63.115757f * t3;
-    const zhao2000_links_real t11 = t9 + t10;
-    const zhao2000_links_real t12 = t11 + 69.727875f;
-    const zhao2000_links_real t13 = t8 * t12;
-    const zhao2000_links_real t14 = t7 - t13;
-    const zhao2000_links_real t15 = w->x[0] - 1.5707964f;
-    const zhao2000_links_real t16 = cosf(t15);
-    const zhao2000_links_real t17 = t14 * t16;
-    const zhao2000_links_real t18 = 0.0040846374f * t17;
-    w->a[0] = t18;
-    const zhao2000_links_real t20 = sinf(t15);
-    const zhao2000_links_real t21 = t6 * t8;
-    const zhao2000_links_real t22 = t12 * t0;
-    const zhao2000_links_real t23 = t21 + t22;
-    const zhao2000_links_real t24 = t20 * t23;
-    const zhao2000_links_real t25 = 0.0040846374f * t24;
-    const zhao2000_links_real t26 = -t25;
-    w->a[1] = t26;
-    const zhao2000_links_real t28 = -30.272121f * t1;
-    const zhao2000_links_real t29 = t28 - t10;
-    const zhao2000_links_real t30 = t0 * t29;
-    const zhao2000_links_real t31 = 30.272121f * t3;
-    const zhao2000_links_real t32 = t2 - t31;
-    const zhao2000_links_real t33 = t8 * t32;
-    const zhao2000_links_real t34 = t30 - t33;
-    const zhao2000_links_real t35 = t20 * t34;
-    const zhao2000_links_real t36 = 0.0040846374f * t35;
-    w->a[2] = t36;
-    w->a[3] = 0.0f;
-    const zhao2000_links_real t39 = t14 * t20;
-    const zhao2000_links_real t40 = 0.0040846374f * t39;
-    w->a[4] = t40;
-    const zhao2000_links_real t42 = t16 * t23;
-    const zhao2000_links_real t43 = 0.0040846374f * t42;
-    w->a[5] = t43;
-    const zhao2000_links_real t45 = t16 * t34;
-    const zhao2000_links_real t46 = 0.0040846374f * t45;
-    const zhao2000_links_real t47 = -t46;
-    w->a[6] = t47;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    const zhao2000_links_real t51 = t6 * t0;
-    const zhao2000_links_real t52 = t12 * t8;
-    const zhao2000_links_real t53 = t51 - t52;
-    const zhao2000_links_real t54 = t16 * t53;
-    const zhao2000_links_real t55 = 1.0f - t16;
-    const zhao2000_links_real t56 = t55 * t53;
-    const zhao2000_links_real t57 = t54 + t56;
-    const zhao2000_links_real t58 = 0.0040846374f * t57;
-    const zhao2000_links_real t59 = -t58;
-    w->a[9] = t59;
-    const zhao2000_links_real t61 = t0 * t32;
-    const zhao2000_links_real t62 = t8 * t29;
-    const zhao2000_links_real t63 = t61 + t62;
-    const zhao2000_links_real t64 = t16 * t63;
-    const zhao2000_links_real t65 = t55 * t63;
-    const zhao2000_links_real t66 = t64 + t65;
-    const zhao2000_links_real t67 = 0.0040846374f * t66;
-    const zhao2000_links_real t68 = -t67;
-    w->a[10] = t68;
-    w->a[11] = 0.0f;
-    const zhao2000_links_real t71 = 0.5f * w->x[3];
-    const zhao2000_links_real t72 = cosf(t71);
-    const zhao2000_links_real t73 = 0.5f * w->x[2];
-    const zhao2000_links_real t74 = sinf(t73);
-    const zhao2000_links_real t75 = 0.5f * w->x[1];
-    const zhao2000_links_real t76 = sinf(t75);
-    const zhao2000_links_real t77 = 0.5f * t15;
-    const zhao2000_links_real t78 = sinf(t77);
-    const zhao2000_links_real t79 = 0.5f * t78;
-    const zhao2000_links_real t80 = t76 * t79;
-    const zhao2000_links_real t81 = t74 * t80;
-    const zhao2000_links_real t82 = cosf(t73);
-    const zhao2000_links_real t83 = cosf(t75);
-    const zhao2000_links_real t84 = t83 * t79;
-    const zhao2000_links_real t85 = t82 * t84;
-    const zhao2000_links_real t86 = t81 - t85;
-    const zhao2000_links_real t87 = t72 * t86;
-    const zhao2000_links_real t88 = sinf(t71);
-    const zhao2000_links_real t89 = t74 * t84;
-    const zhao2000_links_real t90 = t82 * t80;
-    const zhao2000_links_real t91 = t89 + t90;
-    const zhao2000_links_real t92 = t88 * t91;
-    const zhao2000_links_real t93 = t87 + t92;
-    const zhao2000_links_real t94 = w->k[5] * t93;
-    const zhao2000_links_real t95 = t88 * t86;
-    const zhao2000_links_real t96 = t72 * t91;
-    const zhao2000_links_real t97 = t95 - t96;
-    const zhao2000_links_real t98 = w->k[6] * t97;
-    const zhao2000_links_real t99 = t94 + t98;
-    const zhao2000_links_real t100 = cosf(t77);
-    const zhao2000_links_real t101 = 0.5f * t100;
-    const zhao2000_links_real t102 = t76 * t101;
-    const zhao2000_links_real t103 = t82 * t102;
-    const zhao2000_links_real t104 = t83 * t101;
-    const zhao2000_links_real t105 = t74 * t104;
-    const zhao2000_links_real t106 = t103 + t105;
-    const zhao2000_links_real t107 = t72 * t106;
-    const zhao2000_links_real t108 = t82 * t104;
-    const zhao2000_links_real t109 = t74 * t102;
-    const zhao2000_links_real t110 = t108 - t109;
-    const zhao2000_links_real t111 = t88 * t110;
-    const zhao2000_links_real t112 = t107 + t111;
-    const zhao2000_links_real t113 = w->k[3] * t112;
-    const zhao2000_links_real t114 = t99 - t113;
-    const zhao2000_links_real t115 = t72 * t110;
-    const zhao2000_links_real t116 = t88 * t106;
-    const zhao2000_links_real t117 = t115 - t116;
-    const zhao2000_links_real t118 = w->k[4] * t117;
-    const zhao2000_links_real t119 = t114 - t118;
-    const zhao2000_links_real t120 = t119 + t119;
-    const zhao2000_links_real t121 = -t120;
-    w->a[12] = t121;
-    const zhao2000_links_real t123 = 0.5f * t83;
-    const zhao2000_links_real t124 = t100 * t123;
-    const zhao2000_links_real t125 = t82 * t124;
-    const zhao2000_links_real t126 = 0.5f * t76;
-    const zhao2000_links_real t127 = t100 * t126;
-    const zhao2000_links_real t128 = t74 * t127;
-    const zhao2000_links_real t129 = t125 - t128;
-    const zhao2000_links_real t130 = t72 * t129;
-    const zhao2000_links_real t131 = t82 * t127;
-    const zhao2000_links_real t132 = t74 * t124;
-    const zhao2000_links_real t133 = t131 + t132;
-    const zhao2000_links_real t134 = t88 * t133;
-    const zhao2000_links_real t135 = t130 - t134;
-    const zhao2000_links_real t136 = w->k[6] * t135;
-    const zhao2000_links_real t137 = t72 * t133;
-    const zhao2000_links_real t138 = t88 * t129;
-    const zhao2000_links_real t139 = t137 + t138;
-    const zhao2000_links_real t140 = w->k[5] * t139;
-    const zhao2000_links_real t141 = t136 - t140;
-    const zhao2000_links_real t142 = t78 * t123;
-    const zhao2000_links_real t143 = t82 * t142;
-    const zhao2000_links_real t144 = t78 * t126;
-    const zhao2000_links_real t145 = t74 * t144;
-    const zhao2000_links_real t146 = t143 - t145;
-    const zhao2000_links_real t147 = t72 * t146;
-    const zhao2000_links_real t148 = t82 * t144;
-    const zhao2000_links_real t149 = t74 * t142;
-    const zhao2000_links_real t150 = t148 + t149;
-    const zhao2000_links_real t151 = t88 * t150;
-    const zhao2000_links_real t152 = t147 - t151;
-    const zhao2000_links_real t153 = w->k[3] * t152;
-    const zhao2000_links_real t154 = t141 - t153;
-    const zhao2000_links_real t155 = t72 * t150;
-    const zhao2000_links_real t156 = t88 * t146;
-    const zhao2000_links_real t157 = t155 + t156;
-    const zhao2000_links_real t158 = w->k[4] * t157;
-    const zhao2000_links_real t159 = t154 + t158;
-    const zhao2000_links_real t160 = t159 + t159;
-    const zhao2000_links_real t161 = -t160;
-    w->a[13] = t161;
-    const zhao2000_links_real t163 = t100 * t83;
-    const zhao2000_links_real t164 = 0.5f * t82;
-    const zhao2000_links_real t165 = t163 * t164;
-    const zhao2000_links_real t166 = t100 * t76;
-    const zhao2000_links_real t167 = 0.5f * t74;
-    const zhao2000_links_real t168 = t166 * t167;
-    const zhao2000_links_real t169 = t165 - t168;
-    const zhao2000_links_real t170 = t72 * t169;
-    const zhao2000_links_real t171 = t163 * t167;
-    const zhao2000_links_real t172 = t166 * t164;
-    const zhao2000_links_real t173 = t171 + t172;
-    const zhao2000_links_real t174 = t88 * t173;
-    const zhao2000_links_real t175 = t170 - t174;
-    const zhao2000_links_real t176 = w->k[6] * t175;
-    const zhao2000_links_real t177 = t72 * t173;
-    const zhao2000_links_real t178 = t88 * t169;
-    const zhao2000_links_real t179 = t177 + t178;
-    const zhao2000_links_real t180 = w->k[5] * t179;
-    const zhao2000_links_real t181 = t176 - t180;
-    const zhao2000_links_real t182 = t78 * t83;
-    const zhao2000_links_real t183 = t182 * t164;
-    const zhao2000_links_real t184 = t78 * t76;
-    const zhao2000_links_real t185 = t184 * t167;
-    const zhao2000_links_real t186 = t183 - t185;
-    const zhao2000_links_real t187 = t72 * t186;
-    const zhao2000_links_real t188 = t182 * t167;
-    const zhao2000_links_real t189 = t184 * t164;
-    const zhao2000_links_real t190 = t188 + t189;
-    const zhao2000_links_real t191 = t88 * t190;
-    const zhao2000_links_real t192 = t187 - t191;
-    const zhao2000_links_real t193 = w->k[3] * t192;
-    const zhao2000_links_real t194 = t181 - t193;
-    const zhao2000_links_real t195 = t72 * t190;
-    const zhao2000_links_real t196 = t88 * t186;
-    const zhao2000_links_real t197 = t195 + t196;
-    const zhao2000_links_real t198 = w->k[4] * t197;
-    const zhao2000_links_real t199 = t194 + t198;
-    const zhao2000_links_real t200 = t199 + t199;
-    const zhao2000_links_real t201 = -t200;
-    w->a[14] = t201;
-    const zhao2000_links_real t203 = t163 * t82;
-    const zhao2000_links_real t204 = t166 * t74;
-    const zhao2000_links_real t205 = t203 - t204;
-    const zhao2000_links_real t206 = 0.5f * t72;
-    const zhao2000_links_real t207 = t205 * t206;
-    const zhao2000_links_real t208 = t163 * t74;
-    const zhao2000_links_real t209 = t166 * t82;
-    const zhao2000_links_real t210 = t208 + t209;
-    const zhao2000_links_real t211 = 0.5f * t88;
-    const zhao2000_links_real t212 = t210 * t211;
-    const zhao2000_links_real t213 = t207 - t212;
-    const zhao2000_links_real t214 = w->k[6] * t213;
-    const zhao2000_links_real t215 = t205 * t211;
-    const zhao2000_links_real t216 = t210 * t206;
-    const zhao2000_links_real t217 = t215 + t216;
-    const zhao2000_links_real t218 = w->k[5] * t217;
-    const zhao2000_links_real t219 = t214 - t218;
-    const zhao2000_links_real t220 = t182 * t82;
-    const zhao2000_links_real t221 = t184 * t74;
-    const zhao2000_links_real t222 = t220 - t221;
-    const zhao2000_links_real t223 = t222 * t206;
-    const zhao2000_links_real t224 = t184 * t82;
-    const zhao2000_links_real t225 = t182 * t74;
-    const zhao2000_links_real t226 = t224 + t225;
-    const zhao2000_links_real t227 = t226 * t211;
-    const zhao2000_links_real t228 = t223 - t227;
-    const zhao2000_links_real t229 = w->k[3] * t228;
-    const zhao2000_links_real t230 = t219 - t229;
-    const zhao2000_links_real t231 = t222 * t211;
-    const zhao2000_links_real t232 = t226 * t206;
-    const zhao2000_links_real t233 = t231 + t232;
-    const zhao2000_links_real t234 = w->k[4] * t233;
-    const zhao2000_links_real t235 = t230 + t234;
-    const zhao2000_links_real t236 = t235 + t235;
-    const zhao2000_links_real t237 = -t236;
-    w->a[15] = t237;
-    const zhao2000_links_real t239 = w->k[4] * t93;
-    const zhao2000_links_real t240 = w->k[3] * t97;
-    const zhao2000_links_real t241 = t239 - t240;
-    const zhao2000_links_real t242 = w->k[6] * t112;
-    const zhao2000_links_real t243 = t241 - t242;
-    const zhao2000_links_real t244 = w->k[5] * t117;
-    const zhao2000_links_real t245 = t243 + t244;
-    const zhao2000_links_real t246 = t245 + t245;
-    w->a[16] = t246;
-    const zhao2000_links_real t248 = w->k[4] * t139;
-    const zhao2000_links_real t249 = w->k[3] * t135;
-    const zhao2000_links_real t250 = t248 + t249;
-    const zhao2000_links_real t251 = w->k[6] * t152;
-    const zhao2000_links_real t252 = t250 + t251;
-    const zhao2000_links_real t253 = w->k[5] * t157;
-    const zhao2000_links_real t254 = t252 + t253;
-    const zhao2000_links_real t255 = t254 + t254;
-    const zhao2000_links_real t256 = -t255;
-    w->a[17] = t256;
-    const zhao2000_links_real t258 = w->k[4] * t179;
-    const zhao2000_links_real t259 = w->k[3] * t175;
-    const zhao2000_links_real t260 = t258 + t259;
-    const zhao2000_links_real t261 = w->k[6] * t192;
-    const zhao2000_links_real t262 = t260 + t261;
-    const zhao2000_links_real t263 = w->k[5] * t197;
-    const zhao2000_links_real t264 = t262 + t263;
-    const zhao2000_links_real t265 = t264 + t264;
-    const zhao2000_links_real t266 = -t265;
-    w->a[18] = t266;
-    const zhao2000_links_real t268 = w->k[4] * t217;
-    const zhao2000_links_real t269 = w->k[3] * t213;
-    const zhao2000_links_real t270 = t268 + t269;
-    const zhao2000_links_real t271 = w->k[6] * t228;
-    const zhao2000_links_real t272 = t270 + t271;
-    const zhao2000_links_real t273 = w->k[5] * t233;
-    const zhao2000_links_real t274 = t272 + t273;
-    const zhao2000_links_real t275 = t274 + t274;
-    const zhao2000_links_real t276 = -t275;
-    w->a[19] = t276;
-}
-
-/* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the
- * diagonal; 0 where its columns are dependent. */
-static int zhao2000_links_limb1_factor(zhao2000_links_limb1_work *w)
-{
-    zhao2000_links_limb1_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 4; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        zhao2000_links_real squared = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            squared += w->a[4 * i + c] * w->a[4 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(squared);
-        w->r[4 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 5; ++i) {
-            w->a[4 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 4; ++j) {
-            zhao2000_links_real r = 0.0f;
-            for (int i = 0; i < 5; ++i) {
-                r += w->a[4 * i + c] * w->a[4 * i + j];
-            }
-            w->r[4 * c + j] = r;
-            for (int i = 0; i < 5; ++i) {
-                w->a[4 * i + j] -= r * w->a[4 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 4 entries of w->f. */
-static void zhao2000_links_limb1_solve(zhao2000_links_limb1_work *w)
-{
-    zhao2000_links_real y[4];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 4; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            y[c] += w->a[4 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 5; ++i) {
-            w->f[i] -= y[c] * w->a[4 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 3; c >= 0; --c) {
-        for (int j = c + 1; j < 4; ++j) {
-            y[c] -= w->r[4 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[4 * c + c];
-    }
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides
- * of the joint rates. */
-static void zhao2000_links_limb1_twist_columns(const zhao2000_links_limb1_work *w,
-    zhao2000_links_real sides[30])
-{
-    const zhao2000_links_real t0 = -138.56407f * w->k[5];
-    const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
-    const zhao2000_links_real t2 = t0 * t1;
-    const zhao2000_links_real t3 = -69.282036f * w->k[6];
-    const zhao2000_links_real t4 = -t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = 0.0020423187f * w->k[4];
-    const zhao2000_links_real t7 = t5 * t6;
-    const zhao2000_links_real t8 = t2 - t7;
-    const zhao2000_links_real t9 = -138.56407f * w->k[4];
-    const zhao2000_links_real t10 = 0.0020423187f * w->k[6];
-    const zhao2000_links_real t11 = t9 * t10;
-    const zhao2000_links_real t12 = t8 - t11;
-    const zhao2000_links_real t13 = -69.282036f * w->k[3];
-    const zhao2000_links_real t14 = -t13;
-    const zhao2000_links_real t15 = t14 + t14;
-    const zhao2000_links_real t16 = 0.0020423187f * w->k[5];
-    const zhao2000_links_real t17 = t15 * t16;
-    const zhao2000_links_real t18 = t12 + t17;
-    const zhao2000_links_real t19 = 244.81978f * t18;
-    const zhao2000_links_real t20 = -t19;
-    const zhao2000_links_real t21 = t0 * t10;
-    const zhao2000_links_real t22 = t5 * t16;
-    const zhao2000_links_real t23 = t21 - t22;
-    const zhao2000_links_real t24 = t9 * t1;
-    const zhao2000_links_real t25 = t23 + t24;
-    const zhao2000_links_real t26 = t15 * t6;
+    const zhao2000_links_real t0 = 0.5f * c[3];
+    const zhao2000_links_real t1 = cosf(t0);
+    const zhao2000_links_real t2 = sinf(t0);
+    const zhao2000_links_real t3 = 34.641018f * t2;
+    const zhao2000_links_real t4 = t1 * t3;
+    const zhao2000_links_real t5 = 60.0f * t2;
+    const zhao2000_links_real t6 = t2 * t5;
+    const zhao2000_links_real t7 = t4 + t6;
+    const zhao2000_links_real t8 = -t7;
+    const zhao2000_links_real t9 = t8 + t8;
+    const zhao2000_links_real t10 = t9 + 60.0f;
+    const zhao2000_links_real t11 = c[0] + t10;
+    const zhao2000_links_real t12 = t11 - 120.0f;
+    const zhao2000_links_real t13 = t12 * t12;
+    const zhao2000_links_real t14 = t1 * t5;
+    const zhao2000_links_real t15 = t2 * t3;
+    const zhao2000_links_real t16 = t14 - t15;
+    const zhao2000_links_real t17 = t16 + t16;
+    const zhao2000_links_real t18 = t17 + 34.641018f;
+    const zhao2000_links_real t19 = c[1] + t18;
+    const zhao2000_links_real t20 = t19 - 69.282036f;
+    const zhao2000_links_real t21 = t20 * t20;
+    const zhao2000_links_real t22 = t13 + t21;
+    const zhao2000_links_real d1 = t22; /* above 0 where theta2_side has two values */
+    const zhao2000_links_real r1 = (d1 > 0.00479f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t25 = 0.0012584238f * c[2];
+    const zhao2000_links_real t26 = 0.01423018f * r1;
     const zhao2000_links_real t27 = t25 - t26;
-    const zhao2000_links_real t28 = 244.81978f * t27;
-    const zhao2000_links_real t29 = -t28;
-    const zhao2000_links_real t30 = t9 * t6;
-    const zhao2000_links_real t31 = t0 * t16;
-    const zhao2000_links_real t32 = t5 * t10;
-    const zhao2000_links_real t33 = t32 + t31;
-    const zhao2000_links_real t34 = t30 - t33;
-    const zhao2000_links_real t35 = t15 * t1;
-    const zhao2000_links_real t36 = t34 + t35;
-    const zhao2000_links_real t37 = 244.81978f * t36;
-    const zhao2000_links_real t38 = -t37;
-    const zhao2000_links_real t39 = -t9;
-    const zhao2000_links_real t40 = t39 + t39;
-    const zhao2000_links_real t41 = t40 * t1;
-    const zhao2000_links_real t42 = -138.56407f * w->k[6];
-    const zhao2000_links_real t43 = -t42;
-    const zhao2000_links_real t44 = t43 + t43;
-    const zhao2000_links_real t45 = t44 * t16;
-    const zhao2000_links_real t46 = t41 + t45;
-    const zhao2000_links_real t47 = 244.81978f * t46;
-    const zhao2000_links_real t48 = -t47;
-    const zhao2000_links_real t49 = t40 * t10;
-    const zhao2000_links_real t50 = t44 * t6;
-    const zhao2000_links_real t51 = t49 - t50;
-    const zhao2000_links_real t52 = 244.81978f * t51;
-    const zhao2000_links_real t53 = -t52;
-    const zhao2000_links_real t54 = t44 * t1;
-    const zhao2000_links_real t55 = t40 * t16;
-    const zhao2000_links_real t56 = t54 - t55;
-    const zhao2000_links_real t57 = 244.81978f * t56;
-    const zhao2000_links_real t58 = -t57;
-    const zhao2000_links_real t59 = -138.56407f * w->k[3];
-    const zhao2000_links_real t60 = t59 * t1;
-    const zhao2000_links_real t61 = t60 - t30;
-    const zhao2000_links_real t62 = t42 * t10;
-    const zhao2000_links_real t63 = t61 - t62;
-    const zhao2000_links_real t64 = t63 + t31;
-    const zhao2000_links_real t65 = 244.81978f * t64;
-    const zhao2000_links_real t66 = -t65;
-    const zhao2000_links_real t67 = t59 * t10;
-    const zhao2000_links_real t68 = t9 * t16;
-    const zhao2000_links_real t69 = t67 - t68;
-    const zhao2000_links_real t70 = t42 * t1;
-    const zhao2000_links_real t71 = t69 + t70;
-    const zhao2000_links_real t72 = t0 * t6;
-    const zhao2000_links_real t73 = t71 - t72;
-    const zhao2000_links_real t74 = 244.81978f * t73;
-    const zhao2000_links_real t75 = -t74;
-    const zhao2000_links_real t76 = t42 * t6;
-    const zhao2000_links_real t77 = t59 * t16;
-    const zhao2000_links_real t78 = t11 + t77;
-    const zhao2000_links_real t79 = t76 - t78;
-    const zhao2000_links_real t80 = t79 + t2;
-    const zhao2000_links_real t81 = 244.81978f * t80;
-    const zhao2000_links_real t82 = -t81;
-    const zhao2000_links_real t83 = w->x[0] - 1.5707964f;
-    const zhao2000_links_real t84 = 0.5f * t83;
-    const zhao2000_links_real t85 = sinf(t84);
-    const zhao2000_links_real t86 = 0.5f * w->x[1];
-    const zhao2000_links_real t87 = cosf(t86);
-    const zhao2000_links_real t88 = t85 * t87;
-    const zhao2000_links_real t89 = 0.5f * w->x[2];
-    const zhao2000_links_real t90 = cosf(t89);
-    const zhao2000_links_real t91 = t88 * t90;
-    const zhao2000_links_real t92 = sinf(t86);
-    const zhao2000_links_real t93 = t85 * t92;
-    const zhao2000_links_real t94 = sinf(t89);
-    const zhao2000_links_real t95 = t93 * t94;
-    const zhao2000_links_real t96 = t91 - t95;
-    const zhao2000_links_real t97 = 0.5f * w->x[3];
-    const zhao2000_links_real t98 = cosf(t97);
-    const zhao2000_links_real t99 = t96 * t98;
-    const zhao2000_links_real t100 = t93 * t90;
-    const zhao2000_links_real t101 = t88 * t94;
-    const zhao2000_links_real t102 = t100 + t101;
-    const zhao2000_links_real t103 = sinf(t97);
-    const zhao2000_links_real t104 = t102 * t103;
-    const zhao2000_links_real t105 = t99 - t104;
-    const zhao2000_links_real t106 = 489.63956f * t105;
-    const zhao2000_links_real t107 = t106 * t1;
-    const zhao2000_links_real t108 = t102 * t98;
-    const zhao2000_links_real t109 = t96 * t103;
-    const zhao2000_links_real t110 = t108 + t109;
-    const zhao2000_links_real t111 = 489.63956f * t110;
-    const zhao2000_links_real t112 = t111 * t6;
-    const zhao2000_links_real t113 = t107 - t112;
-    const zhao2000_links_real t114 = cosf(t84);
-    const zhao2000_links_real t115 = t114 * t87;
-    const zhao2000_links_real t116 = t115 * t90;
-    const zhao2000_links_real t117 = t114 * t92;
-    const zhao2000_links_real t118 = t117 * t94;
-    const zhao2000_links_real t119 = t116 - t118;
-    const zhao2000_links_real t120 = t119 * t98;
-    const zhao2000_links_real t121 = t115 * t94;
-    const zhao2000_links_real t122 = t117 * t90;
-    const zhao2000_links_real t123 = t121 + t122;
-    const zhao2000_links_real t124 = t123 * t103;
-    const zhao2000_links_real t125 = t120 - t124;
-    const zhao2000_links_real t126 = 489.63956f * t125;
-    const zhao2000_links_real t127 = t126 * t10;
-    const zhao2000_links_real t128 = t113 + t127;
-    const zhao2000_links_real t129 = t119 * t103;
-    const zhao2000_links_real t130 = t123 * t98;
-    const zhao2000_links_real t131 = t129 + t130;
-    const zhao2000_links_real t132 = 489.63956f * t131;
-    const zhao2000_links_real t133 = t132 * t16;
-    const zhao2000_links_real t134 = t128 - t133;
-    const zhao2000_links_real t135 = 244.81978f * t134;
-    const zhao2000_links_real t136 = -t135;
-    const zhao2000_links_real t137 = t132 * t6;
-    const zhao2000_links_real t138 = t126 * t1;
-    const zhao2000_links_real t139 = t106 * t10;
-    const zhao2000_links_real t140 = t111 * t16;
-    const zhao2000_links_real t141 = t139 - t140;
-    const zhao2000_links_real t142 = t141 - t138;
-    const zhao2000_links_real t143 = t142 + t137;
-    const zhao2000_links_real t144 = 244.81978f * t143;
-    const zhao2000_links_real t145 = -t144;
-    const zhao2000_links_real t146 = t111 * t10;
-    const zhao2000_links_real t147 = t106 * t16;
-    const zhao2000_links_real t148 = t146 + t147;
-    const zhao2000_links_real t149 = t126 * t6;
-    const zhao2000_links_real t150 = t148 + t149;
-    const zhao2000_links_real t151 = t132 * t1;
-    const zhao2000_links_real t152 = t150 + t151;
-    const zhao2000_links_real t153 = 244.81978f * t152;
-    const zhao2000_links_real t154 = t137 + t138;
-    const zhao2000_links_real t155 = t154 - t139;
-    const zhao2000_links_real t156 = t155 - t140;
-    const zhao2000_links_real t157 = 244.81978f * t156;
-    const zhao2000_links_real t158 = -t157;
-    const zhao2000_links_real t159 = t133 + t127;
-    const zhao2000_links_real t160 = t159 + t107;
-    const zhao2000_links_real t161 = t160 + t112;
-    const zhao2000_links_real t162 = 244.81978f * t161;
-    const zhao2000_links_real t163 = -t162;
-    const zhao2000_links_real t164 = t132 * t10;
-    const zhao2000_links_real t165 = t126 * t16;
-    const zhao2000_links_real t166 = t164 - t165;
-    const zhao2000_links_real t167 = t106 * t6;
-    const zhao2000_links_real t168 = t166 + t167;
-    const zhao2000_links_real t169 = t111 * t1;
-    const zhao2000_links_real t170 = t168 - t169;
-    const zhao2000_links_real t171 = 244.81978f * t170;
-    const zhao2000_links_real t172 = -t171;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t20;
-    sides[4] = t29;
-    sides[5] = t38;
-    sides[6] = 0.0f;
-    sides[7] = -1.0f;
-    sides[8] = 0.0f;
-    sides[9] = t48;
-    sides[10] = t53;
-    sides[11] = t58;
-    sides[12] = 0.0f;
-    sides[13] = 0.0f;
-    sides[14] = -1.0f;
-    sides[15] = t66;
-    sides[16] = t75;
-    sides[17] = t82;
-    sides[18] = 0.0f;
-    sides[19] = 0.0f;
-    sides[20] = 0.0f;
-    sides[21] = t136;
-    sides[22] = t145;
-    sides[23] = t153;
-    sides[24] = 0.0f;
-    sides[25] = 0.0f;
-    sides[26] = 0.0f;
-    sides[27] = t158;
-    sides[28] = t163;
-    sides[29] = t172;
-}
-
-/* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
- * reference's branch. */
-static zhao2000_links_status zhao2000_links_limb2_joints(const zhao2000_links_real c[7],
-    zhao2000_links_real x[4])
-{
-    const zhao2000_links_real t0 = 34.641018f * c[4];
-    const zhao2000_links_real t1 = 60.0f * c[5];
-    const zhao2000_links_real t2 = t0 - t1;
-    const zhao2000_links_real t3 = c[5] * t2;
-    const zhao2000_links_real t4 = 60.0f * c[6];
-    const zhao2000_links_real t5 = c[6] * t4;
-    const zhao2000_links_real t6 = t3 - t5;
-    const zhao2000_links_real t7 = 34.641018f * c[6];
-    const zhao2000_links_real t8 = c[3] * t7;
-    const zhao2000_links_real t9 = t6 - t8;
-    const zhao2000_links_real t10 = t9 + t9;
-    const zhao2000_links_real t11 = t10 + 60.0f;
-    const zhao2000_links_real t12 = c[0] + t11;
-    const zhao2000_links_real t13 = t12 - 120.0f;
-    const zhao2000_links_real t14 = t13 * t13;
-    const zhao2000_links_real t15 = c[3] * t4;
-    const zhao2000_links_real t16 = c[6] * t7;
-    const zhao2000_links_real t17 = c[4] * t2;
-    const zhao2000_links_real t18 = t16 + t17;
-    const zhao2000_links_real t19 = t15 - t18;
-    const zhao2000_links_real t20 = t19 + t19;
-    const zhao2000_links_real t21 = t20 + 34.641018f;
-    const zhao2000_links_real t22 = c[1] + t21;
-    const zhao2000_links_real t23 = t22 - 69.282036f;
-    const zhao2000_links_real t24 = t23 * t23;
-    const zhao2000_links_real t25 = t14 + t24;
-    const zhao2000_links_real d1 = t25; /* above 0 where theta2_side has two values */
-    const zhao2000_links_real r1 = (d1 > 1.74e-08f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_links_real t28 = c[3] * t2;
-    const zhao2000_links_real t29 = c[4] * t4;
-    const zhao2000_links_real t30 = c[5] * t7;
-    const zhao2000_links_real t31 = t29 + t30;
-    const zhao2000_links_real t32 = t28 + t31;
-    const zhao2000_links_real t33 = t32 + t32;
-    const zhao2000_links_real t34 = c[2] + t33;
-    const zhao2000_links_real t35 = 0.0012584238f * t34;
-    const zhao2000_links_real t36 = 0.01423018f * r1;
+    const zhao2000_links_real t28 = 1.7201067f * t27;
+    const zhao2000_links_real t29 = -0.01423018f * c[2];
+    const zhao2000_links_real t30 = 0.0012584238f * r1;
+    const zhao2000_links_real t31 = t29 - t30;
+    const zhao2000_links_real t32 = -1.0204082f * t31;
+    const zhao2000_links_real t33 = t28 - t32;
+    const zhao2000_links_real t34 = t33 * t33;
+    const zhao2000_links_real t35 = -1.0204082f * t27;
+    const zhao2000_links_real t36 = -1.7201067f * t31;
     const zhao2000_links_real t37 = t35 - t36;
-    const zhao2000_links_real t38 = 1.7201067f * t37;
-    const zhao2000_links_real t39 = -0.01423018f * t34;
-    const zhao2000_links_real t40 = 0.0012584238f * r1;
-    const zhao2000_links_real t41 = t39 - t40;
-    const zhao2000_links_real t42 = -1.0204082f * t41;
-    const zhao2000_links_real t43 = t38 - t42;
-    const zhao2000_links_real t44 = t43 * t43;
-    const zhao2000_links_real t45 = -1.0204082f * t37;
-    const zhao2000_links_real t46 = -1.7201067f * t41;
-    const zhao2000_links_real t47 = t45 - t46;
-    const zhao2000_links_real t48 = t47 * t47;
-    const zhao2000_links_real t49 = t44 + t48;
-    const zhao2000_links_real t50 = t41 * t41;
-    const zhao2000_links_real t51 = t50 + 0.7396918f;
-    const zhao2000_links_real t52 = t37 * t37;
-    const zhao2000_links_real t53 = t52 + 0.2603082f;
-    const zhao2000_links_real t54 = t51 + t53;
-    const zhao2000_links_real t55 = t54 - 1.0f;
-    const zhao2000_links_real t56 = t55 * t55;
-    const zhao2000_links_real t57 = t49 - t56;
-    const zhao2000_links_real d2 = t57; /* above 0 where elbow2 has two values */
-    const zhao2000_links_real r2 = (d2 > 1.18e-11f) ? sqrtf(d2) : 1.0f;
-    zhao2000_links_status status = ZHAO2000_LINKS_OUT_OF_RANGE;
-    if ((d1 > 1.74e-08f) && (d2 > 1.18e-11f)) {
-        const zhao2000_links_real t60 = t43 * r2;
-        const zhao2000_links_real t61 = t47 * t55;
-        const zhao2000_links_real t62 = t60 - t61;
-        const zhao2000_links_real t63 = 1.0f / t49;
-        const zhao2000_links_real t64 = t62 * t63;
-        const zhao2000_links_real t65 = 30.272121f * t64;
-        const zhao2000_links_real t66 = t43 * t55;
-        const zhao2000_links_real t67 = t47 * r2;
-        const zhao2000_links_real t68 = t66 + t67;
-        const zhao2000_links_real t69 = t68 * t63;
-        const zhao2000_links_real t70 = -63.115757f * t69;
-        const zhao2000_links_real t71 = t65 - t70;
-        const zhao2000_links_real t72 = t71 + r1;
-        const zhao2000_links_real t73 = -6.1662765f * t72;
-        const zhao2000_links_real t74 = -30.272121f * t69;
-        const zhao2000_links_real t75 = t34 - t74;
-        const zhao2000_links_real t76 = -63.115757f * t64;
-        const zhao2000_links_real t77 = t75 + t76;
-        const zhao2000_links_real t78 = 69.727875f * t77;
-        const zhao2000_links_real t79 = t73 - t78;
-        const zhao2000_links_real t80 = t79 * -0.00020408163f;
-        const zhao2000_links_real t81 = -6.1662765f * t80;
-        const zhao2000_links_real t82 = -6.1662765f * t77;
-        const zhao2000_links_real t83 = -69.727875f * t72;
-        const zhao2000_links_real t84 = t82 - t83;
-        const zhao2000_links_real t85 = t84 * -0.00020408163f;
-        const zhao2000_links_real t86 = 69.727875f * t85;
-        const zhao2000_links_real t87 = t81 + t86;
-        const zhao2000_links_real t88 = t87 - t70;
-        const zhao2000_links_real t89 = t88 + t65;
-        const zhao2000_links_real t90 = t89 * t23;
-        const zhao2000_links_real t91 = t89 * t89;
-        const zhao2000_links_real t92 = 1.0f / t91;
-        const zhao2000_links_real t93 = t90 * t92;
-        const zhao2000_links_real t94 = t89 * t13;
-        const zhao2000_links_real t95 = t94 * t92;
-        const zhao2000_links_real t96 = atan2f(t93, t95);
-        const zhao2000_links_real t97 = t96 + 3.1415927f;
-        const zhao2000_links_real t98 = atan2f(t85, t80);
-        const zhao2000_links_real t99 = t64 * t80;
-        const zhao2000_links_real t100 = t69 * t85;
-        const zhao2000_links_real t101 = t99 + t100;
-        const zhao2000_links_real t102 = t64 * t85;
-        const zhao2000_links_real t103 = t69 * t80;
-        const zhao2000_links_real t104 = t102 - t103;
-        const zhao2000_links_real t105 = atan2f(t101, t104);
-        const zhao2000_links_real t106 = -t64;
-        const zhao2000_links_real t107 = -t69;
-        const zhao2000_links_real t108 = atan2f(t106, t107);
-        x[0] = t97;
-        x[1] = t98;
-        x[2] = t105;
-        x[3] = t108;
+    const zhao2000_links_real t38 = t37 * t37;
+    const zhao2000_links_real t39 = t34 + t38;
+    const zhao2000_links_real t40 = t31 * t31;
+    const zhao2000_links_real t41 = t40 + 0.7396918f;
+    const zhao2000_links_real t42 = t27 * t27;
+    const zhao2000_links_real t43 = t42 + 0.2603082f;
+    const zhao2000_links_real t44 = t41 + t43;
+    const zhao2000_links_real t45 = t44 - 1.0f;
+    const zhao2000_links_real t46 = t45 * t45;
+    const zhao2000_links_real t47 = t39 - t46;
+    const zhao2000_links_real d2 = t47; /* above 0 where elbow2 has two values */
+    const zhao2000_links_real r2 = (d2 > 3.24e-06f) ? sqrtf(d2) : 1.0f;
+    zhao2000_links_status status = ZHAO2000_LINKS_SINGULAR;
+    if ((d1 > 0.00479f) && (d2 > 3.24e-06f)) {
+        const zhao2000_links_real t50 = t33 * r2;
+        const zhao2000_links_real t51 = t37 * t45;
+        const zhao2000_links_real t52 = t50 - t51;
+        const zhao2000_links_real t53 = 1.0f / t39;
+        const zhao2000_links_real t54 = t52 * t53;
+        const zhao2000_links_real t55 = 30.272121f * t54;
+        const zhao2000_links_real t56 = t33 * t45;
+        const zhao2000_links_real t57 = t37 * r2;
+        const zhao2000_links_real t58 = t56 + t57;
+        const zhao2000_links_real t59 = t58 * t53;
+        const zhao2000_links_real t60 = -63.115757f * t59;
+        const zhao2000_links_real t61 = t55 - t60;
+        const zhao2000_links_real t62 = t61 + r1;
+        const zhao2000_links_real t63 = -6.1662765f * t62;
+        const zhao2000_links_real t64 = -30.272121f * t59;
+        const zhao2000_links_real t65 = c[2] - t64;
+        const zhao2000_links_real t66 = -63.115757f * t54;
+        const zhao2000_links_real t67 = t65 + t66;
+        const zhao2000_links_real t68 = 69.727875f * t67;
+        const zhao2000_links_real t69 = t63 - t68;
+        const zhao2000_links_real t70 = t69 * -0.00020408163f;
+        const zhao2000_links_real t71 = -6.1662765f * t70;
+        const zhao2000_links_real t72 = -6.1662765f * t67;
+        const zhao2000_links_real t73 = -69.727875f * t62;
+        const zhao2000_links_real t74 = t72 - t73;
+        const zhao2000_links_real t75 = t74 * -0.00020408163f;
+        const zhao2000_links_real t76 = 69.727875f * t75;
+        const zhao2000_links_real t77 = t71 + t76;
+        const zhao2000_links_real t78 = t77 - t60;
+        const zhao2000_links_real t79 = t78 + t55;
+        const zhao2000_links_real t80 = t79 * t12;
+        const zhao2000_links_real t81 = t79 * t79;
+        const zhao2000_links_real t82 = 1.0f / t81;
+        const zhao2000_links_real t83 = t80 * t82;
+        const zhao2000_links_real t84 = t79 * t20;
+        const zhao2000_links_real t85 = t84 * t82;
+        const zhao2000_links_real t86 = t85 * t85;
+        const zhao2000_links_real t87 = t83 * t83;
+        const zhao2000_links_real t88 = t86 + t87;
+        const zhao2000_links_real t89 = 1.0f / t88;
+        const zhao2000_links_real t90 = t83 * t89;
+        const zhao2000_links_real t91 = -0.025761534f * r2;
+        const zhao2000_links_real t92 = 0.012355968f * t45;
+        const zhao2000_links_real t93 = -0.0025168476f * t31;
+        const zhao2000_links_real t94 = -0.02846036f * t27;
+        const zhao2000_links_real t95 = t93 + t94;
+        const zhao2000_links_real t96 = t37 * t95;
+        const zhao2000_links_real t97 = t92 + t96;
+        const zhao2000_links_real t98 = t91 - t97;
+        const zhao2000_links_real t99 = t98 * t53;
+        const zhao2000_links_real t100 = t54 * t53;
+        const zhao2000_links_real t101 = -0.051523067f * t33;
+        const zhao2000_links_real t102 = 0.024711937f * t37;
+        const zhao2000_links_real t103 = t101 + t102;
+        const zhao2000_links_real t104 = t100 * t103;
+        const zhao2000_links_real t105 = t99 - t104;
+        const zhao2000_links_real t106 = 30.272121f * t105;
+        const zhao2000_links_real t107 = -0.025761534f * t45;
+        const zhao2000_links_real t108 = t33 * t95;
+        const zhao2000_links_real t109 = t107 + t108;
+        const zhao2000_links_real t110 = 0.012355968f * r2;
+        const zhao2000_links_real t111 = t109 + t110;
+        const zhao2000_links_real t112 = t111 * t53;
+        const zhao2000_links_real t113 = t59 * t53;
+        const zhao2000_links_real t114 = t113 * t103;
+        const zhao2000_links_real t115 = t112 - t114;
+        const zhao2000_links_real t116 = -63.115757f * t115;
+        const zhao2000_links_real t117 = t106 - t116;
+        const zhao2000_links_real t118 = t117 + 1.0f;
+        const zhao2000_links_real t119 = -6.1662765f * t118;
+        const zhao2000_links_real t120 = -63.115757f * t105;
+        const zhao2000_links_real t121 = -30.272121f * t115;
+        const zhao2000_links_real t122 = t120 - t121;
+        const zhao2000_links_real t123 = 69.727875f * t122;
+        const zhao2000_links_real t124 = t119 - t123;
+        const zhao2000_links_real t125 = 0.0012584238f * t124;
+        const zhao2000_links_real t126 = -6.1662765f * t122;
+        const zhao2000_links_real t127 = -69.727875f * t118;
+        const zhao2000_links_real t128 = t126 - t127;
+        const zhao2000_links_real t129 = -0.01423018f * t128;
+        const zhao2000_links_real t130 = t125 + t129;
+        const zhao2000_links_real t131 = t130 - t116;
+        const zhao2000_links_real t132 = t131 + t106;
+        const zhao2000_links_real t133 = t20 * t132;
+        const zhao2000_links_real t134 = t133 * t82;
+        const zhao2000_links_real t135 = t85 * t82;
+        const zhao2000_links_real t136 = t79 * t132;
+        const zhao2000_links_real t137 = t136 + t136;
+        const zhao2000_links_real t138 = t135 * t137;
+        const zhao2000_links_real t139 = t134 - t138;
+        const zhao2000_links_real t140 = t90 * t139;
+        const zhao2000_links_real t141 = t85 * t89;
+        const zhao2000_links_real t142 = t12 * t132;
+        const zhao2000_links_real t143 = t142 * t82;
+        const zhao2000_links_real t144 = t83 * t82;
+        const zhao2000_links_real t145 = t144 * t137;
+        const zhao2000_links_real t146 = t143 - t145;
+        const zhao2000_links_real t147 = t141 * t146;
+        const zhao2000_links_real t148 = t140 - t147;
+        const zhao2000_links_real t149 = 1.0f / r1;
+        const zhao2000_links_real t150 = t12 * t149;
+        const zhao2000_links_real t151 = t148 * t150;
+        const zhao2000_links_real t152 = t33 * t53;
+        const zhao2000_links_real t153 = 30.272121f * t152;
+        const zhao2000_links_real t154 = t37 * t53;
+        const zhao2000_links_real t155 = -63.115757f * t154;
+        const zhao2000_links_real t156 = t153 - t155;
+        const zhao2000_links_real t157 = -6.1662765f * t156;
+        const zhao2000_links_real t158 = -63.115757f * t152;
+        const zhao2000_links_real t159 = -30.272121f * t154;
+        const zhao2000_links_real t160 = t158 - t159;
+        const zhao2000_links_real t161 = 69.727875f * t160;
+        const zhao2000_links_real t162 = t157 - t161;
+        const zhao2000_links_real t163 = 0.0012584238f * t162;
+        const zhao2000_links_real t164 = -6.1662765f * t160;
+        const zhao2000_links_real t165 = -69.727875f * t156;
+        const zhao2000_links_real t166 = t164 - t165;
+        const zhao2000_links_real t167 = -0.01423018f * t166;
+        const zhao2000_links_real t168 = t163 + t167;
+        const zhao2000_links_real t169 = t168 - t155;
+        const zhao2000_links_real t170 = t169 + t153;
+        const zhao2000_links_real t171 = t20 * t170;
+        const zhao2000_links_real t172 = t171 * t82;
+        const zhao2000_links_real t173 = t79 * t170;
+        const zhao2000_links_real t174 = t173 + t173;
+        const zhao2000_links_real t175 = t135 * t174;
+        const zhao2000_links_real t176 = t172 - t175;
+        const zhao2000_links_real t177 = t90 * t176;
+        const zhao2000_links_real t178 = t12 * t170;
+        const zhao2000_links_real t179 = t178 * t82;
+        const zhao2000_links_real t180 = t144 * t174;
+        const zhao2000_links_real t181 = t179 - t180;
+        const zhao2000_links_real t182 = t141 * t181;
+        const zhao2000_links_real t183 = t177 - t182;
+        const zhao2000_links_real t184 = t45 + t45;
+        const zhao2000_links_real t185 = t184 * t95;
+        const zhao2000_links_real t186 = t103 - t185;
+        const zhao2000_links_real t187 = t186 * t150;
+        const zhao2000_links_real t188 = r2 + r2;
+        const zhao2000_links_real t189 = 1.0f / t188;
+        const zhao2000_links_real t190 = t187 * t189;
+        const zhao2000_links_real t191 = t183 * t190;
+        const zhao2000_links_real t192 = t151 + t191;
+        const zhao2000_links_real t193 = t141 * t82;
+        const zhao2000_links_real t194 = t79 * t193;
+        const zhao2000_links_real t195 = t192 - t194;
+        const zhao2000_links_real t196 = t90 * t82;
+        const zhao2000_links_real t197 = t79 * t196;
+        const zhao2000_links_real t198 = t20 * t149;
+        const zhao2000_links_real t199 = t148 * t198;
+        const zhao2000_links_real t200 = t186 * t198;
+        const zhao2000_links_real t201 = t200 * t189;
+        const zhao2000_links_real t202 = t183 * t201;
+        const zhao2000_links_real t203 = t199 + t202;
+        const zhao2000_links_real t204 = t197 + t203;
+        const zhao2000_links_real t205 = t144 * t141;
+        const zhao2000_links_real t206 = t135 * t90;
+        const zhao2000_links_real t207 = t205 - t206;
+        const zhao2000_links_real t208 = t79 * t207;
+        const zhao2000_links_real t209 = t12 * t193;
+        const zhao2000_links_real t210 = t208 - t209;
+        const zhao2000_links_real t211 = 69.727875f * t210;
+        const zhao2000_links_real t212 = t20 * t196;
+        const zhao2000_links_real t213 = t208 + t212;
+        const zhao2000_links_real t214 = 69.727875f * t213;
+        const zhao2000_links_real t215 = t211 + t214;
+        const zhao2000_links_real t216 = 0.0012584238f * t215;
+        const zhao2000_links_real t217 = -6.1662765f * t210;
+        const zhao2000_links_real t218 = -6.1662765f * t213;
+        const zhao2000_links_real t219 = t217 + t218;
+        const zhao2000_links_real t220 = -0.01423018f * t219;
+        const zhao2000_links_real t221 = t216 - t220;
+        const zhao2000_links_real t222 = t31 + t31;
+        const zhao2000_links_real t223 = -63.115757f * t210;
+        const zhao2000_links_real t224 = -63.115757f * t213;
+        const zhao2000_links_real t225 = t223 + t224;
+        const zhao2000_links_real t226 = -30.272121f * t221;
+        const zhao2000_links_real t227 = t225 + t226;
+        const zhao2000_links_real t228 = 0.0012584238f * t219;
+        const zhao2000_links_real t229 = 0.01423018f * t215;
+        const zhao2000_links_real t230 = t228 - t229;
+        const zhao2000_links_real t231 = -63.115757f * t230;
+        const zhao2000_links_real t232 = t227 + t231;
+        const zhao2000_links_real t233 = t232 * t53;
+        const zhao2000_links_real t234 = t33 * t233;
+        const zhao2000_links_real t235 = 30.272121f * t210;
+        const zhao2000_links_real t236 = 30.272121f * t213;
+        const zhao2000_links_real t237 = t235 + t236;
+        const zhao2000_links_real t238 = -63.115757f * t221;
+        const zhao2000_links_real t239 = t237 + t238;
+        const zhao2000_links_real t240 = 30.272121f * t230;
+        const zhao2000_links_real t241 = t239 + t240;
+        const zhao2000_links_real t242 = t241 * t53;
+        const zhao2000_links_real t243 = t37 * t242;
+        const zhao2000_links_real t244 = t234 + t243;
+        const zhao2000_links_real t245 = t222 * t244;
+        const zhao2000_links_real t246 = t37 + t37;
+        const zhao2000_links_real t247 = t113 * t232;
+        const zhao2000_links_real t248 = t100 * t241;
+        const zhao2000_links_real t249 = t247 - t248;
+        const zhao2000_links_real t250 = t246 * t249;
+        const zhao2000_links_real t251 = r2 * t233;
+        const zhao2000_links_real t252 = t250 - t251;
+        const zhao2000_links_real t253 = t45 * t242;
+        const zhao2000_links_real t254 = t252 - t253;
+        const zhao2000_links_real t255 = -1.7201067f * t254;
+        const zhao2000_links_real t256 = t245 + t255;
+        const zhao2000_links_real t257 = t33 + t33;
+        const zhao2000_links_real t258 = t257 * t249;
+        const zhao2000_links_real t259 = t45 * t233;
+        const zhao2000_links_real t260 = t258 - t259;
+        const zhao2000_links_real t261 = r2 * t242;
+        const zhao2000_links_real t262 = t260 + t261;
+        const zhao2000_links_real t263 = -1.0204082f * t262;
+        const zhao2000_links_real t264 = t256 + t263;
+        const zhao2000_links_real t265 = -0.01423018f * t264;
+        const zhao2000_links_real t266 = t221 - t265;
+        const zhao2000_links_real t267 = -1.0204082f * t254;
+        const zhao2000_links_real t268 = t27 + t27;
+        const zhao2000_links_real t269 = t268 * t244;
+        const zhao2000_links_real t270 = t267 - t269;
+        const zhao2000_links_real t271 = 1.7201067f * t262;
+        const zhao2000_links_real t272 = t270 + t271;
+        const zhao2000_links_real t273 = 0.0012584238f * t272;
+        const zhao2000_links_real t274 = t266 + t273;
+        const zhao2000_links_real t275 = -0.024711937f * t33;
+        const zhao2000_links_real t276 = -0.051523067f * t37;
+        const zhao2000_links_real t277 = t275 + t276;
+        const zhao2000_links_real t278 = -0.02846036f * t31;
+        const zhao2000_links_real t279 = 0.0025168476f * t27;
+        const zhao2000_links_real t280 = t278 + t279;
+        const zhao2000_links_real t281 = t184 * t280;
+        const zhao2000_links_real t282 = t277 - t281;
+        const zhao2000_links_real t283 = t282 * t189;
+        const zhao2000_links_real t284 = t183 * t283;
+        const zhao2000_links_real t285 = t274 + t284;
+        const zhao2000_links_real t286 = t197 + t197;
+        const zhao2000_links_real t287 = t1 * t286;
+        const zhao2000_links_real t288 = -t194;
+        const zhao2000_links_real t289 = t288 + t288;
+        const zhao2000_links_real t290 = t2 * t289;
+        const zhao2000_links_real t291 = t287 - t290;
+        const zhao2000_links_real t292 = 60.0f * t291;
+        const zhao2000_links_real t293 = t5 * t289;
+        const zhao2000_links_real t294 = t3 * t286;
+        const zhao2000_links_real t295 = t293 + t294;
+        const zhao2000_links_real t296 = t1 * t289;
+        const zhao2000_links_real t297 = t2 * t286;
+        const zhao2000_links_real t298 = t296 + t297;
+        const zhao2000_links_real t299 = 34.641018f * t298;
+        const zhao2000_links_real t300 = t295 + t299;
+        const zhao2000_links_real t301 = t292 - t300;
+        const zhao2000_links_real t302 = t1 * t301;
+        const zhao2000_links_real t303 = t5 * t286;
+        const zhao2000_links_real t304 = t3 * t289;
+        const zhao2000_links_real t305 = t303 - t304;
+        const zhao2000_links_real t306 = t2 * t305;
+        const zhao2000_links_real t307 = t302 - t306;
+        const zhao2000_links_real t308 = 0.5f * t307;
+        const zhao2000_links_real t309 = 4.0f * t20;
+        const zhao2000_links_real t310 = t1 * t309;
+        const zhao2000_links_real t311 = 4.0f * t12;
+        const zhao2000_links_real t312 = t2 * t311;
+        const zhao2000_links_real t313 = t310 - t312;
+        const zhao2000_links_real t314 = 60.0f * t313;
+        const zhao2000_links_real t315 = t3 * t309;
+        const zhao2000_links_real t316 = t5 * t311;
+        const zhao2000_links_real t317 = t315 + t316;
+        const zhao2000_links_real t318 = t314 - t317;
+        const zhao2000_links_real t319 = t2 * t309;
+        const zhao2000_links_real t320 = t1 * t311;
+        const zhao2000_links_real t321 = t319 + t320;
+        const zhao2000_links_real t322 = 34.641018f * t321;
+        const zhao2000_links_real t323 = t318 - t322;
+        const zhao2000_links_real t324 = t1 * t323;
+        const zhao2000_links_real t325 = t5 * t309;
+        const zhao2000_links_real t326 = t3 * t311;
+        const zhao2000_links_real t327 = t325 - t326;
+        const zhao2000_links_real t328 = t2 * t327;
+        const zhao2000_links_real t329 = t324 - t328;
+        const zhao2000_links_real t330 = 0.5f * t329;
+        const zhao2000_links_real t331 = r1 + r1;
+        const zhao2000_links_real t332 = t330 / t331;
+        const zhao2000_links_real t333 = t148 * t332;
+        const zhao2000_links_real t334 = t186 * t332;
+        const zhao2000_links_real t335 = t334 * t189;
+        const zhao2000_links_real t336 = t183 * t335;
+        const zhao2000_links_real t337 = t333 + t336;
+        const zhao2000_links_real t338 = t308 + t337;
+        rates[0] = t195;
+        rates[1] = t204;
+        rates[2] = t285;
+        rates[3] = t338;
         status = ZHAO2000_LINKS_OK;
     } else {
-        x[0] = 0.0f;
-        x[1] = 0.0f;
-        x[2] = 0.0f;
-        x[3] = 0.0f;
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+        rates[3] = 0.0f;
     }
     return status;
 }
 
-/* Work space of zhao2000_links_limb2_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta2, hip2, elbow2, wrist2
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_links_real x[4]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_links_real x0[4];
-    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
-    zhao2000_links_real k[7]; /* known values aimed at */
-    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    zhao2000_links_real spread;
-    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_links_limb2_work;
-
-/* The matrix into w->a, row by row. */
-static void zhao2000_links_limb2_matrix(zhao2000_links_limb2_work *w)
-{
-    const zhao2000_links_real t0 = cosf(w->x[1]);
-    const zhao2000_links_real t1 = cosf(w->x[2]);
-    const zhao2000_links_real t2 = -54.659847f * t1;
-    const zhao2000_links_real t3 = sinf(w->x[2]);
-    const zhao2000_links_real t4 = 26.216427f * t3;
-    const zhao2000_links_real t5 = t2 + t4;
-    const zhao2000_links_real t6 = t5 - 5.340152f;
-    const zhao2000_links_real t7 = t0 * t6;
-    const zhao2000_links_real t8 = sinf(w->x[1]);
-    const zhao2000_links_real t9 = 30.272121f * t1;
-    const zhao2000_links_real t10 = 63.115757f * t3;
-    const zhao2000_links_real t11 = t9 + t10;
-    const zhao2000_links_real t12 = t11 + 69.727875f;
-    const zhao2000_links_real t13 = 0.8660254f * t12;
-    const zhao2000_links_real t14 = t8 * t13;
-    const zhao2000_links_real t15 = t7 + t14;
-    const zhao2000_links_real t16 = 1.0f - t0;
-    const zhao2000_links_real t17 = -0.5f * t6;
-    const zhao2000_links_real t18 = -31.557878f * t1;
-    const zhao2000_links_real t19 = 15.136061f * t3;
-    const zhao2000_links_real t20 = t18 + t19;
-    const zhao2000_links_real t21 = t20 - 3.0831382f;
-    const zhao2000_links_real t22 = 0.8660254f * t21;
-    const zhao2000_links_real t23 = t17 + t22;
-    const zhao2000_links_real t24 = t16 * t23;
-    const zhao2000_links_real t25 = -0.5f * t24;
-    const zhao2000_links_real t26 = t15 + t25;
-    const zhao2000_links_real t27 = w->x[0] - 3.6651914f;
-    const zhao2000_links_real t28 = sinf(t27);
-    const zhao2000_links_real t29 = t26 * t28;
-    const zhao2000_links_real t30 = t0 * t21;
-    const zhao2000_links_real t31 = -0.5f * t12;
-    const zhao2000_links_real t32 = t8 * t31;
-    const zhao2000_links_real t33 = t30 - t32;
-    const zhao2000_links_real t34 = 0.8660254f * t24;
-    const zhao2000_links_real t35 = t33 + t34;
-    const zhao2000_links_real t36 = cosf(t27);
-    const zhao2000_links_real t37 = t35 * t36;
-    const zhao2000_links_real t38 = t29 + t37;
-    const zhao2000_links_real t39 = 0.0040846374f * t38;
-    w->a[0] = t39;
-    const zhao2000_links_real t41 = t13 * t0;
-    const zhao2000_links_real t42 = t6 * t8;
-    const zhao2000_links_real t43 = t41 - t42;
-    const zhao2000_links_real t44 = t23 * t8;
-    const zhao2000_links_real t45 = -0.5f * t44;
-    const zhao2000_links_real t46 = t43 + t45;
-    const zhao2000_links_real t47 = t36 * t46;
-    const zhao2000_links_real t48 = 0.8660254f * t44;
-    const zhao2000_links_real t49 = t21 * t8;
-    const zhao2000_links_real t50 = t31 * t0;
-    const zhao2000_links_real t51 = t49 + t50;
-    const zhao2000_links_real t52 = t48 - t51;
-    const zhao2000_links_real t53 = t28 * t52;
-    const zhao2000_links_real t54 = t47 - t53;
-    const zhao2000_links_real t55 = 0.0040846374f * t54;
-    const zhao2000_links_real t56 = -t55;
-    w->a[1] = t56;
-    const zhao2000_links_real t58 = 26.216427f * t1;
-    const zhao2000_links_real t59 = -54.659847f * t3;
-    const zhao2000_links_real t60 = t58 - t59;
-    const zhao2000_links_real t61 = t0 * t60;
-    const zhao2000_links_real t62 = 63.115757f * t1;
-    const zhao2000_links_real t63 = 30.272121f * t3;
-    const zhao2000_links_real t64 = t62 - t63;
-    const zhao2000_links_real t65 = 0.8660254f * t64;
-    const zhao2000_links_real t66 = t8 * t65;
-    const zhao2000_links_real t67 = t61 + t66;
-    const zhao2000_links_real t68 = -0.5f * t60;
-    const zhao2000_links_real t69 = 15.136061f * t1;
-    const zhao2000_links_real t70 = -31.557878f * t3;
-    const zhao2000_links_real t71 = t69 - t70;
-    const zhao2000_links_real t72 = 0.8660254f * t71;
-    const zhao2000_links_real t73 = t68 + t72;
-    const zhao2000_links_real t74 = t16 * t73;
-    const zhao2000_links_real t75 = -0.5f * t74;
-    const zhao2000_links_real t76 = t67 + t75;
-    const zhao2000_links_real t77 = t36 * t76;
-    const zhao2000_links_real t78 = t0 * t71;
-    const zhao2000_links_real t79 = -0.5f * t64;
-    const zhao2000_links_real t80 = t8 * t79;
-    const zhao2000_links_real t81 = t78 - t80;
-    const zhao2000_links_real t82 = 0.8660254f * t74;
-    const zhao2000_links_real t83 = t81 + t82;
-    const zhao2000_links_real t84 = t28 * t83;
-    const zhao2000_links_real t85 = t77 - t84;
-    const zhao2000_links_real t86 = 0.0040846374f * t85;
-    const zhao2000_links_real t87 = -t86;
-    w->a[2] = t87;
-    w->a[3] = 0.0f;
-    const zhao2000_links_real t90 = t26 * t36;
-    const zhao2000_links_real t91 = t35 * t28;
-    const zhao2000_links_real t92 = t90 - t91;
-    const zhao2000_links_real t93 = 0.0040846374f * t92;
-    const zhao2000_links_real t94 = -t93;
-    w->a[4] = t94;
-    const zhao2000_links_real t96 = t36 * t52;
-    const zhao2000_links_real t97 = t28 * t46;
-    const zhao2000_links_real t98 = t96 + t97;
-    const zhao2000_links_real t99 = 0.0040846374f * t98;
-    const zhao2000_links_real t100 = -t99;
-    w->a[5] = t100;
-    const zhao2000_links_real t102 = t36 * t83;
-    const zhao2000_links_real t103 = t28 * t76;
-    const zhao2000_links_real t104 = t102 + t103;
-    const zhao2000_links_real t105 = 0.0040846374f * t104;
-    const zhao2000_links_real t106 = -t105;
-    w->a[6] = t106;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    const zhao2000_links_real t110 = -0.5f * t21;
-    const zhao2000_links_real t111 = 0.8660254f * t6;
-    const zhao2000_links_real t112 = t110 - t111;
-    const zhao2000_links_real t113 = t112 * t0;
-    const zhao2000_links_real t114 = t12 * t8;
-    const zhao2000_links_real t115 = t113 - t114;
-    const zhao2000_links_real t116 = t36 * t115;
-    const zhao2000_links_real t117 = 1.0f - t36;
-    const zhao2000_links_real t118 = t117 * t115;
-    const zhao2000_links_real t119 = t116 + t118;
-    const zhao2000_links_real t120 = 0.0040846374f * t119;
-    const zhao2000_links_real t121 = -t120;
-    w->a[9] = t121;
-    const zhao2000_links_real t123 = t0 * t64;
-    const zhao2000_links_real t124 = -0.5f * t71;
-    const zhao2000_links_real t125 = 0.8660254f * t60;
-    const zhao2000_links_real t126 = t124 - t125;
-    const zhao2000_links_real t127 = t8 * t126;
-    const zhao2000_links_real t128 = t123 + t127;
-    const zhao2000_links_real t129 = t36 * t128;
-    const zhao2000_links_real t130 = t117 * t128;
-    const zhao2000_links_real t131 = t129 + t130;
-    const zhao2000_links_real t132 = 0.0040846374f * t131;
-    const zhao2000_links_real t133 = -t132;
-    w->a[10] = t133;
-    w->a[11] = 0.0f;
-    const zhao2000_links_real t136 = 0.5f * w->x[3];
-    const zhao2000_links_real t137 = cosf(t136);
-    const zhao2000_links_real t138 = 0.5f * w->x[2];
-    const zhao2000_links_real t139 = sinf(t138);
-    const zhao2000_links_real t140 = -0.5f * t139;
-    const zhao2000_links_real t141 = 0.5f * w->x[1];
-    const zhao2000_links_real t142 = sinf(t141);
-    const zhao2000_links_real t143 = -0.5f * t142;
-    const zhao2000_links_real t144 = 0.5f * t27;
-    const zhao2000_links_real t145 = sinf(t144);
-    const zhao2000_links_real t146 = 0.5f * t145;
-    const zhao2000_links_real t147 = t143 * t146;
-    const zhao2000_links_real t148 = 0.8660254f * t142;
-    const zhao2000_links_real t149 = cosf(t144);
-    const zhao2000_links_real t150 = 0.5f * t149;
-    const zhao2000_links_real t151 = t148 * t150;
-    const zhao2000_links_real t152 = t147 + t151;
-    const zhao2000_links_real t153 = t140 * t152;
-    const zhao2000_links_real t154 = cosf(t138);
-    const zhao2000_links_real t155 = cosf(t141);
-    const zhao2000_links_real t156 = t155 * t146;
-    const zhao2000_links_real t157 = t154 * t156;
-    const zhao2000_links_real t158 = t153 - t157;
-    const zhao2000_links_real t159 = 0.8660254f * t139;
-    const zhao2000_links_real t160 = t143 * t150;
-    const zhao2000_links_real t161 = t148 * t146;
-    const zhao2000_links_real t162 = t160 - t161;
-    const zhao2000_links_real t163 = t159 * t162;
-    const zhao2000_links_real t164 = t158 - t163;
-    const zhao2000_links_real t165 = t137 * t164;
-    const zhao2000_links_real t166 = sinf(t136);
-    const zhao2000_links_real t167 = -0.5f * t166;
-    const zhao2000_links_real t168 = t140 * t156;
-    const zhao2000_links_real t169 = t154 * t152;
-    const zhao2000_links_real t170 = t168 + t169;
-    const zhao2000_links_real t171 = t155 * t150;
-    const zhao2000_links_real t172 = t159 * t171;
-    const zhao2000_links_real t173 = t170 + t172;
-    const zhao2000_links_real t174 = t167 * t173;
-    const zhao2000_links_real t175 = t165 + t174;
-    const zhao2000_links_real t176 = 0.8660254f * t166;
-    const zhao2000_links_real t177 = t154 * t162;
-    const zhao2000_links_real t178 = t159 * t156;
-    const zhao2000_links_real t179 = t177 - t178;
-    const zhao2000_links_real t180 = t140 * t171;
-    const zhao2000_links_real t181 = t179 + t180;
-    const zhao2000_links_real t182 = t176 * t181;
-    const zhao2000_links_real t183 = t175 - t182;
-    const zhao2000_links_real t184 = w->k[5] * t183;
-    const zhao2000_links_real t185 = t167 * t164;
-    const zhao2000_links_real t186 = t137 * t173;
-    const zhao2000_links_real t187 = t185 - t186;
-    const zhao2000_links_real t188 = t154 * t171;
-    const zhao2000_links_real t189 = t159 * t152;
-    const zhao2000_links_real t190 = t140 * t162;
-    const zhao2000_links_real t191 = t189 + t190;
-    const zhao2000_links_real t192 = t188 - t191;
-    const zhao2000_links_real t193 = t176 * t192;
-    const zhao2000_links_real t194 = t187 - t193;
-    const zhao2000_links_real t195 = w->k[6] * t194;
-    const zhao2000_links_real t196 = t184 + t195;
-    const zhao2000_links_real t197 = t176 * t164;
-    const zhao2000_links_real t198 = t137 * t181;
-    const zhao2000_links_real t199 = t197 + t198;
-    const zhao2000_links_real t200 = t167 * t192;
-    const zhao2000_links_real t201 = t199 + t200;
-    const zhao2000_links_real t202 = w->k[3] * t201;
-    const zhao2000_links_real t203 = t196 - t202;
-    const zhao2000_links_real t204 = t137 * t192;
-    const zhao2000_links_real t205 = t176 * t173;
-    const zhao2000_links_real t206 = t167 * t181;
-    const zhao2000_links_real t207 = t205 + t206;
-    const zhao2000_links_real t208 = t204 - t207;
-    const zhao2000_links_real t209 = w->k[4] * t208;
-    const zhao2000_links_real t210 = t203 - t209;
-    const zhao2000_links_real t211 = t210 + t210;
-    const zhao2000_links_real t212 = -t211;
-    w->a[12] = t212;
-    const zhao2000_links_real t214 = -0.25f * t155;
-    const zhao2000_links_real t215 = t149 * t214;
-    const zhao2000_links_real t216 = 0.4330127f * t155;
-    const zhao2000_links_real t217 = t145 * t216;
-    const zhao2000_links_real t218 = t215 - t217;
-    const zhao2000_links_real t219 = t154 * t218;
-    const zhao2000_links_real t220 = 0.5f * t142;
-    const zhao2000_links_real t221 = t149 * t220;
-    const zhao2000_links_real t222 = t140 * t221;
-    const zhao2000_links_real t223 = t219 - t222;
-    const zhao2000_links_real t224 = t145 * t220;
-    const zhao2000_links_real t225 = t159 * t224;
-    const zhao2000_links_real t226 = t223 + t225;
-    const zhao2000_links_real t227 = t137 * t226;
-    const zhao2000_links_real t228 = t154 * t221;
-    const zhao2000_links_real t229 = t140 * t218;
-    const zhao2000_links_real t230 = t228 + t229;
-    const zhao2000_links_real t231 = t149 * t216;
-    const zhao2000_links_real t232 = t145 * t214;
-    const zhao2000_links_real t233 = t231 + t232;
-    const zhao2000_links_real t234 = t159 * t233;
-    const zhao2000_links_real t235 = t230 + t234;
-    const zhao2000_links_real t236 = t167 * t235;
-    const zhao2000_links_real t237 = t227 - t236;
-    const zhao2000_links_real t238 = t159 * t218;
-    const zhao2000_links_real t239 = t140 * t233;
-    const zhao2000_links_real t240 = t238 - t239;
-    const zhao2000_links_real t241 = t154 * t224;
-    const zhao2000_links_real t242 = t240 - t241;
-    const zhao2000_links_real t243 = t176 * t242;
-    const zhao2000_links_real t244 = t237 - t243;
-    const zhao2000_links_real t245 = w->k[6] * t244;
-    const zhao2000_links_real t246 = t137 * t235;
-    const zhao2000_links_real t247 = t167 * t226;
-    const zhao2000_links_real t248 = t246 + t247;
-    const zhao2000_links_real t249 = t154 * t233;
-    const zhao2000_links_real t250 = t159 * t221;
-    const zhao2000_links_real t251 = t249 - t250;
-    const zhao2000_links_real t252 = t140 * t224;
-    const zhao2000_links_real t253 = t251 - t252;
-    const zhao2000_links_real t254 = t176 * t253;
-    const zhao2000_links_real t255 = t248 + t254;
-    const zhao2000_links_real t256 = w->k[5] * t255;
-    const zhao2000_links_real t257 = t245 - t256;
-    const zhao2000_links_real t258 = t137 * t253;
-    const zhao2000_links_real t259 = t176 * t235;
-    const zhao2000_links_real t260 = t258 - t259;
-    const zhao2000_links_real t261 = t167 * t242;
-    const zhao2000_links_real t262 = t260 + t261;
-    const zhao2000_links_real t263 = w->k[3] * t262;
-    const zhao2000_links_real t264 = t257 - t263;
-    const zhao2000_links_real t265 = t176 * t226;
-    const zhao2000_links_real t266 = t167 * t253;
-    const zhao2000_links_real t267 = t265 - t266;
-    const zhao2000_links_real t268 = t137 * t242;
-    const zhao2000_links_real t269 = t267 + t268;
-    const zhao2000_links_real t270 = w->k[4] * t269;
-    const zhao2000_links_real t271 = t264 - t270;
-    const zhao2000_links_real t272 = t271 + t271;
-    const zhao2000_links_real t273 = -t272;
-    w->a[13] = t273;
-    const zhao2000_links_real t275 = t149 * t155;
-    const zhao2000_links_real t276 = -0.25f * t154;
-    const zhao2000_links_real t277 = t275 * t276;
-    const zhao2000_links_real t278 = t149 * t143;
-    const zhao2000_links_real t279 = t145 * t148;
-    const zhao2000_links_real t280 = t278 - t279;
-    const zhao2000_links_real t281 = 0.5f * t139;
-    const zhao2000_links_real t282 = t280 * t281;
-    const zhao2000_links_real t283 = t277 - t282;
-    const zhao2000_links_real t284 = t145 * t155;
-    const zhao2000_links_real t285 = 0.4330127f * t154;
-    const zhao2000_links_real t286 = t284 * t285;
-    const zhao2000_links_real t287 = t283 - t286;
-    const zhao2000_links_real t288 = t137 * t287;
-    const zhao2000_links_real t289 = t275 * t281;
-    const zhao2000_links_real t290 = t280 * t276;
-    const zhao2000_links_real t291 = t289 + t290;
-    const zhao2000_links_real t292 = t149 * t148;
-    const zhao2000_links_real t293 = t145 * t143;
-    const zhao2000_links_real t294 = t292 + t293;
-    const zhao2000_links_real t295 = t294 * t285;
-    const zhao2000_links_real t296 = t291 + t295;
-    const zhao2000_links_real t297 = t167 * t296;
-    const zhao2000_links_real t298 = t288 - t297;
-    const zhao2000_links_real t299 = t280 * t285;
-    const zhao2000_links_real t300 = t294 * t276;
-    const zhao2000_links_real t301 = t299 - t300;
-    const zhao2000_links_real t302 = t284 * t281;
-    const zhao2000_links_real t303 = t301 - t302;
-    const zhao2000_links_real t304 = t176 * t303;
-    const zhao2000_links_real t305 = t298 - t304;
-    const zhao2000_links_real t306 = w->k[6] * t305;
-    const zhao2000_links_real t307 = t137 * t296;
-    const zhao2000_links_real t308 = t167 * t287;
-    const zhao2000_links_real t309 = t307 + t308;
-    const zhao2000_links_real t310 = t275 * t285;
-    const zhao2000_links_real t311 = t294 * t281;
-    const zhao2000_links_real t312 = t310 - t311;
-    const zhao2000_links_real t313 = t284 * t276;
-    const zhao2000_links_real t314 = t312 + t313;
-    const zhao2000_links_real t315 = t176 * t314;
-    const zhao2000_links_real t316 = t309 + t315;
-    const zhao2000_links_real t317 = w->k[5] * t316;
-    const zhao2000_links_real t318 = t306 - t317;
-    const zhao2000_links_real t319 = t137 * t314;
-    const zhao2000_links_real t320 = t176 * t296;
-    const zhao2000_links_real t321 = t319 - t320;
-    const zhao2000_links_real t322 = t167 * t303;
-    const zhao2000_links_real t323 = t321 + t322;
-    const zhao2000_links_real t324 = w->k[3] * t323;
-    const zhao2000_links_real t325 = t318 - t324;
-    const zhao2000_links_real t326 = t176 * t287;
-    const zhao2000_links_real t327 = t167 * t314;
-    const zhao2000_links_real t328 = t326 - t327;
-    const zhao2000_links_real t329 = t137 * t303;
-    const zhao2000_links_real t330 = t328 + t329;
-    const zhao2000_links_real t331 = w->k[4] * t330;
-    const zhao2000_links_real t332 = t325 - t331;
-    const zhao2000_links_real t333 = t332 + t332;
-    const zhao2000_links_real t334 = -t333;
-    w->a[14] = t334;
-    const zhao2000_links_real t336 = t275 * t154;
-    const zhao2000_links_real t337 = t280 * t140;
-    const zhao2000_links_real t338 = t336 - t337;
-    const zhao2000_links_real t339 = t294 * t159;
-    const zhao2000_links_real t340 = t338 - t339;
-    const zhao2000_links_real t341 = -0.25f * t137;
-    const zhao2000_links_real t342 = t340 * t341;
-    const zhao2000_links_real t343 = t275 * t140;
-    const zhao2000_links_real t344 = t280 * t154;
-    const zhao2000_links_real t345 = t343 + t344;
-    const zhao2000_links_real t346 = t284 * t159;
-    const zhao2000_links_real t347 = t345 - t346;
-    const zhao2000_links_real t348 = 0.5f * t166;
-    const zhao2000_links_real t349 = t347 * t348;
-    const zhao2000_links_real t350 = t342 - t349;
-    const zhao2000_links_real t351 = t280 * t159;
-    const zhao2000_links_real t352 = t294 * t140;
-    const zhao2000_links_real t353 = t351 - t352;
-    const zhao2000_links_real t354 = t284 * t154;
-    const zhao2000_links_real t355 = t353 + t354;
-    const zhao2000_links_real t356 = 0.4330127f * t137;
-    const zhao2000_links_real t357 = t355 * t356;
-    const zhao2000_links_real t358 = t350 - t357;
-    const zhao2000_links_real t359 = w->k[6] * t358;
-    const zhao2000_links_real t360 = t340 * t348;
-    const zhao2000_links_real t361 = t347 * t341;
-    const zhao2000_links_real t362 = t360 + t361;
-    const zhao2000_links_real t363 = t275 * t159;
-    const zhao2000_links_real t364 = t294 * t154;
-    const zhao2000_links_real t365 = t363 + t364;
-    const zhao2000_links_real t366 = t284 * t140;
-    const zhao2000_links_real t367 = t365 + t366;
-    const zhao2000_links_real t368 = t367 * t356;
-    const zhao2000_links_real t369 = t362 + t368;
-    const zhao2000_links_real t370 = w->k[5] * t369;
-    const zhao2000_links_real t371 = t359 - t370;
-    const zhao2000_links_real t372 = t340 * t356;
-    const zhao2000_links_real t373 = t367 * t348;
-    const zhao2000_links_real t374 = t372 - t373;
-    const zhao2000_links_real t375 = t355 * t341;
-    const zhao2000_links_real t376 = t374 + t375;
-    const zhao2000_links_real t377 = w->k[3] * t376;
-    const zhao2000_links_real t378 = t371 - t377;
-    const zhao2000_links_real t379 = t347 * t356;
-    const zhao2000_links_real t380 = t367 * t341;
-    const zhao2000_links_real t381 = t379 - t380;
-    const zhao2000_links_real t382 = t355 * t348;
-    const zhao2000_links_real t383 = t381 - t382;
-    const zhao2000_links_real t384 = w->k[4] * t383;
-    const zhao2000_links_real t385 = t378 - t384;
-    const zhao2000_links_real t386 = t385 + t385;
-    const zhao2000_links_real t387 = -t386;
-    w->a[15] = t387;
-    const zhao2000_links_real t389 = w->k[4] * t183;
-    const zhao2000_links_real t390 = w->k[3] * t194;
-    const zhao2000_links_real t391 = t389 - t390;
-    const zhao2000_links_real t392 = w->k[6] * t201;
-    const zhao2000_links_real t393 = t391 - t392;
-    const zhao2000_links_real t394 = w->k[5] * t208;
-    const zhao2000_links_real t395 = t393 + t394;
-    const zhao2000_links_real t396 = t395 + t395;
-    w->a[16] = t396;
-    const zhao2000_links_real t398 = w->k[5] * t269;
-    const zhao2000_links_real t399 = w->k[4] * t255;
-    const zhao2000_links_real t400 = w->k[3] * t244;
-    const zhao2000_links_real t401 = t399 + t400;
-    const zhao2000_links_real t402 = w->k[6] * t262;
-    const zhao2000_links_real t403 = t401 + t402;
-    const zhao2000_links_real t404 = t398 - t403;
-    const zhao2000_links_real t405 = t404 + t404;
-    w->a[17] = t405;
-    const zhao2000_links_real t407 = w->k[5] * t330;
-    const zhao2000_links_real t408 = w->k[4] * t316;
-    const zhao2000_links_real t409 = w->k[3] * t305;
-    const zhao2000_links_real t410 = t408 + t409;
-    const zhao2000_links_real t411 = w->k[6] * t323;
-    const zhao2000_links_real t412 = t410 + t411;
-    const zhao2000_links_real t413 = t407 - t412;
-    const zhao2000_links_real t414 = t413 + t413;
-    w->a[18] = t414;
-    const zhao2000_links_real t416 = w->k[5] * t383;
-    const zhao2000_links_real t417 = w->k[4] * t369;
-    const zhao2000_links_real t418 = w->k[3] * t358;
-    const zhao2000_links_real t419 = t417 + t418;
-    const zhao2000_links_real t420 = w->k[6] * t376;
-    const zhao2000_links_real t421 = t419 + t420;
-    const zhao2000_links_real t422 = t416 - t421;
-    const zhao2000_links_real t423 = t422 + t422;
-    w->a[19] = t423;
-}
-
-/* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the
- * diagonal; 0 where its columns are dependent. */
-static int zhao2000_links_limb2_factor(zhao2000_links_limb2_work *w)
-{
-    zhao2000_links_limb2_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 4; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        zhao2000_links_real squared = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            squared += w->a[4 * i + c] * w->a[4 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(squared);
-        w->r[4 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 5; ++i) {
-            w->a[4 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 4; ++j) {
-            zhao2000_links_real r = 0.0f;
-            for (int i = 0; i < 5; ++i) {
-                r += w->a[4 * i + c] * w->a[4 * i + j];
-            }
-            w->r[4 * c + j] = r;
-            for (int i = 0; i < 5; ++i) {
-                w->a[4 * i + j] -= r * w->a[4 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 4 entries of w->f. */
-static void zhao2000_links_limb2_solve(zhao2000_links_limb2_work *w)
-{
-    zhao2000_links_real y[4];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 4; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            y[c] += w->a[4 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 5; ++i) {
-            w->f[i] -= y[c] * w->a[4 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 3; c >= 0; --c) {
-        for (int j = c + 1; j < 4; ++j) {
-            y[c] -= w->r[4 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[4 * c + c];
-    }
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides
- * of the joint rates. */
-static void zhao2000_links_limb2_twist_columns(const zhao2000_links_limb2_work *w,
-    zhao2000_links_real sides[30])
-{
-    const zhao2000_links_real t0 = 69.282036f * w->k[5];
-    const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
-    const zhao2000_links_real t2 = t0 * t1;
-    const zhao2000_links_real t3 = 34.641018f * w->k[6];
-    const zhao2000_links_real t4 = -t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = 0.0020423187f * w->k[4];
-    const zhao2000_links_real t7 = t5 * t6;
-    const zhao2000_links_real t8 = t2 - t7;
-    const zhao2000_links_real t9 = 34.641018f * w->k[4];
-    const zhao2000_links_real t10 = 60.0f * w->k[5];
-    const zhao2000_links_real t11 = t9 - t10;
-    const zhao2000_links_real t12 = -60.0f * w->k[5];
-    const zhao2000_links_real t13 = t11 + t12;
-    const zhao2000_links_real t14 = t13 + t13;
-    const zhao2000_links_real t15 = 0.0020423187f * w->k[6];
-    const zhao2000_links_real t16 = t14 * t15;
-    const zhao2000_links_real t17 = t8 - t16;
-    const zhao2000_links_real t18 = 120.0f * w->k[6];
-    const zhao2000_links_real t19 = 34.641018f * w->k[3];
-    const zhao2000_links_real t20 = t18 + t19;
-    const zhao2000_links_real t21 = -t20;
-    const zhao2000_links_real t22 = t21 + t21;
-    const zhao2000_links_real t23 = 0.0020423187f * w->k[5];
-    const zhao2000_links_real t24 = t22 * t23;
-    const zhao2000_links_real t25 = t17 + t24;
-    const zhao2000_links_real t26 = 244.81978f * t25;
-    const zhao2000_links_real t27 = -t26;
-    const zhao2000_links_real t28 = t0 * t15;
-    const zhao2000_links_real t29 = t5 * t23;
-    const zhao2000_links_real t30 = t28 - t29;
-    const zhao2000_links_real t31 = t14 * t1;
-    const zhao2000_links_real t32 = t30 + t31;
-    const zhao2000_links_real t33 = t22 * t6;
-    const zhao2000_links_real t34 = t32 - t33;
-    const zhao2000_links_real t35 = 244.81978f * t34;
-    const zhao2000_links_real t36 = -t35;
-    const zhao2000_links_real t37 = t14 * t6;
-    const zhao2000_links_real t38 = t5 * t15;
-    const zhao2000_links_real t39 = t0 * t23;
-    const zhao2000_links_real t40 = t38 + t39;
-    const zhao2000_links_real t41 = t37 - t40;
-    const zhao2000_links_real t42 = t22 * t1;
-    const zhao2000_links_real t43 = t41 + t42;
-    const zhao2000_links_real t44 = 244.81978f * t43;
-    const zhao2000_links_real t45 = -t44;
-    const zhao2000_links_real t46 = t11 + t9;
-    const zhao2000_links_real t47 = -t46;
-    const zhao2000_links_real t48 = t47 + t47;
-    const zhao2000_links_real t49 = t48 * t1;
-    const zhao2000_links_real t50 = t18 * t6;
-    const zhao2000_links_real t51 = t49 - t50;
-    const zhao2000_links_real t52 = -60.0f * w->k[4];
-    const zhao2000_links_real t53 = -t52;
-    const zhao2000_links_real t54 = t53 + t53;
-    const zhao2000_links_real t55 = t54 * t15;
-    const zhao2000_links_real t56 = t51 - t55;
-    const zhao2000_links_real t57 = 60.0f * w->k[3];
-    const zhao2000_links_real t58 = 69.282036f * w->k[6];
-    const zhao2000_links_real t59 = t57 - t58;
-    const zhao2000_links_real t60 = t59 + t59;
-    const zhao2000_links_real t61 = t60 * t23;
-    const zhao2000_links_real t62 = t56 + t61;
-    const zhao2000_links_real t63 = 244.81978f * t62;
-    const zhao2000_links_real t64 = -t63;
-    const zhao2000_links_real t65 = t48 * t15;
-    const zhao2000_links_real t66 = t18 * t23;
-    const zhao2000_links_real t67 = t65 - t66;
-    const zhao2000_links_real t68 = t54 * t1;
-    const zhao2000_links_real t69 = t67 + t68;
-    const zhao2000_links_real t70 = t60 * t6;
-    const zhao2000_links_real t71 = t69 - t70;
-    const zhao2000_links_real t72 = 244.81978f * t71;
-    const zhao2000_links_real t73 = -t72;
-    const zhao2000_links_real t74 = t54 * t6;
-    const zhao2000_links_real t75 = t18 * t15;
-    const zhao2000_links_real t76 = t48 * t23;
-    const zhao2000_links_real t77 = t75 + t76;
-    const zhao2000_links_real t78 = t74 - t77;
-    const zhao2000_links_real t79 = t60 * t1;
-    const zhao2000_links_real t80 = t78 + t79;
-    const zhao2000_links_real t81 = 244.81978f * t80;
-    const zhao2000_links_real t82 = -t81;
-    const zhao2000_links_real t83 = 60.0f * w->k[6];
-    const zhao2000_links_real t84 = t19 + t83;
-    const zhao2000_links_real t85 = t84 + t84;
-    const zhao2000_links_real t86 = t85 * t1;
-    const zhao2000_links_real t87 = t11 + t11;
-    const zhao2000_links_real t88 = t87 * t6;
-    const zhao2000_links_real t89 = t86 - t88;
-    const zhao2000_links_real t90 = -60.0f * w->k[3];
-    const zhao2000_links_real t91 = t90 + t3;
-    const zhao2000_links_real t92 = t91 + t91;
-    const zhao2000_links_real t93 = t92 * t15;
-    const zhao2000_links_real t94 = t89 - t93;
-    const zhao2000_links_real t95 = 60.0f * w->k[4];
-    const zhao2000_links_real t96 = 34.641018f * w->k[5];
-    const zhao2000_links_real t97 = t95 + t96;
-    const zhao2000_links_real t98 = t97 + t97;
-    const zhao2000_links_real t99 = t98 * t23;
-    const zhao2000_links_real t100 = t94 + t99;
-    const zhao2000_links_real t101 = 244.81978f * t100;
-    const zhao2000_links_real t102 = -t101;
-    const zhao2000_links_real t103 = t85 * t15;
-    const zhao2000_links_real t104 = t87 * t23;
-    const zhao2000_links_real t105 = t103 - t104;
-    const zhao2000_links_real t106 = t92 * t1;
-    const zhao2000_links_real t107 = t105 + t106;
-    const zhao2000_links_real t108 = t98 * t6;
-    const zhao2000_links_real t109 = t107 - t108;
-    const zhao2000_links_real t110 = 244.81978f * t109;
-    const zhao2000_links_real t111 = -t110;
-    const zhao2000_links_real t112 = t92 * t6;
-    const zhao2000_links_real t113 = t87 * t15;
-    const zhao2000_links_real t114 = t85 * t23;
-    const zhao2000_links_real t115 = t113 + t114;
-    const zhao2000_links_real t116 = t112 - t115;
-    const zhao2000_links_real t117 = t98 * t1;
-    const zhao2000_links_real t118 = t116 + t117;
-    const zhao2000_links_real t119 = 244.81978f * t118;
-    const zhao2000_links_real t120 = -t119;
-    const zhao2000_links_real t121 = w->x[0] - 3.6651914f;
-    const zhao2000_links_real t122 = 0.5f * t121;
-    const zhao2000_links_real t123 = cosf(t122);
-    const zhao2000_links_real t124 = 0.5f * w->x[1];
-    const zhao2000_links_real t125 = cosf(t124);
-    const zhao2000_links_real t126 = t123 * t125;
-    const zhao2000_links_real t127 = 0.5f * w->x[2];
-    const zhao2000_links_real t128 = sinf(t127);
-    const zhao2000_links_real t129 = -0.5f * t128;
-    const zhao2000_links_real t130 = t126 * t129;
-    const zhao2000_links_real t131 = sinf(t124);
-    const zhao2000_links_real t132 = -0.5f * t131;
-    const zhao2000_links_real t133 = t123 * t132;
-    const zhao2000_links_real t134 = sinf(t122);
-    const zhao2000_links_real t135 = 0.8660254f * t131;
-    const zhao2000_links_real t136 = t134 * t135;
-    const zhao2000_links_real t137 = t133 - t136;
-    const zhao2000_links_real t138 = cosf(t127);
-    const zhao2000_links_real t139 = t137 * t138;
-    const zhao2000_links_real t140 = t130 + t139;
-    const zhao2000_links_real t141 = t134 * t125;
-    const zhao2000_links_real t142 = 0.8660254f * t128;
-    const zhao2000_links_real t143 = t141 * t142;
-    const zhao2000_links_real t144 = t140 - t143;
-    const zhao2000_links_real t145 = 0.5f * w->x[3];
-    const zhao2000_links_real t146 = sinf(t145);
-    const zhao2000_links_real t147 = 0.8660254f * t146;
-    const zhao2000_links_real t148 = t144 * t147;
-    const zhao2000_links_real t149 = t126 * t142;
-    const zhao2000_links_real t150 = t123 * t135;
-    const zhao2000_links_real t151 = t134 * t132;
-    const zhao2000_links_real t152 = t150 + t151;
-    const zhao2000_links_real t153 = t152 * t138;
-    const zhao2000_links_real t154 = t149 + t153;
-    const zhao2000_links_real t155 = t141 * t129;
-    const zhao2000_links_real t156 = t154 + t155;
-    const zhao2000_links_real t157 = -0.5f * t146;
-    const zhao2000_links_real t158 = t156 * t157;
-    const zhao2000_links_real t159 = t148 - t158;
-    const zhao2000_links_real t160 = t137 * t142;
-    const zhao2000_links_real t161 = t152 * t129;
-    const zhao2000_links_real t162 = t160 - t161;
-    const zhao2000_links_real t163 = t141 * t138;
-    const zhao2000_links_real t164 = t162 + t163;
-    const zhao2000_links_real t165 = cosf(t145);
-    const zhao2000_links_real t166 = t164 * t165;
-    const zhao2000_links_real t167 = t159 + t166;
-    const zhao2000_links_real t168 = 489.63956f * t167;
-    const zhao2000_links_real t169 = t168 * t1;
-    const zhao2000_links_real t170 = t126 * t138;
-    const zhao2000_links_real t171 = t137 * t129;
-    const zhao2000_links_real t172 = t170 - t171;
-    const zhao2000_links_real t173 = t152 * t142;
-    const zhao2000_links_real t174 = t172 - t173;
-    const zhao2000_links_real t175 = t174 * t147;
-    const zhao2000_links_real t176 = t156 * t165;
-    const zhao2000_links_real t177 = t175 + t176;
-    const zhao2000_links_real t178 = t164 * t157;
-    const zhao2000_links_real t179 = t177 + t178;
-    const zhao2000_links_real t180 = 489.63956f * t179;
-    const zhao2000_links_real t181 = t180 * t6;
-    const zhao2000_links_real t182 = t169 - t181;
-    const zhao2000_links_real t183 = t174 * t165;
-    const zhao2000_links_real t184 = t144 * t157;
-    const zhao2000_links_real t185 = t183 - t184;
-    const zhao2000_links_real t186 = t156 * t147;
-    const zhao2000_links_real t187 = t185 - t186;
-    const zhao2000_links_real t188 = 489.63956f * t187;
-    const zhao2000_links_real t189 = t188 * t15;
-    const zhao2000_links_real t190 = t182 + t189;
-    const zhao2000_links_real t191 = t174 * t157;
-    const zhao2000_links_real t192 = t144 * t165;
-    const zhao2000_links_real t193 = t191 + t192;
-    const zhao2000_links_real t194 = t164 * t147;
-    const zhao2000_links_real t195 = t193 - t194;
-    const zhao2000_links_real t196 = 489.63956f * t195;
-    const zhao2000_links_real t197 = t196 * t23;
-    const zhao2000_links_real t198 = t190 - t197;
-    const zhao2000_links_real t199 = 244.81978f * t198;
-    const zhao2000_links_real t200 = -t199;
-    const zhao2000_links_real t201 = t196 * t6;
-    const zhao2000_links_real t202 = t188 * t1;
-    const zhao2000_links_real t203 = t168 * t15;
-    const zhao2000_links_real t204 = t180 * t23;
-    const zhao2000_links_real t205 = t203 - t204;
-    const zhao2000_links_real t206 = t205 - t202;
-    const zhao2000_links_real t207 = t206 + t201;
-    const zhao2000_links_real t208 = 244.81978f * t207;
-    const zhao2000_links_real t209 = -t208;
-    const zhao2000_links_real t210 = t180 * t15;
-    const zhao2000_links_real t211 = t168 * t23;
-    const zhao2000_links_real t212 = t210 + t211;
-    const zhao2000_links_real t213 = t188 * t6;
-    const zhao2000_links_real t214 = t212 + t213;
-    const zhao2000_links_real t215 = t196 * t1;
-    const zhao2000_links_real t216 = t214 + t215;
-    const zhao2000_links_real t217 = 244.81978f * t216;
-    const zhao2000_links_real t218 = t201 + t202;
-    const zhao2000_links_real t219 = t218 - t203;
-    const zhao2000_links_real t220 = t219 - t204;
-    const zhao2000_links_real t221 = 244.81978f * t220;
-    const zhao2000_links_real t222 = -t221;
-    const zhao2000_links_real t223 = t197 + t189;
-    const zhao2000_links_real t224 = t223 + t169;
-    const zhao2000_links_real t225 = t224 + t181;
-    const zhao2000_links_real t226 = 244.81978f * t225;
-    const zhao2000_links_real t227 = -t226;
-    const zhao2000_links_real t228 = t196 * t15;
-    const zhao2000_links_real t229 = t188 * t23;
-    const zhao2000_links_real t230 = t228 - t229;
-    const zhao2000_links_real t231 = t168 * t6;
-    const zhao2000_links_real t232 = t230 + t231;
-    const zhao2000_links_real t233 = t180 * t1;
-    const zhao2000_links_real t234 = t232 - t233;
-    const zhao2000_links_real t235 = 244.81978f * t234;
-    const zhao2000_links_real t236 = -t235;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t27;
-    sides[4] = t36;
-    sides[5] = t45;
-    sides[6] = 0.0f;
-    sides[7] = -1.0f;
-    sides[8] = 0.0f;
-    sides[9] = t64;
-    sides[10] = t73;
-    sides[11] = t82;
-    sides[12] = 0.0f;
-    sides[13] = 0.0f;
-    sides[14] = -1.0f;
-    sides[15] = t102;
-    sides[16] = t111;
-    sides[17] = t120;
-    sides[18] = 0.0f;
-    sides[19] = 0.0f;
-    sides[20] = 0.0f;
-    sides[21] = t200;
-    sides[22] = t209;
-    sides[23] = t217;
-    sides[24] = 0.0f;
-    sides[25] = 0.0f;
-    sides[26] = 0.0f;
-    sides[27] = t222;
-    sides[28] = t227;
-    sides[29] = t236;
-}
-
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
  * reference's branch. */
-static zhao2000_links_status zhao2000_links_limb3_joints(const zhao2000_links_real c[7],
+static zhao2000_links_status zhao2000_links_limb3_joints(const zhao2000_links_real c[4],
     zhao2000_links_real x[4])
 {
-    const zhao2000_links_real t0 = 34.641018f * c[4];
-    const zhao2000_links_real t1 = -60.0f * c[5];
-    const zhao2000_links_real t2 = t0 - t1;
-    const zhao2000_links_real t3 = c[5] * t2;
-    const zhao2000_links_real t4 = -60.0f * c[6];
-    const zhao2000_links_real t5 = c[6] * t4;
-    const zhao2000_links_real t6 = t3 - t5;
-    const zhao2000_links_real t7 = 34.641018f * c[6];
-    const zhao2000_links_real t8 = c[3] * t7;
-    const zhao2000_links_real t9 = t6 - t8;
-    const zhao2000_links_real t10 = t9 + t9;
-    const zhao2000_links_real t11 = t10 - 60.0f;
-    const zhao2000_links_real t12 = c[0] + t11;
-    const zhao2000_links_real t13 = t12 + 120.0f;
-    const zhao2000_links_real t14 = t13 * t13;
-    const zhao2000_links_real t15 = c[3] * t4;
-    const zhao2000_links_real t16 = c[6] * t7;
-    const zhao2000_links_real t17 = c[4] * t2;
-    const zhao2000_links_real t18 = t16 + t17;
-    const zhao2000_links_real t19 = t15 - t18;
-    const zhao2000_links_real t20 = t19 + t19;
-    const zhao2000_links_real t21 = t20 + 34.641018f;
-    const zhao2000_links_real t22 = c[1] + t21;
-    const zhao2000_links_real t23 = t22 - 69.282036f;
-    const zhao2000_links_real t24 = t23 * t23;
-    const zhao2000_links_real t25 = t14 + t24;
-    const zhao2000_links_real d1 = t25; /* above 0 where theta3_side has two values */
+    const zhao2000_links_real t0 = 0.5f * c[3];
+    const zhao2000_links_real t1 = cosf(t0);
+    const zhao2000_links_real t2 = sinf(t0);
+    const zhao2000_links_real t3 = 34.641018f * t2;
+    const zhao2000_links_real t4 = t1 * t3;
+    const zhao2000_links_real t5 = -60.0f * t2;
+    const zhao2000_links_real t6 = t2 * t5;
+    const zhao2000_links_real t7 = t4 + t6;
+    const zhao2000_links_real t8 = -t7;
+    const zhao2000_links_real t9 = t8 + t8;
+    const zhao2000_links_real t10 = t9 - 60.0f;
+    const zhao2000_links_real t11 = c[0] + t10;
+    const zhao2000_links_real t12 = t11 + 120.0f;
+    const zhao2000_links_real t13 = t12 * t12;
+    const zhao2000_links_real t14 = t1 * t5;
+    const zhao2000_links_real t15 = t2 * t3;
+    const zhao2000_links_real t16 = t14 - t15;
+    const zhao2000_links_real t17 = t16 + t16;
+    const zhao2000_links_real t18 = t17 + 34.641018f;
+    const zhao2000_links_real t19 = c[1] + t18;
+    const zhao2000_links_real t20 = t19 - 69.282036f;
+    const zhao2000_links_real t21 = t20 * t20;
+    const zhao2000_links_real t22 = t13 + t21;
+    const zhao2000_links_real d1 = t22; /* above 0 where theta3_side has two values */
     const zhao2000_links_real r1 = (d1 > 1.85e-08f) ? sqrtf(d1) : 1.0f;
-    const zhao2000_links_real t28 = c[3] * t2;
-    const zhao2000_links_real t29 = c[4] * t4;
-    const zhao2000_links_real t30 = c[5] * t7;
-    const zhao2000_links_real t31 = t29 + t30;
-    const zhao2000_links_real t32 = t28 + t31;
-    const zhao2000_links_real t33 = t32 + t32;
-    const zhao2000_links_real t34 = c[2] + t33;
-    const zhao2000_links_real t35 = 0.0012584238f * t34;
-    const zhao2000_links_real t36 = 0.01423018f * r1;
+    const zhao2000_links_real t25 = 0.0012584238f * c[2];
+    const zhao2000_links_real t26 = 0.01423018f * r1;
+    const zhao2000_links_real t27 = t25 - t26;
+    const zhao2000_links_real t28 = 1.7201067f * t27;
+    const zhao2000_links_real t29 = -0.01423018f * c[2];
+    const zhao2000_links_real t30 = 0.0012584238f * r1;
+    const zhao2000_links_real t31 = t29 - t30;
+    const zhao2000_links_real t32 = -1.0204082f * t31;
+    const zhao2000_links_real t33 = t28 - t32;
+    const zhao2000_links_real t34 = t33 * t33;
+    const zhao2000_links_real t35 = -1.0204082f * t27;
+    const zhao2000_links_real t36 = -1.7201067f * t31;
     const zhao2000_links_real t37 = t35 - t36;
-    const zhao2000_links_real t38 = 1.7201067f * t37;
-    const zhao2000_links_real t39 = -0.01423018f * t34;
-    const zhao2000_links_real t40 = 0.0012584238f * r1;
-    const zhao2000_links_real t41 = t39 - t40;
-    const zhao2000_links_real t42 = -1.0204082f * t41;
-    const zhao2000_links_real t43 = t38 - t42;
-    const zhao2000_links_real t44 = t43 * t43;
-    const zhao2000_links_real t45 = -1.0204082f * t37;
-    const zhao2000_links_real t46 = -1.7201067f * t41;
-    const zhao2000_links_real t47 = t45 - t46;
-    const zhao2000_links_real t48 = t47 * t47;
-    const zhao2000_links_real t49 = t44 + t48;
-    const zhao2000_links_real t50 = t41 * t41;
-    const zhao2000_links_real t51 = t50 + 0.7396918f;
-    const zhao2000_links_real t52 = t37 * t37;
-    const zhao2000_links_real t53 = t52 + 0.2603082f;
-    const zhao2000_links_real t54 = t51 + t53;
-    const zhao2000_links_real t55 = t54 - 1.0f;
-    const zhao2000_links_real t56 = t55 * t55;
-    const zhao2000_links_real t57 = t49 - t56;
-    const zhao2000_links_real d2 = t57; /* above 0 where elbow3 has two values */
+    const zhao2000_links_real t38 = t37 * t37;
+    const zhao2000_links_real t39 = t34 + t38;
+    const zhao2000_links_real t40 = t31 * t31;
+    const zhao2000_links_real t41 = t40 + 0.7396918f;
+    const zhao2000_links_real t42 = t27 * t27;
+    const zhao2000_links_real t43 = t42 + 0.2603082f;
+    const zhao2000_links_real t44 = t41 + t43;
+    const zhao2000_links_real t45 = t44 - 1.0f;
+    const zhao2000_links_real t46 = t45 * t45;
+    const zhao2000_links_real t47 = t39 - t46;
+    const zhao2000_links_real d2 = t47; /* above 0 where elbow3 has two values */
     const zhao2000_links_real r2 = (d2 > 1.2e-11f) ? sqrtf(d2) : 1.0f;
     zhao2000_links_status status = ZHAO2000_LINKS_OUT_OF_RANGE;
     if ((d1 > 1.85e-08f) && (d2 > 1.2e-11f)) {
-        const zhao2000_links_real t60 = t43 * r2;
-        const zhao2000_links_real t61 = t47 * t55;
-        const zhao2000_links_real t62 = t60 - t61;
-        const zhao2000_links_real t63 = 1.0f / t49;
-        const zhao2000_links_real t64 = t62 * t63;
-        const zhao2000_links_real t65 = 30.272121f * t64;
-        const zhao2000_links_real t66 = t43 * t55;
-        const zhao2000_links_real t67 = t47 * r2;
-        const zhao2000_links_real t68 = t66 + t67;
-        const zhao2000_links_real t69 = t68 * t63;
-        const zhao2000_links_real t70 = -63.115757f * t69;
-        const zhao2000_links_real t71 = t65 - t70;
-        const zhao2000_links_real t72 = t71 + r1;
-        const zhao2000_links_real t73 = -6.1662765f * t72;
-        const zhao2000_links_real t74 = -30.272121f * t69;
-        const zhao2000_links_real t75 = t34 - t74;
-        const zhao2000_links_real t76 = -63.115757f * t64;
-        const zhao2000_links_real t77 = t75 + t76;
-        const zhao2000_links_real t78 = 69.727875f * t77;
-        const zhao2000_links_real t79 = t73 - t78;
-        const zhao2000_links_real t80 = t79 * -0.00020408163f;
-        const zhao2000_links_real t81 = -6.1662765f * t80;
-        const zhao2000_links_real t82 = -6.1662765f * t77;
-        const zhao2000_links_real t83 = -69.727875f * t72;
-        const zhao2000_links_real t84 = t82 - t83;
-        const zhao2000_links_real t85 = t84 * -0.00020408163f;
-        const zhao2000_links_real t86 = 69.727875f * t85;
-        const zhao2000_links_real t87 = t81 + t86;
-        const zhao2000_links_real t88 = t87 - t70;
-        const zhao2000_links_real t89 = t88 + t65;
-        const zhao2000_links_real t90 = t89 * t23;
-        const zhao2000_links_real t91 = t89 * t89;
-        const zhao2000_links_real t92 = 1.0f / t91;
-        const zhao2000_links_real t93 = t90 * t92;
-        const zhao2000_links_real t94 = -t93;
-        const zhao2000_links_real t95 = t89 * t13;
-        const zhao2000_links_real t96 = t95 * t92;
-        const zhao2000_links_real t97 = -t96;
-        const zhao2000_links_real t98 = atan2f(t94, t97);
-        const zhao2000_links_real t99 = t98 + 6.2831855f;
-        const zhao2000_links_real t100 = atan2f(t85, t80);
-        const zhao2000_links_real t101 = t64 * t80;
-        const zhao2000_links_real t102 = t69 * t85;
-        const zhao2000_links_real t103 = t101 + t102;
-        const zhao2000_links_real t104 = t64 * t85;
-        const zhao2000_links_real t105 = t69 * t80;
-        const zhao2000_links_real t106 = t104 - t105;
-        const zhao2000_links_real t107 = atan2f(t103, t106);
-        const zhao2000_links_real t108 = -t64;
-        const zhao2000_links_real t109 = -t69;
-        const zhao2000_links_real t110 = atan2f(t108, t109);
-        x[0] = t99;
-        x[1] = t100;
-        x[2] = t107;
-        x[3] = t110;
+        const zhao2000_links_real t50 = t33 * r2;
+        const zhao2000_links_real t51 = t37 * t45;
+        const zhao2000_links_real t52 = t50 - t51;
+        const zhao2000_links_real t53 = 1.0f / t39;
+        const zhao2000_links_real t54 = t52 * t53;
+        const zhao2000_links_real t55 = 30.272121f * t54;
+        const zhao2000_links_real t56 = t33 * t45;
+        const zhao2000_links_real t57 = t37 * r2;
+        const zhao2000_links_real t58 = t56 + t57;
+        const zhao2000_links_real t59 = t58 * t53;
+        const zhao2000_links_real t60 = -63.115757f * t59;
+        const zhao2000_links_real t61 = t55 - t60;
+        const zhao2000_links_real t62 = t61 + r1;
+        const zhao2000_links_real t63 = -6.1662765f * t62;
+        const zhao2000_links_real t64 = -30.272121f * t59;
+        const zhao2000_links_real t65 = c[2] - t64;
+        const zhao2000_links_real t66 = -63.115757f * t54;
+        const zhao2000_links_real t67 = t65 + t66;
+        const zhao2000_links_real t68 = 69.727875f * t67;
+        const zhao2000_links_real t69 = t63 - t68;
+        const zhao2000_links_real t70 = t69 * -0.00020408163f;
+        const zhao2000_links_real t71 = -6.1662765f * t70;
+        const zhao2000_links_real t72 = -6.1662765f * t67;
+        const zhao2000_links_real t73 = -69.727875f * t62;
+        const zhao2000_links_real t74 = t72 - t73;
+        const zhao2000_links_real t75 = t74 * -0.00020408163f;
+        const zhao2000_links_real t76 = 69.727875f * t75;
+        const zhao2000_links_real t77 = t71 + t76;
+        const zhao2000_links_real t78 = t77 - t60;
+        const zhao2000_links_real t79 = t78 + t55;
+        const zhao2000_links_real t80 = t79 * t20;
+        const zhao2000_links_real t81 = t79 * t79;
+        const zhao2000_links_real t82 = 1.0f / t81;
+        const zhao2000_links_real t83 = t80 * t82;
+        const zhao2000_links_real t84 = -t83;
+        const zhao2000_links_real t85 = t79 * t12;
+        const zhao2000_links_real t86 = t85 * t82;
+        const zhao2000_links_real t87 = -t86;
+        const zhao2000_links_real t88 = atan2f(t84, t87);
+        const zhao2000_links_real t89 = t88 + 6.2831855f;
+        const zhao2000_links_real t90 = atan2f(t75, t70);
+        const zhao2000_links_real t91 = t54 * t70;
+        const zhao2000_links_real t92 = t59 * t75;
+        const zhao2000_links_real t93 = t91 + t92;
+        const zhao2000_links_real t94 = t54 * t75;
+        const zhao2000_links_real t95 = t59 * t70;
+        const zhao2000_links_real t96 = t94 - t95;
+        const zhao2000_links_real t97 = atan2f(t93, t96);
+        const zhao2000_links_real t98 = -t54;
+        const zhao2000_links_real t99 = -t59;
+        const zhao2000_links_real t100 = atan2f(t98, t99);
+        x[0] = t89;
+        x[1] = t90;
+        x[2] = t97;
+        x[3] = t100;
         status = ZHAO2000_LINKS_OK;
     } else {
         x[0] = 0.0f;
@@ -1898,794 +1206,369 @@ static zhao2000_links_status zhao2000_links_limb3_joints(const zhao2000_links_re
     return status;
 }
 
-/* Work space of zhao2000_links_limb3_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: theta3, hip3, elbow3, wrist3
- * k: x, y, z, quaternion (w, x, y, z)
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_links_real x[4]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_links_real x0[4];
-    zhao2000_links_real at[7]; /* known values at the guess, where the line begins */
-    zhao2000_links_real k[7]; /* known values aimed at */
-    zhao2000_links_real f[5]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_links_real a[20]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    zhao2000_links_real r[16]; /* R of QR, reciprocals on its diagonal */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    zhao2000_links_real spread;
-    uint8_t order[4]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_links_limb3_work;
-
-/* The matrix into w->a, row by row. */
-static void zhao2000_links_limb3_matrix(zhao2000_links_limb3_work *w)
+/* Derivatives of the actuated joints by the twist of the platform, joint by joint; SINGULAR at a
+ * dead centre. */
+static zhao2000_links_status zhao2000_links_limb3_rates(const zhao2000_links_real c[4],
+    zhao2000_links_real rates[4])
 {
-    const zhao2000_links_real t0 = cosf(w->x[1]);
-    const zhao2000_links_real t1 = cosf(w->x[2]);
-    const zhao2000_links_real t2 = 54.659847f * t1;
-    const zhao2000_links_real t3 = sinf(w->x[2]);
-    const zhao2000_links_real t4 = -26.216427f * t3;
-    const zhao2000_links_real t5 = t2 + t4;
-    const zhao2000_links_real t6 = t5 + 5.340152f;
-    const zhao2000_links_real t7 = t0 * t6;
-    const zhao2000_links_real t8 = sinf(w->x[1]);
-    const zhao2000_links_real t9 = 30.272121f * t1;
-    const zhao2000_links_real t10 = 63.115757f * t3;
-    const zhao2000_links_real t11 = t9 + t10;
-    const zhao2000_links_real t12 = t11 + 69.727875f;
-    const zhao2000_links_real t13 = -0.8660254f * t12;
-    const zhao2000_links_real t14 = t8 * t13;
-    const zhao2000_links_real t15 = t7 + t14;
-    const zhao2000_links_real t16 = 1.0f - t0;
-    const zhao2000_links_real t17 = -0.5f * t6;
-    const zhao2000_links_real t18 = -31.557878f * t1;
-    const zhao2000_links_real t19 = 15.136061f * t3;
-    const zhao2000_links_real t20 = t18 + t19;
-    const zhao2000_links_real t21 = t20 - 3.0831382f;
-    const zhao2000_links_real t22 = -0.8660254f * t21;
-    const zhao2000_links_real t23 = t17 + t22;
-    const zhao2000_links_real t24 = t16 * t23;
-    const zhao2000_links_real t25 = -0.5f * t24;
-    const zhao2000_links_real t26 = t15 + t25;
-    const zhao2000_links_real t27 = w->x[0] - 5.7595863f;
-    const zhao2000_links_real t28 = sinf(t27);
-    const zhao2000_links_real t29 = t26 * t28;
-    const zhao2000_links_real t30 = t0 * t21;
-    const zhao2000_links_real t31 = -0.5f * t12;
-    const zhao2000_links_real t32 = t8 * t31;
-    const zhao2000_links_real t33 = t30 - t32;
-    const zhao2000_links_real t34 = -0.8660254f * t24;
-    const zhao2000_links_real t35 = t33 + t34;
-    const zhao2000_links_real t36 = cosf(t27);
-    const zhao2000_links_real t37 = t35 * t36;
-    const zhao2000_links_real t38 = t29 + t37;
-    const zhao2000_links_real t39 = 0.0040846374f * t38;
-    w->a[0] = t39;
-    const zhao2000_links_real t41 = t13 * t0;
-    const zhao2000_links_real t42 = t6 * t8;
-    const zhao2000_links_real t43 = t41 - t42;
-    const zhao2000_links_real t44 = t23 * t8;
-    const zhao2000_links_real t45 = -0.5f * t44;
-    const zhao2000_links_real t46 = t43 + t45;
-    const zhao2000_links_real t47 = t36 * t46;
-    const zhao2000_links_real t48 = -0.8660254f * t44;
-    const zhao2000_links_real t49 = t21 * t8;
-    const zhao2000_links_real t50 = t31 * t0;
-    const zhao2000_links_real t51 = t49 + t50;
-    const zhao2000_links_real t52 = t48 - t51;
-    const zhao2000_links_real t53 = t28 * t52;
-    const zhao2000_links_real t54 = t47 - t53;
-    const zhao2000_links_real t55 = 0.0040846374f * t54;
-    const zhao2000_links_real t56 = -t55;
-    w->a[1] = t56;
-    const zhao2000_links_real t58 = -26.216427f * t1;
-    const zhao2000_links_real t59 = 54.659847f * t3;
-    const zhao2000_links_real t60 = t58 - t59;
-    const zhao2000_links_real t61 = t0 * t60;
-    const zhao2000_links_real t62 = 63.115757f * t1;
-    const zhao2000_links_real t63 = 30.272121f * t3;
-    const zhao2000_links_real t64 = t62 - t63;
-    const zhao2000_links_real t65 = -0.8660254f * t64;
-    const zhao2000_links_real t66 = t8 * t65;
-    const zhao2000_links_real t67 = t61 + t66;
-    const zhao2000_links_real t68 = -0.5f * t60;
-    const zhao2000_links_real t69 = 15.136061f * t1;
-    const zhao2000_links_real t70 = -31.557878f * t3;
-    const zhao2000_links_real t71 = t69 - t70;
-    const zhao2000_links_real t72 = -0.8660254f * t71;
-    const zhao2000_links_real t73 = t68 + t72;
-    const zhao2000_links_real t74 = t16 * t73;
-    const zhao2000_links_real t75 = -0.5f * t74;
-    const zhao2000_links_real t76 = t67 + t75;
-    const zhao2000_links_real t77 = t36 * t76;
-    const zhao2000_links_real t78 = t0 * t71;
-    const zhao2000_links_real t79 = -0.5f * t64;
-    const zhao2000_links_real t80 = t8 * t79;
-    const zhao2000_links_real t81 = t78 - t80;
-    const zhao2000_links_real t82 = -0.8660254f * t74;
-    const zhao2000_links_real t83 = t81 + t82;
-    const zhao2000_links_real t84 = t28 * t83;
-    const zhao2000_links_real t85 = t77 - t84;
-    const zhao2000_links_real t86 = 0.0040846374f * t85;
-    const zhao2000_links_real t87 = -t86;
-    w->a[2] = t87;
-    w->a[3] = 0.0f;
-    const zhao2000_links_real t90 = t26 * t36;
-    const zhao2000_links_real t91 = t35 * t28;
-    const zhao2000_links_real t92 = t90 - t91;
-    const zhao2000_links_real t93 = 0.0040846374f * t92;
-    const zhao2000_links_real t94 = -t93;
-    w->a[4] = t94;
-    const zhao2000_links_real t96 = t36 * t52;
-    const zhao2000_links_real t97 = t28 * t46;
-    const zhao2000_links_real t98 = t96 + t97;
-    const zhao2000_links_real t99 = 0.0040846374f * t98;
-    const zhao2000_links_real t100 = -t99;
-    w->a[5] = t100;
-    const zhao2000_links_real t102 = t36 * t83;
-    const zhao2000_links_real t103 = t28 * t76;
-    const zhao2000_links_real t104 = t102 + t103;
-    const zhao2000_links_real t105 = 0.0040846374f * t104;
-    const zhao2000_links_real t106 = -t105;
-    w->a[6] = t106;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    const zhao2000_links_real t110 = -0.5f * t21;
-    const zhao2000_links_real t111 = -0.8660254f * t6;
-    const zhao2000_links_real t112 = t110 - t111;
-    const zhao2000_links_real t113 = t112 * t0;
-    const zhao2000_links_real t114 = t12 * t8;
-    const zhao2000_links_real t115 = t113 - t114;
-    const zhao2000_links_real t116 = t36 * t115;
-    const zhao2000_links_real t117 = 1.0f - t36;
-    const zhao2000_links_real t118 = t117 * t115;
-    const zhao2000_links_real t119 = t116 + t118;
-    const zhao2000_links_real t120 = 0.0040846374f * t119;
-    const zhao2000_links_real t121 = -t120;
-    w->a[9] = t121;
-    const zhao2000_links_real t123 = t0 * t64;
-    const zhao2000_links_real t124 = -0.5f * t71;
-    const zhao2000_links_real t125 = -0.8660254f * t60;
-    const zhao2000_links_real t126 = t124 - t125;
-    const zhao2000_links_real t127 = t8 * t126;
-    const zhao2000_links_real t128 = t123 + t127;
-    const zhao2000_links_real t129 = t36 * t128;
-    const zhao2000_links_real t130 = t117 * t128;
-    const zhao2000_links_real t131 = t129 + t130;
-    const zhao2000_links_real t132 = 0.0040846374f * t131;
-    const zhao2000_links_real t133 = -t132;
-    w->a[10] = t133;
-    w->a[11] = 0.0f;
-    const zhao2000_links_real t136 = 0.5f * w->x[3];
-    const zhao2000_links_real t137 = cosf(t136);
-    const zhao2000_links_real t138 = 0.5f * w->x[2];
-    const zhao2000_links_real t139 = sinf(t138);
-    const zhao2000_links_real t140 = -0.5f * t139;
-    const zhao2000_links_real t141 = 0.5f * w->x[1];
-    const zhao2000_links_real t142 = sinf(t141);
-    const zhao2000_links_real t143 = -0.5f * t142;
-    const zhao2000_links_real t144 = 0.5f * t27;
-    const zhao2000_links_real t145 = sinf(t144);
-    const zhao2000_links_real t146 = 0.5f * t145;
-    const zhao2000_links_real t147 = t143 * t146;
-    const zhao2000_links_real t148 = -0.8660254f * t142;
-    const zhao2000_links_real t149 = cosf(t144);
-    const zhao2000_links_real t150 = 0.5f * t149;
-    const zhao2000_links_real t151 = t148 * t150;
-    const zhao2000_links_real t152 = t147 + t151;
-    const zhao2000_links_real t153 = t140 * t152;
-    const zhao2000_links_real t154 = cosf(t138);
-    const zhao2000_links_real t155 = cosf(t141);
-    const zhao2000_links_real t156 = t155 * t146;
-    const zhao2000_links_real t157 = t154 * t156;
-    const zhao2000_links_real t158 = t153 - t157;
-    const zhao2000_links_real t159 = -0.8660254f * t139;
-    const zhao2000_links_real t160 = t143 * t150;
-    const zhao2000_links_real t161 = t148 * t146;
-    const zhao2000_links_real t162 = t160 - t161;
-    const zhao2000_links_real t163 = t159 * t162;
-    const zhao2000_links_real t164 = t158 - t163;
-    const zhao2000_links_real t165 = t137 * t164;
-    const zhao2000_links_real t166 = sinf(t136);
-    const zhao2000_links_real t167 = -0.5f * t166;
-    const zhao2000_links_real t168 = t140 * t156;
-    const zhao2000_links_real t169 = t154 * t152;
-    const zhao2000_links_real t170 = t168 + t169;
-    const zhao2000_links_real t171 = t155 * t150;
-    const zhao2000_links_real t172 = t159 * t171;
-    const zhao2000_links_real t173 = t170 + t172;
-    const zhao2000_links_real t174 = t167 * t173;
-    const zhao2000_links_real t175 = t165 + t174;
-    const zhao2000_links_real t176 = -0.8660254f * t166;
-    const zhao2000_links_real t177 = t154 * t162;
-    const zhao2000_links_real t178 = t159 * t156;
-    const zhao2000_links_real t179 = t177 - t178;
-    const zhao2000_links_real t180 = t140 * t171;
-    const zhao2000_links_real t181 = t179 + t180;
-    const zhao2000_links_real t182 = t176 * t181;
-    const zhao2000_links_real t183 = t175 - t182;
-    const zhao2000_links_real t184 = w->k[5] * t183;
-    const zhao2000_links_real t185 = t167 * t164;
-    const zhao2000_links_real t186 = t137 * t173;
-    const zhao2000_links_real t187 = t185 - t186;
-    const zhao2000_links_real t188 = t154 * t171;
-    const zhao2000_links_real t189 = t159 * t152;
-    const zhao2000_links_real t190 = t140 * t162;
-    const zhao2000_links_real t191 = t189 + t190;
-    const zhao2000_links_real t192 = t188 - t191;
-    const zhao2000_links_real t193 = t176 * t192;
-    const zhao2000_links_real t194 = t187 - t193;
-    const zhao2000_links_real t195 = w->k[6] * t194;
-    const zhao2000_links_real t196 = t184 + t195;
-    const zhao2000_links_real t197 = t176 * t164;
-    const zhao2000_links_real t198 = t137 * t181;
-    const zhao2000_links_real t199 = t197 + t198;
-    const zhao2000_links_real t200 = t167 * t192;
-    const zhao2000_links_real t201 = t199 + t200;
-    const zhao2000_links_real t202 = w->k[3] * t201;
-    const zhao2000_links_real t203 = t196 - t202;
-    const zhao2000_links_real t204 = t137 * t192;
-    const zhao2000_links_real t205 = t176 * t173;
-    const zhao2000_links_real t206 = t167 * t181;
-    const zhao2000_links_real t207 = t205 + t206;
-    const zhao2000_links_real t208 = t204 - t207;
-    const zhao2000_links_real t209 = w->k[4] * t208;
-    const zhao2000_links_real t210 = t203 - t209;
-    const zhao2000_links_real t211 = t210 + t210;
-    const zhao2000_links_real t212 = -t211;
-    w->a[12] = t212;
-    const zhao2000_links_real t214 = -0.25f * t155;
-    const zhao2000_links_real t215 = t149 * t214;
-    const zhao2000_links_real t216 = -0.4330127f * t155;
-    const zhao2000_links_real t217 = t145 * t216;
-    const zhao2000_links_real t218 = t215 - t217;
-    const zhao2000_links_real t219 = t154 * t218;
-    const zhao2000_links_real t220 = 0.5f * t142;
-    const zhao2000_links_real t221 = t149 * t220;
-    const zhao2000_links_real t222 = t140 * t221;
-    const zhao2000_links_real t223 = t219 - t222;
-    const zhao2000_links_real t224 = t145 * t220;
-    const zhao2000_links_real t225 = t159 * t224;
-    const zhao2000_links_real t226 = t223 + t225;
-    const zhao2000_links_real t227 = t137 * t226;
-    const zhao2000_links_real t228 = t154 * t221;
-    const zhao2000_links_real t229 = t140 * t218;
-    const zhao2000_links_real t230 = t228 + t229;
-    const zhao2000_links_real t231 = t149 * t216;
-    const zhao2000_links_real t232 = t145 * t214;
-    const zhao2000_links_real t233 = t231 + t232;
-    const zhao2000_links_real t234 = t159 * t233;
-    const zhao2000_links_real t235 = t230 + t234;
-    const zhao2000_links_real t236 = t167 * t235;
-    const zhao2000_links_real t237 = t227 - t236;
-    const zhao2000_links_real t238 = t159 * t218;
-    const zhao2000_links_real t239 = t140 * t233;
-    const zhao2000_links_real t240 = t238 - t239;
-    const zhao2000_links_real t241 = t154 * t224;
-    const zhao2000_links_real t242 = t240 - t241;
-    const zhao2000_links_real t243 = t176 * t242;
-    const zhao2000_links_real t244 = t237 - t243;
-    const zhao2000_links_real t245 = w->k[6] * t244;
-    const zhao2000_links_real t246 = t137 * t235;
-    const zhao2000_links_real t247 = t167 * t226;
-    const zhao2000_links_real t248 = t246 + t247;
-    const zhao2000_links_real t249 = t154 * t233;
-    const zhao2000_links_real t250 = t159 * t221;
-    const zhao2000_links_real t251 = t249 - t250;
-    const zhao2000_links_real t252 = t140 * t224;
-    const zhao2000_links_real t253 = t251 - t252;
-    const zhao2000_links_real t254 = t176 * t253;
-    const zhao2000_links_real t255 = t248 + t254;
-    const zhao2000_links_real t256 = w->k[5] * t255;
-    const zhao2000_links_real t257 = t245 - t256;
-    const zhao2000_links_real t258 = t137 * t253;
-    const zhao2000_links_real t259 = t176 * t235;
-    const zhao2000_links_real t260 = t258 - t259;
-    const zhao2000_links_real t261 = t167 * t242;
-    const zhao2000_links_real t262 = t260 + t261;
-    const zhao2000_links_real t263 = w->k[3] * t262;
-    const zhao2000_links_real t264 = t257 - t263;
-    const zhao2000_links_real t265 = t176 * t226;
-    const zhao2000_links_real t266 = t167 * t253;
-    const zhao2000_links_real t267 = t265 - t266;
-    const zhao2000_links_real t268 = t137 * t242;
-    const zhao2000_links_real t269 = t267 + t268;
-    const zhao2000_links_real t270 = w->k[4] * t269;
-    const zhao2000_links_real t271 = t264 - t270;
-    const zhao2000_links_real t272 = t271 + t271;
-    const zhao2000_links_real t273 = -t272;
-    w->a[13] = t273;
-    const zhao2000_links_real t275 = t149 * t155;
-    const zhao2000_links_real t276 = -0.25f * t154;
-    const zhao2000_links_real t277 = t275 * t276;
-    const zhao2000_links_real t278 = t149 * t143;
-    const zhao2000_links_real t279 = t145 * t148;
-    const zhao2000_links_real t280 = t278 - t279;
-    const zhao2000_links_real t281 = 0.5f * t139;
-    const zhao2000_links_real t282 = t280 * t281;
-    const zhao2000_links_real t283 = t277 - t282;
-    const zhao2000_links_real t284 = t145 * t155;
-    const zhao2000_links_real t285 = -0.4330127f * t154;
-    const zhao2000_links_real t286 = t284 * t285;
-    const zhao2000_links_real t287 = t283 - t286;
-    const zhao2000_links_real t288 = t137 * t287;
-    const zhao2000_links_real t289 = t275 * t281;
-    const zhao2000_links_real t290 = t280 * t276;
-    const zhao2000_links_real t291 = t289 + t290;
-    const zhao2000_links_real t292 = t149 * t148;
-    const zhao2000_links_real t293 = t145 * t143;
-    const zhao2000_links_real t294 = t292 + t293;
-    const zhao2000_links_real t295 = t294 * t285;
-    const zhao2000_links_real t296 = t291 + t295;
-    const zhao2000_links_real t297 = t167 * t296;
-    const zhao2000_links_real t298 = t288 - t297;
-    const zhao2000_links_real t299 = t280 * t285;
-    const zhao2000_links_real t300 = t294 * t276;
-    const zhao2000_links_real t301 = t299 - t300;
-    const zhao2000_links_real t302 = t284 * t281;
-    const zhao2000_links_real t303 = t301 - t302;
-    const zhao2000_links_real t304 = t176 * t303;
-    const zhao2000_links_real t305 = t298 - t304;
-    const zhao2000_links_real t306 = w->k[6] * t305;
-    const zhao2000_links_real t307 = t137 * t296;
-    const zhao2000_links_real t308 = t167 * t287;
-    const zhao2000_links_real t309 = t307 + t308;
-    const zhao2000_links_real t310 = t275 * t285;
-    const zhao2000_links_real t311 = t294 * t281;
-    const zhao2000_links_real t312 = t310 - t311;
-    const zhao2000_links_real t313 = t284 * t276;
-    const zhao2000_links_real t314 = t312 + t313;
-    const zhao2000_links_real t315 = t176 * t314;
-    const zhao2000_links_real t316 = t309 + t315;
-    const zhao2000_links_real t317 = w->k[5] * t316;
-    const zhao2000_links_real t318 = t306 - t317;
-    const zhao2000_links_real t319 = t137 * t314;
-    const zhao2000_links_real t320 = t176 * t296;
-    const zhao2000_links_real t321 = t319 - t320;
-    const zhao2000_links_real t322 = t167 * t303;
-    const zhao2000_links_real t323 = t321 + t322;
-    const zhao2000_links_real t324 = w->k[3] * t323;
-    const zhao2000_links_real t325 = t318 - t324;
-    const zhao2000_links_real t326 = t176 * t287;
-    const zhao2000_links_real t327 = t167 * t314;
-    const zhao2000_links_real t328 = t326 - t327;
-    const zhao2000_links_real t329 = t137 * t303;
-    const zhao2000_links_real t330 = t328 + t329;
-    const zhao2000_links_real t331 = w->k[4] * t330;
-    const zhao2000_links_real t332 = t325 - t331;
-    const zhao2000_links_real t333 = t332 + t332;
-    const zhao2000_links_real t334 = -t333;
-    w->a[14] = t334;
-    const zhao2000_links_real t336 = t275 * t154;
-    const zhao2000_links_real t337 = t280 * t140;
-    const zhao2000_links_real t338 = t336 - t337;
-    const zhao2000_links_real t339 = t294 * t159;
-    const zhao2000_links_real t340 = t338 - t339;
-    const zhao2000_links_real t341 = -0.25f * t137;
-    const zhao2000_links_real t342 = t340 * t341;
-    const zhao2000_links_real t343 = t275 * t140;
-    const zhao2000_links_real t344 = t280 * t154;
-    const zhao2000_links_real t345 = t343 + t344;
-    const zhao2000_links_real t346 = t284 * t159;
-    const zhao2000_links_real t347 = t345 - t346;
-    const zhao2000_links_real t348 = 0.5f * t166;
-    const zhao2000_links_real t349 = t347 * t348;
-    const zhao2000_links_real t350 = t342 - t349;
-    const zhao2000_links_real t351 = t280 * t159;
-    const zhao2000_links_real t352 = t294 * t140;
-    const zhao2000_links_real t353 = t351 - t352;
-    const zhao2000_links_real t354 = t284 * t154;
-    const zhao2000_links_real t355 = t353 + t354;
-    const zhao2000_links_real t356 = -0.4330127f * t137;
-    const zhao2000_links_real t357 = t355 * t356;
-    const zhao2000_links_real t358 = t350 - t357;
-    const zhao2000_links_real t359 = w->k[6] * t358;
-    const zhao2000_links_real t360 = t340 * t348;
-    const zhao2000_links_real t361 = t347 * t341;
-    const zhao2000_links_real t362 = t360 + t361;
-    const zhao2000_links_real t363 = t275 * t159;
-    const zhao2000_links_real t364 = t294 * t154;
-    const zhao2000_links_real t365 = t363 + t364;
-    const zhao2000_links_real t366 = t284 * t140;
-    const zhao2000_links_real t367 = t365 + t366;
-    const zhao2000_links_real t368 = t367 * t356;
-    const zhao2000_links_real t369 = t362 + t368;
-    const zhao2000_links_real t370 = w->k[5] * t369;
-    const zhao2000_links_real t371 = t359 - t370;
-    const zhao2000_links_real t372 = t340 * t356;
-    const zhao2000_links_real t373 = t367 * t348;
-    const zhao2000_links_real t374 = t372 - t373;
-    const zhao2000_links_real t375 = t355 * t341;
-    const zhao2000_links_real t376 = t374 + t375;
-    const zhao2000_links_real t377 = w->k[3] * t376;
-    const zhao2000_links_real t378 = t371 - t377;
-    const zhao2000_links_real t379 = t347 * t356;
-    const zhao2000_links_real t380 = t367 * t341;
-    const zhao2000_links_real t381 = t379 - t380;
-    const zhao2000_links_real t382 = t355 * t348;
-    const zhao2000_links_real t383 = t381 - t382;
-    const zhao2000_links_real t384 = w->k[4] * t383;
-    const zhao2000_links_real t385 = t378 - t384;
-    const zhao2000_links_real t386 = t385 + t385;
-    const zhao2000_links_real t387 = -t386;
-    w->a[15] = t387;
-    const zhao2000_links_real t389 = w->k[4] * t183;
-    const zhao2000_links_real t390 = w->k[3] * t194;
-    const zhao2000_links_real t391 = t389 - t390;
-    const zhao2000_links_real t392 = w->k[6] * t201;
-    const zhao2000_links_real t393 = t391 - t392;
-    const zhao2000_links_real t394 = w->k[5] * t208;
-    const zhao2000_links_real t395 = t393 + t394;
-    const zhao2000_links_real t396 = t395 + t395;
-    w->a[16] = t396;
-    const zhao2000_links_real t398 = w->k[5] * t269;
-    const zhao2000_links_real t399 = w->k[4] * t255;
-    const zhao2000_links_real t400 = w->k[3] * t244;
-    const zhao2000_links_real t401 = t399 + t400;
-    const zhao2000_links_real t402 = w->k[6] * t262;
-    const zhao2000_links_real t403 = t401 + t402;
-    const zhao2000_links_real t404 = t398 - t403;
-    const zhao2000_links_real t405 = t404 + t404;
-    w->a[17] = t405;
-    const zhao2000_links_real t407 = w->k[5] * t330;
-    const zhao2000_links_real t408 = w->k[4] * t316;
-    const zhao2000_links_real t409 = w->k[3] * t305;
-    const zhao2000_links_real t410 = t408 + t409;
-    const zhao2000_links_real t411 = w->k[6] * t323;
-    const zhao2000_links_real t412 = t410 + t411;
-    const zhao2000_links_real t413 = t407 - t412;
-    const zhao2000_links_real t414 = t413 + t413;
-    w->a[18] = t414;
-    const zhao2000_links_real t416 = w->k[5] * t383;
-    const zhao2000_links_real t417 = w->k[4] * t369;
-    const zhao2000_links_real t418 = w->k[3] * t358;
-    const zhao2000_links_real t419 = t417 + t418;
-    const zhao2000_links_real t420 = w->k[6] * t376;
-    const zhao2000_links_real t421 = t419 + t420;
-    const zhao2000_links_real t422 = t416 - t421;
-    const zhao2000_links_real t423 = t422 + t422;
-    w->a[19] = t423;
-}
-
-/* QR of the 5 x 4 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the
- * diagonal; 0 where its columns are dependent. */
-static int zhao2000_links_limb3_factor(zhao2000_links_limb3_work *w)
-{
-    zhao2000_links_limb3_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 4; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        zhao2000_links_real squared = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            squared += w->a[4 * i + c] * w->a[4 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(squared);
-        w->r[4 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 5; ++i) {
-            w->a[4 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 4; ++j) {
-            zhao2000_links_real r = 0.0f;
-            for (int i = 0; i < 5; ++i) {
-                r += w->a[4 * i + c] * w->a[4 * i + j];
-            }
-            w->r[4 * c + j] = r;
-            for (int i = 0; i < 5; ++i) {
-                w->a[4 * i + j] -= r * w->a[4 * i + c];
-            }
-        }
+    const zhao2000_links_real t0 = 0.5f * c[3];
+    const zhao2000_links_real t1 = cosf(t0);
+    const zhao2000_links_real t2 = sinf(t0);
+    const zhao2000_links_real t3 = 34.641018f * t2;
+    const zhao2000_links_real t4 = t1 * t3;
+    const zhao2000_links_real t5 = -60.0f * t2;
+    const zhao2000_links_real t6 = t2 * t5;
+    const zhao2000_links_real t7 = t4 + t6;
+    const zhao2000_links_real t8 = -t7;
+    const zhao2000_links_real t9 = t8 + t8;
+    const zhao2000_links_real t10 = t9 - 60.0f;
+    const zhao2000_links_real t11 = c[0] + t10;
+    const zhao2000_links_real t12 = t11 + 120.0f;
+    const zhao2000_links_real t13 = t12 * t12;
+    const zhao2000_links_real t14 = t1 * t5;
+    const zhao2000_links_real t15 = t2 * t3;
+    const zhao2000_links_real t16 = t14 - t15;
+    const zhao2000_links_real t17 = t16 + t16;
+    const zhao2000_links_real t18 = t17 + 34.641018f;
+    const zhao2000_links_real t19 = c[1] + t18;
+    const zhao2000_links_real t20 = t19 - 69.282036f;
+    const zhao2000_links_real t21 = t20 * t20;
+    const zhao2000_links_real t22 = t13 + t21;
+    const zhao2000_links_real d1 = t22; /* above 0 where theta3_side has two values */
+    const zhao2000_links_real r1 = (d1 > 0.00508f) ? sqrtf(d1) : 1.0f;
+    const zhao2000_links_real t25 = 0.0012584238f * c[2];
+    const zhao2000_links_real t26 = 0.01423018f * r1;
+    const zhao2000_links_real t27 = t25 - t26;
+    const zhao2000_links_real t28 = 1.7201067f * t27;
+    const zhao2000_links_real t29 = -0.01423018f * c[2];
+    const zhao2000_links_real t30 = 0.0012584238f * r1;
+    const zhao2000_links_real t31 = t29 - t30;
+    const zhao2000_links_real t32 = -1.0204082f * t31;
+    const zhao2000_links_real t33 = t28 - t32;
+    const zhao2000_links_real t34 = t33 * t33;
+    const zhao2000_links_real t35 = -1.0204082f * t27;
+    const zhao2000_links_real t36 = -1.7201067f * t31;
+    const zhao2000_links_real t37 = t35 - t36;
+    const zhao2000_links_real t38 = t37 * t37;
+    const zhao2000_links_real t39 = t34 + t38;
+    const zhao2000_links_real t40 = t31 * t31;
+    const zhao2000_links_real t41 = t40 + 0.7396918f;
+    const zhao2000_links_real t42 = t27 * t27;
+    const zhao2000_links_real t43 = t42 + 0.2603082f;
+    const zhao2000_links_real t44 = t41 + t43;
+    const zhao2000_links_real t45 = t44 - 1.0f;
+    const zhao2000_links_real t46 = t45 * t45;
+    const zhao2000_links_real t47 = t39 - t46;
+    const zhao2000_links_real d2 = t47; /* above 0 where elbow3 has two values */
+    const zhao2000_links_real r2 = (d2 > 3.31e-06f) ? sqrtf(d2) : 1.0f;
+    zhao2000_links_status status = ZHAO2000_LINKS_SINGULAR;
+    if ((d1 > 0.00508f) && (d2 > 3.31e-06f)) {
+        const zhao2000_links_real t50 = t33 * r2;
+        const zhao2000_links_real t51 = t37 * t45;
+        const zhao2000_links_real t52 = t50 - t51;
+        const zhao2000_links_real t53 = 1.0f / t39;
+        const zhao2000_links_real t54 = t52 * t53;
+        const zhao2000_links_real t55 = 30.272121f * t54;
+        const zhao2000_links_real t56 = t33 * t45;
+        const zhao2000_links_real t57 = t37 * r2;
+        const zhao2000_links_real t58 = t56 + t57;
+        const zhao2000_links_real t59 = t58 * t53;
+        const zhao2000_links_real t60 = -63.115757f * t59;
+        const zhao2000_links_real t61 = t55 - t60;
+        const zhao2000_links_real t62 = t61 + r1;
+        const zhao2000_links_real t63 = -6.1662765f * t62;
+        const zhao2000_links_real t64 = -30.272121f * t59;
+        const zhao2000_links_real t65 = c[2] - t64;
+        const zhao2000_links_real t66 = -63.115757f * t54;
+        const zhao2000_links_real t67 = t65 + t66;
+        const zhao2000_links_real t68 = 69.727875f * t67;
+        const zhao2000_links_real t69 = t63 - t68;
+        const zhao2000_links_real t70 = t69 * -0.00020408163f;
+        const zhao2000_links_real t71 = -6.1662765f * t70;
+        const zhao2000_links_real t72 = -6.1662765f * t67;
+        const zhao2000_links_real t73 = -69.727875f * t62;
+        const zhao2000_links_real t74 = t72 - t73;
+        const zhao2000_links_real t75 = t74 * -0.00020408163f;
+        const zhao2000_links_real t76 = 69.727875f * t75;
+        const zhao2000_links_real t77 = t71 + t76;
+        const zhao2000_links_real t78 = t77 - t60;
+        const zhao2000_links_real t79 = t78 + t55;
+        const zhao2000_links_real t80 = t79 * t12;
+        const zhao2000_links_real t81 = t79 * t79;
+        const zhao2000_links_real t82 = 1.0f / t81;
+        const zhao2000_links_real t83 = t80 * t82;
+        const zhao2000_links_real t84 = t79 * t20;
+        const zhao2000_links_real t85 = t84 * t82;
+        const zhao2000_links_real t86 = t85 * t85;
+        const zhao2000_links_real t87 = t83 * t83;
+        const zhao2000_links_real t88 = t86 + t87;
+        const zhao2000_links_real t89 = 1.0f / t88;
+        const zhao2000_links_real t90 = t83 * t89;
+        const zhao2000_links_real t91 = -0.025761534f * r2;
+        const zhao2000_links_real t92 = 0.012355968f * t45;
+        const zhao2000_links_real t93 = -0.0025168476f * t31;
+        const zhao2000_links_real t94 = -0.02846036f * t27;
+        const zhao2000_links_real t95 = t93 + t94;
+        const zhao2000_links_real t96 = t37 * t95;
+        const zhao2000_links_real t97 = t92 + t96;
+        const zhao2000_links_real t98 = t91 - t97;
+        const zhao2000_links_real t99 = t98 * t53;
+        const zhao2000_links_real t100 = t54 * t53;
+        const zhao2000_links_real t101 = -0.051523067f * t33;
+        const zhao2000_links_real t102 = 0.024711937f * t37;
+        const zhao2000_links_real t103 = t101 + t102;
+        const zhao2000_links_real t104 = t100 * t103;
+        const zhao2000_links_real t105 = t99 - t104;
+        const zhao2000_links_real t106 = 30.272121f * t105;
+        const zhao2000_links_real t107 = -0.025761534f * t45;
+        const zhao2000_links_real t108 = t33 * t95;
+        const zhao2000_links_real t109 = t107 + t108;
+        const zhao2000_links_real t110 = 0.012355968f * r2;
+        const zhao2000_links_real t111 = t109 + t110;
+        const zhao2000_links_real t112 = t111 * t53;
+        const zhao2000_links_real t113 = t59 * t53;
+        const zhao2000_links_real t114 = t113 * t103;
+        const zhao2000_links_real t115 = t112 - t114;
+        const zhao2000_links_real t116 = -63.115757f * t115;
+        const zhao2000_links_real t117 = t106 - t116;
+        const zhao2000_links_real t118 = t117 + 1.0f;
+        const zhao2000_links_real t119 = -6.1662765f * t118;
+        const zhao2000_links_real t120 = -63.115757f * t105;
+        const zhao2000_links_real t121 = -30.272121f * t115;
+        const zhao2000_links_real t122 = t120 - t121;
+        const zhao2000_links_real t123 = 69.727875f * t122;
+        const zhao2000_links_real t124 = t119 - t123;
+        const zhao2000_links_real t125 = 0.0012584238f * t124;
+        const zhao2000_links_real t126 = -6.1662765f * t122;
+        const zhao2000_links_real t127 = -69.727875f * t118;
+        const zhao2000_links_real t128 = t126 - t127;
+        const zhao2000_links_real t129 = -0.01423018f * t128;
+        const zhao2000_links_real t130 = t125 + t129;
+        const zhao2000_links_real t131 = t130 - t116;
+        const zhao2000_links_real t132 = t131 + t106;
+        const zhao2000_links_real t133 = t20 * t132;
+        const zhao2000_links_real t134 = t133 * t82;
+        const zhao2000_links_real t135 = t85 * t82;
+        const zhao2000_links_real t136 = t79 * t132;
+        const zhao2000_links_real t137 = t136 + t136;
+        const zhao2000_links_real t138 = t135 * t137;
+        const zhao2000_links_real t139 = t134 - t138;
+        const zhao2000_links_real t140 = t90 * t139;
+        const zhao2000_links_real t141 = t85 * t89;
+        const zhao2000_links_real t142 = t12 * t132;
+        const zhao2000_links_real t143 = t142 * t82;
+        const zhao2000_links_real t144 = t83 * t82;
+        const zhao2000_links_real t145 = t144 * t137;
+        const zhao2000_links_real t146 = t143 - t145;
+        const zhao2000_links_real t147 = t141 * t146;
+        const zhao2000_links_real t148 = t140 - t147;
+        const zhao2000_links_real t149 = 1.0f / r1;
+        const zhao2000_links_real t150 = t12 * t149;
+        const zhao2000_links_real t151 = t148 * t150;
+        const zhao2000_links_real t152 = t33 * t53;
+        const zhao2000_links_real t153 = 30.272121f * t152;
+        const zhao2000_links_real t154 = t37 * t53;
+        const zhao2000_links_real t155 = -63.115757f * t154;
+        const zhao2000_links_real t156 = t153 - t155;
+        const zhao2000_links_real t157 = -6.1662765f * t156;
+        const zhao2000_links_real t158 = -63.115757f * t152;
+        const zhao2000_links_real t159 = -30.272121f * t154;
+        const zhao2000_links_real t160 = t158 - t159;
+        const zhao2000_links_real t161 = 69.727875f * t160;
+        const zhao2000_links_real t162 = t157 - t161;
+        const zhao2000_links_real t163 = 0.0012584238f * t162;
+        const zhao2000_links_real t164 = -6.1662765f * t160;
+        const zhao2000_links_real t165 = -69.727875f * t156;
+        const zhao2000_links_real t166 = t164 - t165;
+        const zhao2000_links_real t167 = -0.01423018f * t166;
+        const zhao2000_links_real t168 = t163 + t167;
+        const zhao2000_links_real t169 = t168 - t155;
+        const zhao2000_links_real t170 = t169 + t153;
+        const zhao2000_links_real t171 = t20 * t170;
+        const zhao2000_links_real t172 = t171 * t82;
+        const zhao2000_links_real t173 = t79 * t170;
+        const zhao2000_links_real t174 = t173 + t173;
+        const zhao2000_links_real t175 = t135 * t174;
+        const zhao2000_links_real t176 = t172 - t175;
+        const zhao2000_links_real t177 = t90 * t176;
+        const zhao2000_links_real t178 = t12 * t170;
+        const zhao2000_links_real t179 = t178 * t82;
+        const zhao2000_links_real t180 = t144 * t174;
+        const zhao2000_links_real t181 = t179 - t180;
+        const zhao2000_links_real t182 = t141 * t181;
+        const zhao2000_links_real t183 = t177 - t182;
+        const zhao2000_links_real t184 = t45 + t45;
+        const zhao2000_links_real t185 = t184 * t95;
+        const zhao2000_links_real t186 = t103 - t185;
+        const zhao2000_links_real t187 = t186 * t150;
+        const zhao2000_links_real t188 = r2 + r2;
+        const zhao2000_links_real t189 = 1.0f / t188;
+        const zhao2000_links_real t190 = t187 * t189;
+        const zhao2000_links_real t191 = t183 * t190;
+        const zhao2000_links_real t192 = t151 + t191;
+        const zhao2000_links_real t193 = t141 * t82;
+        const zhao2000_links_real t194 = t79 * t193;
+        const zhao2000_links_real t195 = t192 - t194;
+        const zhao2000_links_real t196 = t90 * t82;
+        const zhao2000_links_real t197 = t79 * t196;
+        const zhao2000_links_real t198 = t20 * t149;
+        const zhao2000_links_real t199 = t148 * t198;
+        const zhao2000_links_real t200 = t186 * t198;
+        const zhao2000_links_real t201 = t200 * t189;
+        const zhao2000_links_real t202 = t183 * t201;
+        const zhao2000_links_real t203 = t199 + t202;
+        const zhao2000_links_real t204 = t197 + t203;
+        const zhao2000_links_real t205 = t144 * t141;
+        const zhao2000_links_real t206 = t135 * t90;
+        const zhao2000_links_real t207 = t205 - t206;
+        const zhao2000_links_real t208 = t79 * t207;
+        const zhao2000_links_real t209 = t12 * t193;
+        const zhao2000_links_real t210 = t208 - t209;
+        const zhao2000_links_real t211 = 69.727875f * t210;
+        const zhao2000_links_real t212 = t20 * t196;
+        const zhao2000_links_real t213 = t208 + t212;
+        const zhao2000_links_real t214 = 69.727875f * t213;
+        const zhao2000_links_real t215 = t211 + t214;
+        const zhao2000_links_real t216 = 0.0012584238f * t215;
+        const zhao2000_links_real t217 = -6.1662765f * t210;
+        const zhao2000_links_real t218 = -6.1662765f * t213;
+        const zhao2000_links_real t219 = t217 + t218;
+        const zhao2000_links_real t220 = -0.01423018f * t219;
+        const zhao2000_links_real t221 = t216 - t220;
+        const zhao2000_links_real t222 = t31 + t31;
+        const zhao2000_links_real t223 = -63.115757f * t210;
+        const zhao2000_links_real t224 = -63.115757f * t213;
+        const zhao2000_links_real t225 = t223 + t224;
+        const zhao2000_links_real t226 = -30.272121f * t221;
+        const zhao2000_links_real t227 = t225 + t226;
+        const zhao2000_links_real t228 = 0.0012584238f * t219;
+        const zhao2000_links_real t229 = 0.01423018f * t215;
+        const zhao2000_links_real t230 = t228 - t229;
+        const zhao2000_links_real t231 = -63.115757f * t230;
+        const zhao2000_links_real t232 = t227 + t231;
+        const zhao2000_links_real t233 = t232 * t53;
+        const zhao2000_links_real t234 = t33 * t233;
+        const zhao2000_links_real t235 = 30.272121f * t210;
+        const zhao2000_links_real t236 = 30.272121f * t213;
+        const zhao2000_links_real t237 = t235 + t236;
+        const zhao2000_links_real t238 = -63.115757f * t221;
+        const zhao2000_links_real t239 = t237 + t238;
+        const zhao2000_links_real t240 = 30.272121f * t230;
+        const zhao2000_links_real t241 = t239 + t240;
+        const zhao2000_links_real t242 = t241 * t53;
+        const zhao2000_links_real t243 = t37 * t242;
+        const zhao2000_links_real t244 = t234 + t243;
+        const zhao2000_links_real t245 = t222 * t244;
+        const zhao2000_links_real t246 = t37 + t37;
+        const zhao2000_links_real t247 = t113 * t232;
+        const zhao2000_links_real t248 = t100 * t241;
+        const zhao2000_links_real t249 = t247 - t248;
+        const zhao2000_links_real t250 = t246 * t249;
+        const zhao2000_links_real t251 = r2 * t233;
+        const zhao2000_links_real t252 = t250 - t251;
+        const zhao2000_links_real t253 = t45 * t242;
+        const zhao2000_links_real t254 = t252 - t253;
+        const zhao2000_links_real t255 = -1.7201067f * t254;
+        const zhao2000_links_real t256 = t245 + t255;
+        const zhao2000_links_real t257 = t33 + t33;
+        const zhao2000_links_real t258 = t257 * t249;
+        const zhao2000_links_real t259 = t45 * t233;
+        const zhao2000_links_real t260 = t258 - t259;
+        const zhao2000_links_real t261 = r2 * t242;
+        const zhao2000_links_real t262 = t260 + t261;
+        const zhao2000_links_real t263 = -1.0204082f * t262;
+        const zhao2000_links_real t264 = t256 + t263;
+        const zhao2000_links_real t265 = -0.01423018f * t264;
+        const zhao2000_links_real t266 = t221 - t265;
+        const zhao2000_links_real t267 = -1.0204082f * t254;
+        const zhao2000_links_real t268 = t27 + t27;
+        const zhao2000_links_real t269 = t268 * t244;
+        const zhao2000_links_real t270 = t267 - t269;
+        const zhao2000_links_real t271 = 1.7201067f * t262;
+        const zhao2000_links_real t272 = t270 + t271;
+        const zhao2000_links_real t273 = 0.0012584238f * t272;
+        const zhao2000_links_real t274 = t266 + t273;
+        const zhao2000_links_real t275 = -0.024711937f * t33;
+        const zhao2000_links_real t276 = -0.051523067f * t37;
+        const zhao2000_links_real t277 = t275 + t276;
+        const zhao2000_links_real t278 = -0.02846036f * t31;
+        const zhao2000_links_real t279 = 0.0025168476f * t27;
+        const zhao2000_links_real t280 = t278 + t279;
+        const zhao2000_links_real t281 = t184 * t280;
+        const zhao2000_links_real t282 = t277 - t281;
+        const zhao2000_links_real t283 = t282 * t189;
+        const zhao2000_links_real t284 = t183 * t283;
+        const zhao2000_links_real t285 = t274 + t284;
+        const zhao2000_links_real t286 = t197 + t197;
+        const zhao2000_links_real t287 = t1 * t286;
+        const zhao2000_links_real t288 = -t194;
+        const zhao2000_links_real t289 = t288 + t288;
+        const zhao2000_links_real t290 = t2 * t289;
+        const zhao2000_links_real t291 = t287 - t290;
+        const zhao2000_links_real t292 = -60.0f * t291;
+        const zhao2000_links_real t293 = t5 * t289;
+        const zhao2000_links_real t294 = t3 * t286;
+        const zhao2000_links_real t295 = t293 + t294;
+        const zhao2000_links_real t296 = t1 * t289;
+        const zhao2000_links_real t297 = t2 * t286;
+        const zhao2000_links_real t298 = t296 + t297;
+        const zhao2000_links_real t299 = 34.641018f * t298;
+        const zhao2000_links_real t300 = t295 + t299;
+        const zhao2000_links_real t301 = t292 - t300;
+        const zhao2000_links_real t302 = t1 * t301;
+        const zhao2000_links_real t303 = t5 * t286;
+        const zhao2000_links_real t304 = t3 * t289;
+        const zhao2000_links_real t305 = t303 - t304;
+        const zhao2000_links_real t306 = t2 * t305;
+        const zhao2000_links_real t307 = t302 - t306;
+        const zhao2000_links_real t308 = 0.5f * t307;
+        const zhao2000_links_real t309 = 4.0f * t20;
+        const zhao2000_links_real t310 = t1 * t309;
+        const zhao2000_links_real t311 = 4.0f * t12;
+        const zhao2000_links_real t312 = t2 * t311;
+        const zhao2000_links_real t313 = t310 - t312;
+        const zhao2000_links_real t314 = -60.0f * t313;
+        const zhao2000_links_real t315 = t3 * t309;
+        const zhao2000_links_real t316 = t5 * t311;
+        const zhao2000_links_real t317 = t315 + t316;
+        const zhao2000_links_real t318 = t314 - t317;
+        const zhao2000_links_real t319 = t2 * t309;
+        const zhao2000_links_real t320 = t1 * t311;
+        const zhao2000_links_real t321 = t319 + t320;
+        const zhao2000_links_real t322 = 34.641018f * t321;
+        const zhao2000_links_real t323 = t318 - t322;
+        const zhao2000_links_real t324 = t1 * t323;
+        const zhao2000_links_real t325 = t5 * t309;
+        const zhao2000_links_real t326 = t3 * t311;
+        const zhao2000_links_real t327 = t325 - t326;
+        const zhao2000_links_real t328 = t2 * t327;
+        const zhao2000_links_real t329 = t324 - t328;
+        const zhao2000_links_real t330 = 0.5f * t329;
+        const zhao2000_links_real t331 = r1 + r1;
+        const zhao2000_links_real t332 = t330 / t331;
+        const zhao2000_links_real t333 = t148 * t332;
+        const zhao2000_links_real t334 = t186 * t332;
+        const zhao2000_links_real t335 = t334 * t189;
+        const zhao2000_links_real t336 = t183 * t335;
+        const zhao2000_links_real t337 = t333 + t336;
+        const zhao2000_links_real t338 = t308 + t337;
+        rates[0] = t195;
+        rates[1] = t204;
+        rates[2] = t285;
+        rates[3] = t338;
+        status = ZHAO2000_LINKS_OK;
+    } else {
+        rates[0] = 0.0f;
+        rates[1] = 0.0f;
+        rates[2] = 0.0f;
+        rates[3] = 0.0f;
     }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 4 entries of w->f. */
-static void zhao2000_links_limb3_solve(zhao2000_links_limb3_work *w)
-{
-    zhao2000_links_real y[4];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 4; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 5; ++i) {
-            y[c] += w->a[4 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 5; ++i) {
-            w->f[i] -= y[c] * w->a[4 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 3; c >= 0; --c) {
-        for (int j = c + 1; j < 4; ++j) {
-            y[c] -= w->r[4 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[4 * c + c];
-    }
-}
-
-/* Minus the derivative of the limb's rows by the platform's twist, row by row: the right-hand sides
- * of the joint rates. */
-static void zhao2000_links_limb3_twist_columns(const zhao2000_links_limb3_work *w,
-    zhao2000_links_real sides[30])
-{
-    const zhao2000_links_real t0 = 69.282036f * w->k[5];
-    const zhao2000_links_real t1 = 0.0020423187f * w->k[3];
-    const zhao2000_links_real t2 = t0 * t1;
-    const zhao2000_links_real t3 = 34.641018f * w->k[6];
-    const zhao2000_links_real t4 = -t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = 0.0020423187f * w->k[4];
-    const zhao2000_links_real t7 = t5 * t6;
-    const zhao2000_links_real t8 = t2 - t7;
-    const zhao2000_links_real t9 = 34.641018f * w->k[4];
-    const zhao2000_links_real t10 = -60.0f * w->k[5];
-    const zhao2000_links_real t11 = t9 - t10;
-    const zhao2000_links_real t12 = 60.0f * w->k[5];
-    const zhao2000_links_real t13 = t11 + t12;
-    const zhao2000_links_real t14 = t13 + t13;
-    const zhao2000_links_real t15 = 0.0020423187f * w->k[6];
-    const zhao2000_links_real t16 = t14 * t15;
-    const zhao2000_links_real t17 = t8 - t16;
-    const zhao2000_links_real t18 = -120.0f * w->k[6];
-    const zhao2000_links_real t19 = 34.641018f * w->k[3];
-    const zhao2000_links_real t20 = t18 + t19;
-    const zhao2000_links_real t21 = -t20;
-    const zhao2000_links_real t22 = t21 + t21;
-    const zhao2000_links_real t23 = 0.0020423187f * w->k[5];
-    const zhao2000_links_real t24 = t22 * t23;
-    const zhao2000_links_real t25 = t17 + t24;
-    const zhao2000_links_real t26 = 244.81978f * t25;
-    const zhao2000_links_real t27 = -t26;
-    const zhao2000_links_real t28 = t0 * t15;
-    const zhao2000_links_real t29 = t5 * t23;
-    const zhao2000_links_real t30 = t28 - t29;
-    const zhao2000_links_real t31 = t14 * t1;
-    const zhao2000_links_real t32 = t30 + t31;
-    const zhao2000_links_real t33 = t22 * t6;
-    const zhao2000_links_real t34 = t32 - t33;
-    const zhao2000_links_real t35 = 244.81978f * t34;
-    const zhao2000_links_real t36 = -t35;
-    const zhao2000_links_real t37 = t14 * t6;
-    const zhao2000_links_real t38 = t5 * t15;
-    const zhao2000_links_real t39 = t0 * t23;
-    const zhao2000_links_real t40 = t38 + t39;
-    const zhao2000_links_real t41 = t37 - t40;
-    const zhao2000_links_real t42 = t22 * t1;
-    const zhao2000_links_real t43 = t41 + t42;
-    const zhao2000_links_real t44 = 244.81978f * t43;
-    const zhao2000_links_real t45 = -t44;
-    const zhao2000_links_real t46 = t11 + t9;
-    const zhao2000_links_real t47 = -t46;
-    const zhao2000_links_real t48 = t47 + t47;
-    const zhao2000_links_real t49 = t48 * t1;
-    const zhao2000_links_real t50 = t18 * t6;
-    const zhao2000_links_real t51 = t49 - t50;
-    const zhao2000_links_real t52 = 60.0f * w->k[4];
-    const zhao2000_links_real t53 = -t52;
-    const zhao2000_links_real t54 = t53 + t53;
-    const zhao2000_links_real t55 = t54 * t15;
-    const zhao2000_links_real t56 = t51 - t55;
-    const zhao2000_links_real t57 = -60.0f * w->k[3];
-    const zhao2000_links_real t58 = 69.282036f * w->k[6];
-    const zhao2000_links_real t59 = t57 - t58;
-    const zhao2000_links_real t60 = t59 + t59;
-    const zhao2000_links_real t61 = t60 * t23;
-    const zhao2000_links_real t62 = t56 + t61;
-    const zhao2000_links_real t63 = 244.81978f * t62;
-    const zhao2000_links_real t64 = -t63;
-    const zhao2000_links_real t65 = t48 * t15;
-    const zhao2000_links_real t66 = t18 * t23;
-    const zhao2000_links_real t67 = t65 - t66;
-    const zhao2000_links_real t68 = t54 * t1;
-    const zhao2000_links_real t69 = t67 + t68;
-    const zhao2000_links_real t70 = t60 * t6;
-    const zhao2000_links_real t71 = t69 - t70;
-    const zhao2000_links_real t72 = 244.81978f * t71;
-    const zhao2000_links_real t73 = -t72;
-    const zhao2000_links_real t74 = t54 * t6;
-    const zhao2000_links_real t75 = t18 * t15;
-    const zhao2000_links_real t76 = t48 * t23;
-    const zhao2000_links_real t77 = t75 + t76;
-    const zhao2000_links_real t78 = t74 - t77;
-    const zhao2000_links_real t79 = t60 * t1;
-    const zhao2000_links_real t80 = t78 + t79;
-    const zhao2000_links_real t81 = 244.81978f * t80;
-    const zhao2000_links_real t82 = -t81;
-    const zhao2000_links_real t83 = -60.0f * w->k[6];
-    const zhao2000_links_real t84 = t19 + t83;
-    const zhao2000_links_real t85 = t84 + t84;
-    const zhao2000_links_real t86 = t85 * t1;
-    const zhao2000_links_real t87 = t11 + t11;
-    const zhao2000_links_real t88 = t87 * t6;
-    const zhao2000_links_real t89 = t86 - t88;
-    const zhao2000_links_real t90 = 60.0f * w->k[3];
-    const zhao2000_links_real t91 = t90 + t3;
-    const zhao2000_links_real t92 = t91 + t91;
-    const zhao2000_links_real t93 = t92 * t15;
-    const zhao2000_links_real t94 = t89 - t93;
-    const zhao2000_links_real t95 = -60.0f * w->k[4];
-    const zhao2000_links_real t96 = 34.641018f * w->k[5];
-    const zhao2000_links_real t97 = t95 + t96;
-    const zhao2000_links_real t98 = t97 + t97;
-    const zhao2000_links_real t99 = t98 * t23;
-    const zhao2000_links_real t100 = t94 + t99;
-    const zhao2000_links_real t101 = 244.81978f * t100;
-    const zhao2000_links_real t102 = -t101;
-    const zhao2000_links_real t103 = t85 * t15;
-    const zhao2000_links_real t104 = t87 * t23;
-    const zhao2000_links_real t105 = t103 - t104;
-    const zhao2000_links_real t106 = t92 * t1;
-    const zhao2000_links_real t107 = t105 + t106;
-    const zhao2000_links_real t108 = t98 * t6;
-    const zhao2000_links_real t109 = t107 - t108;
-    const zhao2000_links_real t110 = 244.81978f * t109;
-    const zhao2000_links_real t111 = -t110;
-    const zhao2000_links_real t112 = t92 * t6;
-    const zhao2000_links_real t113 = t87 * t15;
-    const zhao2000_links_real t114 = t85 * t23;
-    const zhao2000_links_real t115 = t113 + t114;
-    const zhao2000_links_real t116 = t112 - t115;
-    const zhao2000_links_real t117 = t98 * t1;
-    const zhao2000_links_real t118 = t116 + t117;
-    const zhao2000_links_real t119 = 244.81978f * t118;
-    const zhao2000_links_real t120 = -t119;
-    const zhao2000_links_real t121 = w->x[0] - 5.7595863f;
-    const zhao2000_links_real t122 = 0.5f * t121;
-    const zhao2000_links_real t123 = cosf(t122);
-    const zhao2000_links_real t124 = 0.5f * w->x[1];
-    const zhao2000_links_real t125 = cosf(t124);
-    const zhao2000_links_real t126 = t123 * t125;
-    const zhao2000_links_real t127 = 0.5f * w->x[2];
-    const zhao2000_links_real t128 = sinf(t127);
-    const zhao2000_links_real t129 = -0.5f * t128;
-    const zhao2000_links_real t130 = t126 * t129;
-    const zhao2000_links_real t131 = sinf(t124);
-    const zhao2000_links_real t132 = -0.5f * t131;
-    const zhao2000_links_real t133 = t123 * t132;
-    const zhao2000_links_real t134 = sinf(t122);
-    const zhao2000_links_real t135 = -0.8660254f * t131;
-    const zhao2000_links_real t136 = t134 * t135;
-    const zhao2000_links_real t137 = t133 - t136;
-    const zhao2000_links_real t138 = cosf(t127);
-    const zhao2000_links_real t139 = t137 * t138;
-    const zhao2000_links_real t140 = t130 + t139;
-    const zhao2000_links_real t141 = t134 * t125;
-    const zhao2000_links_real t142 = -0.8660254f * t128;
-    const zhao2000_links_real t143 = t141 * t142;
-    const zhao2000_links_real t144 = t140 - t143;
-    const zhao2000_links_real t145 = 0.5f * w->x[3];
-    const zhao2000_links_real t146 = sinf(t145);
-    const zhao2000_links_real t147 = -0.8660254f * t146;
-    const zhao2000_links_real t148 = t144 * t147;
-    const zhao2000_links_real t149 = t126 * t142;
-    const zhao2000_links_real t150 = t123 * t135;
-    const zhao2000_links_real t151 = t134 * t132;
-    const zhao2000_links_real t152 = t150 + t151;
-    const zhao2000_links_real t153 = t152 * t138;
-    const zhao2000_links_real t154 = t149 + t153;
-    const zhao2000_links_real t155 = t141 * t129;
-    const zhao2000_links_real t156 = t154 + t155;
-    const zhao2000_links_real t157 = -0.5f * t146;
-    const zhao2000_links_real t158 = t156 * t157;
-    const zhao2000_links_real t159 = t148 - t158;
-    const zhao2000_links_real t160 = t137 * t142;
-    const zhao2000_links_real t161 = t152 * t129;
-    const zhao2000_links_real t162 = t160 - t161;
-    const zhao2000_links_real t163 = t141 * t138;
-    const zhao2000_links_real t164 = t162 + t163;
-    const zhao2000_links_real t165 = cosf(t145);
-    const zhao2000_links_real t166 = t164 * t165;
-    const zhao2000_links_real t167 = t159 + t166;
-    const zhao2000_links_real t168 = 489.63956f * t167;
-    const zhao2000_links_real t169 = t168 * t1;
-    const zhao2000_links_real t170 = t126 * t138;
-    const zhao2000_links_real t171 = t137 * t129;
-    const zhao2000_links_real t172 = t170 - t171;
-    const zhao2000_links_real t173 = t152 * t142;
-    const zhao2000_links_real t174 = t172 - t173;
-    const zhao2000_links_real t175 = t174 * t147;
-    const zhao2000_links_real t176 = t156 * t165;
-    const zhao2000_links_real t177 = t175 + t176;
-    const zhao2000_links_real t178 = t164 * t157;
-    const zhao2000_links_real t179 = t177 + t178;
-    const zhao2000_links_real t180 = 489.63956f * t179;
-    const zhao2000_links_real t181 = t180 * t6;
-    const zhao2000_links_real t182 = t169 - t181;
-    const zhao2000_links_real t183 = t174 * t165;
-    const zhao2000_links_real t184 = t144 * t157;
-    const zhao2000_links_real t185 = t183 - t184;
-    const zhao2000_links_real t186 = t156 * t147;
-    const zhao2000_links_real t187 = t185 - t186;
-    const zhao2000_links_real t188 = 489.63956f * t187;
-    const zhao2000_links_real t189 = t188 * t15;
-    const zhao2000_links_real t190 = t182 + t189;
-    const zhao2000_links_real t191 = t174 * t157;
-    const zhao2000_links_real t192 = t144 * t165;
-    const zhao2000_links_real t193 = t191 + t192;
-    const zhao2000_links_real t194 = t164 * t147;
-    const zhao2000_links_real t195 = t193 - t194;
-    const zhao2000_links_real t196 = 489.63956f * t195;
-    const zhao2000_links_real t197 = t196 * t23;
-    const zhao2000_links_real t198 = t190 - t197;
-    const zhao2000_links_real t199 = 244.81978f * t198;
-    const zhao2000_links_real t200 = -t199;
-    const zhao2000_links_real t201 = t196 * t6;
-    const zhao2000_links_real t202 = t188 * t1;
-    const zhao2000_links_real t203 = t168 * t15;
-    const zhao2000_links_real t204 = t180 * t23;
-    const zhao2000_links_real t205 = t203 - t204;
-    const zhao2000_links_real t206 = t205 - t202;
-    const zhao2000_links_real t207 = t206 + t201;
-    const zhao2000_links_real t208 = 244.81978f * t207;
-    const zhao2000_links_real t209 = -t208;
-    const zhao2000_links_real t210 = t180 * t15;
-    const zhao2000_links_real t211 = t168 * t23;
-    const zhao2000_links_real t212 = t210 + t211;
-    const zhao2000_links_real t213 = t188 * t6;
-    const zhao2000_links_real t214 = t212 + t213;
-    const zhao2000_links_real t215 = t196 * t1;
-    const zhao2000_links_real t216 = t214 + t215;
-    const zhao2000_links_real t217 = 244.81978f * t216;
-    const zhao2000_links_real t218 = t201 + t202;
-    const zhao2000_links_real t219 = t218 - t203;
-    const zhao2000_links_real t220 = t219 - t204;
-    const zhao2000_links_real t221 = 244.81978f * t220;
-    const zhao2000_links_real t222 = -t221;
-    const zhao2000_links_real t223 = t197 + t189;
-    const zhao2000_links_real t224 = t223 + t169;
-    const zhao2000_links_real t225 = t224 + t181;
-    const zhao2000_links_real t226 = 244.81978f * t225;
-    const zhao2000_links_real t227 = -t226;
-    const zhao2000_links_real t228 = t196 * t15;
-    const zhao2000_links_real t229 = t188 * t23;
-    const zhao2000_links_real t230 = t228 - t229;
-    const zhao2000_links_real t231 = t168 * t6;
-    const zhao2000_links_real t232 = t230 + t231;
-    const zhao2000_links_real t233 = t180 * t1;
-    const zhao2000_links_real t234 = t232 - t233;
-    const zhao2000_links_real t235 = 244.81978f * t234;
-    const zhao2000_links_real t236 = -t235;
-    sides[0] = -1.0f;
-    sides[1] = 0.0f;
-    sides[2] = 0.0f;
-    sides[3] = t27;
-    sides[4] = t36;
-    sides[5] = t45;
-    sides[6] = 0.0f;
-    sides[7] = -1.0f;
-    sides[8] = 0.0f;
-    sides[9] = t64;
-    sides[10] = t73;
-    sides[11] = t82;
-    sides[12] = 0.0f;
-    sides[13] = 0.0f;
-    sides[14] = -1.0f;
-    sides[15] = t102;
-    sides[16] = t111;
-    sides[17] = t120;
-    sides[18] = 0.0f;
-    sides[19] = 0.0f;
-    sides[20] = 0.0f;
-    sides[21] = t200;
-    sides[22] = t209;
-    sides[23] = t217;
-    sides[24] = 0.0f;
-    sides[25] = 0.0f;
-    sides[26] = 0.0f;
-    sides[27] = t222;
-    sides[28] = t227;
-    sides[29] = t236;
+    return status;
 }
 
 /* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
  * reference configuration. */
-static zhao2000_links_status zhao2000_links_solve_limbs(const zhao2000_links_real c[7],
+static zhao2000_links_status zhao2000_links_solve_limbs(const zhao2000_links_real c[4],
     zhao2000_links_real q[4], zhao2000_links_real passive[9])
 {
     zhao2000_links_status status = ZHAO2000_LINKS_OK;
@@ -2728,2429 +1611,6 @@ static zhao2000_links_status zhao2000_links_solve_limbs(const zhao2000_links_rea
     return status;
 }
 
-/* Work space of zhao2000_links_direct_newton, which solves the rows f(x; k) = 0 for the state x.
- * x: hip1, elbow1, wrist1, hip2, elbow2, wrist2, hip3, elbow3, wrist3, x, y, z, quaternion (w, x,
- * y, z)
- * k: theta1, theta2, theta3, op
- * f: minus the closure's rows, lengths and angles times the size; then the step: changes of the
- * state: lengths,
- *    angles and turns times the size
- */
-typedef struct {
-    zhao2000_links_real x[16]; /* state */
-    /* state at the part of the line that is done, to which a failed try returns */
-    zhao2000_links_real x0[16];
-    zhao2000_links_real at[4]; /* known values at the guess, where the line begins */
-    zhao2000_links_real k[4]; /* known values aimed at */
-    zhao2000_links_real f[16]; /* rows; the linear solver leaves the step in their place */
-    zhao2000_links_real a[240]; /* matrix -df/dstep, row by row; then Q of QR in its place */
-    zhao2000_links_real r[225]; /* R of QR, reciprocals on its diagonal */
-    /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
-    zhao2000_links_real spread;
-    uint8_t order[15]; /* rows exchanged by the pivoting fallback */
-    bool pivoted; /* whether w->a holds the factors of the fallback */
-} zhao2000_links_direct_work;
-
-/* The rows f(x; k) into w->f, and what the matrix shares with them. */
-static void zhao2000_links_direct_rows(zhao2000_links_direct_work *w)
-{
-    /* row 1: hip1, elbow1, x, quaternion (w, x, y, z) */
-    const zhao2000_links_real t0 = -69.282036f * w->x[13];
-    const zhao2000_links_real t1 = w->x[14] * t0;
-    const zhao2000_links_real t2 = -69.282036f * w->x[15];
-    const zhao2000_links_real t3 = w->x[12] * t2;
-    const zhao2000_links_real t4 = t1 - t3;
-    const zhao2000_links_real t5 = t4 + t4;
-    const zhao2000_links_real t6 = w->x[9] + t5;
-    const zhao2000_links_real t7 = w->k[0] - 1.5707964f;
-    const zhao2000_links_real t8 = sinf(t7);
-    const zhao2000_links_real t9 = cosf(w->x[0]);
-    const zhao2000_links_real t10 = cosf(w->x[1]);
-    const zhao2000_links_real t11 = 63.115757f * t10;
-    const zhao2000_links_real t12 = sinf(w->x[1]);
-    const zhao2000_links_real t13 = -30.272121f * t12;
-    const zhao2000_links_real t14 = t11 + t13;
-    const zhao2000_links_real t15 = t14 + 6.1662765f;
-    const zhao2000_links_real t16 = t9 * t15;
-    const zhao2000_links_real t17 = sinf(w->x[0]);
-    const zhao2000_links_real t18 = 30.272121f * t10;
-    const zhao2000_links_real t19 = 63.115757f * t12;
-    const zhao2000_links_real t20 = t18 + t19;
-    const zhao2000_links_real t21 = t20 + 69.727875f;
-    const zhao2000_links_real t22 = t17 * t21;
-    const zhao2000_links_real t23 = t16 - t22;
-    const zhao2000_links_real t24 = t8 * t23;
-    const zhao2000_links_real t25 = t6 + t24;
-    const zhao2000_links_real t26 = -t25;
-    w->f[0] = t26;
-    /* row 2: hip1, elbow1, y, quaternion (w, x, y, z) */
-    const zhao2000_links_real t28 = w->x[15] * t2;
-    const zhao2000_links_real t29 = w->x[13] * t0;
-    const zhao2000_links_real t30 = t28 + t29;
-    const zhao2000_links_real t31 = -t30;
-    const zhao2000_links_real t32 = t31 + t31;
-    const zhao2000_links_real t33 = t32 - 69.282036f;
-    const zhao2000_links_real t34 = w->x[10] + t33;
-    const zhao2000_links_real t35 = cosf(t7);
-    const zhao2000_links_real t36 = t35 * t23;
-    const zhao2000_links_real t37 = t36 - 138.56407f;
-    const zhao2000_links_real t38 = t34 - t37;
-    const zhao2000_links_real t39 = -t38;
-    w->f[1] = t39;
-    /* row 3: hip1, elbow1, z, quaternion (w, x, y, z) */
-    const zhao2000_links_real t41 = w->x[12] * t0;
-    const zhao2000_links_real t42 = w->x[14] * t2;
-    const zhao2000_links_real t43 = t41 + t42;
-    const zhao2000_links_real t44 = t43 + t43;
-    const zhao2000_links_real t45 = w->x[11] + t44;
-    const zhao2000_links_real t46 = t9 * t21;
-    const zhao2000_links_real t47 = t17 * t15;
-    const zhao2000_links_real t48 = t46 + t47;
-    const zhao2000_links_real t49 = t35 * t48;
-    const zhao2000_links_real t50 = 1.0f - t35;
-    const zhao2000_links_real t51 = t50 * t48;
-    const zhao2000_links_real t52 = t49 + t51;
-    const zhao2000_links_real t53 = t45 - t52;
-    const zhao2000_links_real t54 = -t53;
-    w->f[2] = t54;
-    /* row 4: hip1, elbow1, wrist1, quaternion (w, x, y, z) */
-    const zhao2000_links_real t56 = 0.5f * t7;
-    const zhao2000_links_real t57 = cosf(t56);
-    const zhao2000_links_real t58 = 0.5f * w->x[0];
-    const zhao2000_links_real t59 = cosf(t58);
-    const zhao2000_links_real t60 = t57 * t59;
-    const zhao2000_links_real t61 = 0.5f * w->x[1];
-    const zhao2000_links_real t62 = cosf(t61);
-    const zhao2000_links_real t63 = t60 * t62;
-    const zhao2000_links_real t64 = sinf(t58);
-    const zhao2000_links_real t65 = t57 * t64;
-    const zhao2000_links_real t66 = sinf(t61);
-    const zhao2000_links_real t67 = t65 * t66;
-    const zhao2000_links_real t68 = t63 - t67;
-    const zhao2000_links_real t69 = 0.5f * w->x[2];
-    const zhao2000_links_real t70 = cosf(t69);
-    const zhao2000_links_real t71 = t68 * t70;
-    const zhao2000_links_real t72 = t60 * t66;
-    const zhao2000_links_real t73 = t65 * t62;
-    const zhao2000_links_real t74 = t72 + t73;
-    const zhao2000_links_real t75 = sinf(t69);
-    const zhao2000_links_real t76 = t74 * t75;
-    const zhao2000_links_real t77 = t71 - t76;
-    const zhao2000_links_real t78 = t77 * w->x[14];
-    const zhao2000_links_real t79 = t68 * t75;
-    const zhao2000_links_real t80 = t74 * t70;
-    const zhao2000_links_real t81 = t79 + t80;
-    const zhao2000_links_real t82 = t81 * w->x[15];
-    const zhao2000_links_real t83 = t78 + t82;
-    const zhao2000_links_real t84 = sinf(t56);
-    const zhao2000_links_real t85 = t84 * t64;
-    const zhao2000_links_real t86 = t85 * t62;
-    const zhao2000_links_real t87 = t84 * t59;
-    const zhao2000_links_real t88 = t87 * t66;
-    const zhao2000_links_real t89 = t86 + t88;
-    const zhao2000_links_real t90 = t89 * t70;
-    const zhao2000_links_real t91 = t87 * t62;
-    const zhao2000_links_real t92 = t85 * t66;
-    const zhao2000_links_real t93 = t91 - t92;
-    const zhao2000_links_real t94 = t93 * t75;
-    const zhao2000_links_real t95 = t90 + t94;
-    const zhao2000_links_real t96 = t95 * w->x[12];
-    const zhao2000_links_real t97 = t83 - t96;
-    const zhao2000_links_real t98 = t93 * t70;
-    const zhao2000_links_real t99 = t89 * t75;
-    const zhao2000_links_real t100 = t98 - t99;
-    const zhao2000_links_real t101 = t100 * w->x[13];
-    const zhao2000_links_real t102 = t97 - t101;
-    const zhao2000_links_real t103 = 489.63956f * t102;
-    w->f[3] = t103;
-    /* row 5: hip1, elbow1, wrist1, quaternion (w, x, y, z) */
-    const zhao2000_links_real t105 = t77 * w->x[13];
-    const zhao2000_links_real t106 = t81 * w->x[12];
-    const zhao2000_links_real t107 = t105 - t106;
-    const zhao2000_links_real t108 = t95 * w->x[15];
-    const zhao2000_links_real t109 = t107 - t108;
-    const zhao2000_links_real t110 = t100 * w->x[14];
-    const zhao2000_links_real t111 = t109 + t110;
-    const zhao2000_links_real t112 = 489.63956f * t111;
-    const zhao2000_links_real t113 = -t112;
-    w->f[4] = t113;
-    /* row 6: hip2, elbow2, x, quaternion (w, x, y, z) */
-    const zhao2000_links_real t115 = 34.641018f * w->x[13];
-    const zhao2000_links_real t116 = 60.0f * w->x[14];
-    const zhao2000_links_real t117 = t115 - t116;
-    const zhao2000_links_real t118 = w->x[14] * t117;
-    const zhao2000_links_real t119 = 60.0f * w->x[15];
-    const zhao2000_links_real t120 = w->x[15] * t119;
-    const zhao2000_links_real t121 = t118 - t120;
-    const zhao2000_links_real t122 = 34.641018f * w->x[15];
-    const zhao2000_links_real t123 = w->x[12] * t122;
-    const zhao2000_links_real t124 = t121 - t123;
-    const zhao2000_links_real t125 = t124 + t124;
-    const zhao2000_links_real t126 = t125 + 60.0f;
-    const zhao2000_links_real t127 = w->x[9] + t126;
-    const zhao2000_links_real t128 = w->k[1] - 3.6651914f;
-    const zhao2000_links_real t129 = cosf(t128);
-    const zhao2000_links_real t130 = cosf(w->x[3]);
-    const zhao2000_links_real t131 = cosf(w->x[4]);
-    const zhao2000_links_real t132 = -54.659847f * t131;
-    const zhao2000_links_real t133 = sinf(w->x[4]);
-    const zhao2000_links_real t134 = 26.216427f * t133;
-    const zhao2000_links_real t135 = t132 + t134;
-    const zhao2000_links_real t136 = t135 - 5.340152f;
-    const zhao2000_links_real t137 = t130 * t136;
-    const zhao2000_links_real t138 = sinf(w->x[3]);
-    const zhao2000_links_real t139 = 30.272121f * t131;
-    const zhao2000_links_real t140 = 63.115757f * t133;
-    const zhao2000_links_real t141 = t139 + t140;
-    const zhao2000_links_real t142 = t141 + 69.727875f;
-    const zhao2000_links_real t143 = 0.8660254f * t142;
-    const zhao2000_links_real t144 = t138 * t143;
-    const zhao2000_links_real t145 = t137 + t144;
-    const zhao2000_links_real t146 = 1.0f - t130;
-    const zhao2000_links_real t147 = -0.5f * t136;
-    const zhao2000_links_real t148 = -31.557878f * t131;
-    const zhao2000_links_real t149 = 15.136061f * t133;
-    const zhao2000_links_real t150 = t148 + t149;
-    const zhao2000_links_real t151 = t150 - 3.0831382f;
-    const zhao2000_links_real t152 = 0.8660254f * t151;
-    const zhao2000_links_real t153 = t147 + t152;
-    const zhao2000_links_real t154 = t146 * t153;
-    const zhao2000_links_real t155 = -0.5f * t154;
-    const zhao2000_links_real t156 = t145 + t155;
-    const zhao2000_links_real t157 = t129 * t156;
-    const zhao2000_links_real t158 = sinf(t128);
-    const zhao2000_links_real t159 = t130 * t151;
-    const zhao2000_links_real t160 = -0.5f * t142;
-    const zhao2000_links_real t161 = t138 * t160;
-    const zhao2000_links_real t162 = t159 - t161;
-    const zhao2000_links_real t163 = 0.8660254f * t154;
-    const zhao2000_links_real t164 = t162 + t163;
-    const zhao2000_links_real t165 = t158 * t164;
-    const zhao2000_links_real t166 = t157 - t165;
-    const zhao2000_links_real t167 = t166 + 120.0f;
-    const zhao2000_links_real t168 = t127 - t167;
-    const zhao2000_links_real t169 = -t168;
-    w->f[5] = t169;
-    /* row 7: hip2, elbow2, y, quaternion (w, x, y, z) */
-    const zhao2000_links_real t171 = w->x[12] * t119;
-    const zhao2000_links_real t172 = w->x[15] * t122;
-    const zhao2000_links_real t173 = w->x[13] * t117;
-    const zhao2000_links_real t174 = t172 + t173;
-    const zhao2000_links_real t175 = t171 - t174;
-    const zhao2000_links_real t176 = t175 + t175;
-    const zhao2000_links_real t177 = t176 + 34.641018f;
-    const zhao2000_links_real t178 = w->x[10] + t177;
-    const zhao2000_links_real t179 = t129 * t164;
-    const zhao2000_links_real t180 = t158 * t156;
-    const zhao2000_links_real t181 = t179 + t180;
-    const zhao2000_links_real t182 = t181 + 69.282036f;
-    const zhao2000_links_real t183 = t178 - t182;
-    const zhao2000_links_real t184 = -t183;
-    w->f[6] = t184;
-    /* row 8: hip2, elbow2, z, quaternion (w, x, y, z) */
-    const zhao2000_links_real t186 = w->x[12] * t117;
-    const zhao2000_links_real t187 = w->x[13] * t119;
-    const zhao2000_links_real t188 = w->x[14] * t122;
-    const zhao2000_links_real t189 = t187 + t188;
-    const zhao2000_links_real t190 = t186 + t189;
-    const zhao2000_links_real t191 = t190 + t190;
-    const zhao2000_links_real t192 = w->x[11] + t191;
-    const zhao2000_links_real t193 = t130 * t142;
-    const zhao2000_links_real t194 = -0.5f * t151;
-    const zhao2000_links_real t195 = 0.8660254f * t136;
-    const zhao2000_links_real t196 = t194 - t195;
-    const zhao2000_links_real t197 = t138 * t196;
-    const zhao2000_links_real t198 = t193 + t197;
-    const zhao2000_links_real t199 = t129 * t198;
-    const zhao2000_links_real t200 = 1.0f - t129;
-    const zhao2000_links_real t201 = t200 * t198;
-    const zhao2000_links_real t202 = t199 + t201;
-    const zhao2000_links_real t203 = t192 - t202;
-    const zhao2000_links_real t204 = -t203;
-    w->f[7] = t204;
-    /* row 9: hip2, elbow2, wrist2, quaternion (w, x, y, z) */
-    const zhao2000_links_real t206 = 0.5f * t128;
-    const zhao2000_links_real t207 = cosf(t206);
-    const zhao2000_links_real t208 = 0.5f * w->x[3];
-    const zhao2000_links_real t209 = cosf(t208);
-    const zhao2000_links_real t210 = t207 * t209;
-    const zhao2000_links_real t211 = 0.5f * w->x[4];
-    const zhao2000_links_real t212 = cosf(t211);
-    const zhao2000_links_real t213 = t210 * t212;
-    const zhao2000_links_real t214 = sinf(t208);
-    const zhao2000_links_real t215 = -0.5f * t214;
-    const zhao2000_links_real t216 = t207 * t215;
-    const zhao2000_links_real t217 = sinf(t206);
-    const zhao2000_links_real t218 = 0.8660254f * t214;
-    const zhao2000_links_real t219 = t217 * t218;
-    const zhao2000_links_real t220 = t216 - t219;
-    const zhao2000_links_real t221 = sinf(t211);
-    const zhao2000_links_real t222 = -0.5f * t221;
-    const zhao2000_links_real t223 = t220 * t222;
-    const zhao2000_links_real t224 = t213 - t223;
-    const zhao2000_links_real t225 = t207 * t218;
-    const zhao2000_links_real t226 = t217 * t215;
-    const zhao2000_links_real t227 = t225 + t226;
-    const zhao2000_links_real t228 = 0.8660254f * t221;
-    const zhao2000_links_real t229 = t227 * t228;
-    const zhao2000_links_real t230 = t224 - t229;
-    const zhao2000_links_real t231 = 0.5f * w->x[5];
-    const zhao2000_links_real t232 = cosf(t231);
-    const zhao2000_links_real t233 = t230 * t232;
-    const zhao2000_links_real t234 = t210 * t222;
-    const zhao2000_links_real t235 = t220 * t212;
-    const zhao2000_links_real t236 = t234 + t235;
-    const zhao2000_links_real t237 = t217 * t209;
-    const zhao2000_links_real t238 = t237 * t228;
-    const zhao2000_links_real t239 = t236 - t238;
-    const zhao2000_links_real t240 = sinf(t231);
-    const zhao2000_links_real t241 = -0.5f * t240;
-    const zhao2000_links_real t242 = t239 * t241;
-    const zhao2000_links_real t243 = t233 - t242;
-    const zhao2000_links_real t244 = t210 * t228;
-    const zhao2000_links_real t245 = t227 * t212;
-    const zhao2000_links_real t246 = t244 + t245;
-    const zhao2000_links_real t247 = t237 * t222;
-    const zhao2000_links_real t248 = t246 + t247;
-    const zhao2000_links_real t249 = 0.8660254f * t240;
-    const zhao2000_links_real t250 = t248 * t249;
-    const zhao2000_links_real t251 = t243 - t250;
-    const zhao2000_links_real t252 = t251 * w->x[14];
-    const zhao2000_links_real t253 = t230 * t241;
-    const zhao2000_links_real t254 = t239 * t232;
-    const zhao2000_links_real t255 = t253 + t254;
-    const zhao2000_links_real t256 = t220 * t228;
-    const zhao2000_links_real t257 = t227 * t222;
-    const zhao2000_links_real t258 = t256 - t257;
-    const zhao2000_links_real t259 = t237 * t212;
-    const zhao2000_links_real t260 = t258 + t259;
-    const zhao2000_links_real t261 = t260 * t249;
-    const zhao2000_links_real t262 = t255 - t261;
-    const zhao2000_links_real t263 = t262 * w->x[15];
-    const zhao2000_links_real t264 = t252 + t263;
-    const zhao2000_links_real t265 = t230 * t249;
-    const zhao2000_links_real t266 = t248 * t232;
-    const zhao2000_links_real t267 = t265 + t266;
-    const zhao2000_links_real t268 = t260 * t241;
-    const zhao2000_links_real t269 = t267 + t268;
-    const zhao2000_links_real t270 = t269 * w->x[12];
-    const zhao2000_links_real t271 = t264 - t270;
-    const zhao2000_links_real t272 = t239 * t249;
-    const zhao2000_links_real t273 = t248 * t241;
-    const zhao2000_links_real t274 = t272 - t273;
-    const zhao2000_links_real t275 = t260 * t232;
-    const zhao2000_links_real t276 = t274 + t275;
-    const zhao2000_links_real t277 = t276 * w->x[13];
-    const zhao2000_links_real t278 = t271 - t277;
-    const zhao2000_links_real t279 = 489.63956f * t278;
-    w->f[8] = t279;
-    /* row 10: hip2, elbow2, wrist2, quaternion (w, x, y, z) */
-    const zhao2000_links_real t281 = t251 * w->x[13];
-    const zhao2000_links_real t282 = t262 * w->x[12];
-    const zhao2000_links_real t283 = t281 - t282;
-    const zhao2000_links_real t284 = t269 * w->x[15];
-    const zhao2000_links_real t285 = t283 - t284;
-    const zhao2000_links_real t286 = t276 * w->x[14];
-    const zhao2000_links_real t287 = t285 + t286;
-    const zhao2000_links_real t288 = 489.63956f * t287;
-    const zhao2000_links_real t289 = -t288;
-    w->f[9] = t289;
-    /* row 11: hip3, elbow3, x, quaternion (w, x, y, z) */
-    const zhao2000_links_real t291 = -60.0f * w->x[14];
-    const zhao2000_links_real t292 = t115 - t291;
-    const zhao2000_links_real t293 = w->x[14] * t292;
-    const zhao2000_links_real t294 = -60.0f * w->x[15];
-    const zhao2000_links_real t295 = w->x[15] * t294;
-    const zhao2000_links_real t296 = t293 - t295;
-    const zhao2000_links_real t297 = t296 - t123;
-    const zhao2000_links_real t298 = t297 + t297;
-    const zhao2000_links_real t299 = t298 - 60.0f;
-    const zhao2000_links_real t300 = w->x[9] + t299;
-    const zhao2000_links_real t301 = w->k[2] - 5.7595863f;
-    const zhao2000_links_real t302 = cosf(t301);
-    const zhao2000_links_real t303 = cosf(w->x[6]);
-    const zhao2000_links_real t304 = cosf(w->x[7]);
-    const zhao2000_links_real t305 = 54.659847f * t304;
-    const zhao2000_links_real t306 = sinf(w->x[7]);
-    const zhao2000_links_real t307 = -26.216427f * t306;
-    const zhao2000_links_real t308 = t305 + t307;
-    const zhao2000_links_real t309 = t308 + 5.340152f;
-    const zhao2000_links_real t310 = t303 * t309;
-    const zhao2000_links_real t311 = sinf(w->x[6]);
-    const zhao2000_links_real t312 = 30.272121f * t304;
-    const zhao2000_links_real t313 = 63.115757f * t306;
-    const zhao2000_links_real t314 = t312 + t313;
-    const zhao2000_links_real t315 = t314 + 69.727875f;
-    const zhao2000_links_real t316 = -0.8660254f * t315;
-    const zhao2000_links_real t317 = t311 * t316;
-    const zhao2000_links_real t318 = t310 + t317;
-    const zhao2000_links_real t319 = 1.0f - t303;
-    const zhao2000_links_real t320 = -0.5f * t309;
-    const zhao2000_links_real t321 = -31.557878f * t304;
-    const zhao2000_links_real t322 = 15.136061f * t306;
-    const zhao2000_links_real t323 = t321 + t322;
-    const zhao2000_links_real t324 = t323 - 3.0831382f;
-    const zhao2000_links_real t325 = -0.8660254f * t324;
-    const zhao2000_links_real t326 = t320 + t325;
-    const zhao2000_links_real t327 = t319 * t326;
-    const zhao2000_links_real t328 = -0.5f * t327;
-    const zhao2000_links_real t329 = t318 + t328;
-    const zhao2000_links_real t330 = t302 * t329;
-    const zhao2000_links_real t331 = sinf(t301);
-    const zhao2000_links_real t332 = t303 * t324;
-    const zhao2000_links_real t333 = -0.5f * t315;
-    const zhao2000_links_real t334 = t311 * t333;
-    const zhao2000_links_real t335 = t332 - t334;
-    const zhao2000_links_real t336 = -0.8660254f * t327;
-    const zhao2000_links_real t337 = t335 + t336;
-    const zhao2000_links_real t338 = t331 * t337;
-    const zhao2000_links_real t339 = t330 - t338;
-    const zhao2000_links_real t340 = t339 - 120.0f;
-    const zhao2000_links_real t341 = t300 - t340;
-    const zhao2000_links_real t342 = -t341;
-    w->f[10] = t342;
-    /* row 12: hip3, elbow3, y, quaternion (w, x, y, z) */
-    const zhao2000_links_real t344 = w->x[12] * t294;
-    const zhao2000_links_real t345 = w->x[13] * t292;
-    const zhao2000_links_real t346 = t172 + t345;
-    const zhao2000_links_real t347 = t344 - t346;
-    const zhao2000_links_real t348 = t347 + t347;
-    const zhao2000_links_real t349 = t348 + 34.641018f;
-    const zhao2000_links_real t350 = w->x[10] + t349;
-    const zhao2000_links_real t351 = t302 * t337;
-    const zhao2000_links_real t352 = t331 * t329;
-    const zhao2000_links_real t353 = t351 + t352;
-    const zhao2000_links_real t354 = t353 + 69.282036f;
-    const zhao2000_links_real t355 = t350 - t354;
-    const zhao2000_links_real t356 = -t355;
-    w->f[11] = t356;
-    /* row 13: hip3, elbow3, z, quaternion (w, x, y, z) */
-    const zhao2000_links_real t358 = w->x[12] * t292;
-    const zhao2000_links_real t359 = w->x[13] * t294;
-    const zhao2000_links_real t360 = t359 + t188;
-    const zhao2000_links_real t361 = t358 + t360;
-    const zhao2000_links_real t362 = t361 + t361;
-    const zhao2000_links_real t363 = w->x[11] + t362;
-    const zhao2000_links_real t364 = t303 * t315;
-    const zhao2000_links_real t365 = -0.5f * t324;
-    const zhao2000_links_real t366 = -0.8660254f * t309;
-    const zhao2000_links_real t367 = t365 - t366;
-    const zhao2000_links_real t368 = t311 * t367;
-    const zhao2000_links_real t369 = t364 + t368;
-    const zhao2000_links_real t370 = t302 * t369;
-    const zhao2000_links_real t371 = 1.0f - t302;
-    const zhao2000_links_real t372 = t371 * t369;
-    const zhao2000_links_real t373 = t370 + t372;
-    const zhao2000_links_real t374 = t363 - t373;
-    const zhao2000_links_real t375 = -t374;
-    w->f[12] = t375;
-    /* row 14: hip3, elbow3, wrist3, quaternion (w, x, y, z) */
-    const zhao2000_links_real t377 = 0.5f * t301;
-    const zhao2000_links_real t378 = cosf(t377);
-    const zhao2000_links_real t379 = 0.5f * w->x[6];
-    const zhao2000_links_real t380 = cosf(t379);
-    const zhao2000_links_real t381 = t378 * t380;
-    const zhao2000_links_real t382 = 0.5f * w->x[7];
-    const zhao2000_links_real t383 = cosf(t382);
-    const zhao2000_links_real t384 = t381 * t383;
-    const zhao2000_links_real t385 = sinf(t379);
-    const zhao2000_links_real t386 = -0.5f * t385;
-    const zhao2000_links_real t387 = t378 * t386;
-    const zhao2000_links_real t388 = sinf(t377);
-    const zhao2000_links_real t389 = -0.8660254f * t385;
-    const zhao2000_links_real t390 = t388 * t389;
-    const zhao2000_links_real t391 = t387 - t390;
-    const zhao2000_links_real t392 = sinf(t382);
-    const zhao2000_links_real t393 = -0.5f * t392;
-    const zhao2000_links_real t394 = t391 * t393;
-    const zhao2000_links_real t395 = t384 - t394;
-    const zhao2000_links_real t396 = t378 * t389;
-    const zhao2000_links_real t397 = t388 * t386;
-    const zhao2000_links_real t398 = t396 + t397;
-    const zhao2000_links_real t399 = -0.8660254f * t392;
-    const zhao2000_links_real t400 = t398 * t399;
-    const zhao2000_links_real t401 = t395 - t400;
-    const zhao2000_links_real t402 = 0.5f * w->x[8];
-    const zhao2000_links_real t403 = cosf(t402);
-    const zhao2000_links_real t404 = t401 * t403;
-    const zhao2000_links_real t405 = t381 * t393;
-    const zhao2000_links_real t406 = t391 * t383;
-    const zhao2000_links_real t407 = t405 + t406;
-    const zhao2000_links_real t408 = t388 * t380;
-    const zhao2000_links_real t409 = t408 * t399;
-    const zhao2000_links_real t410 = t407 - t409;
-    const zhao2000_links_real t411 = sinf(t402);
-    const zhao2000_links_real t412 = -0.5f * t411;
-    const zhao2000_links_real t413 = t410 * t412;
-    const zhao2000_links_real t414 = t404 - t413;
-    const zhao2000_links_real t415 = t381 * t399;
-    const zhao2000_links_real t416 = t398 * t383;
-    const zhao2000_links_real t417 = t415 + t416;
-    const zhao2000_links_real t418 = t408 * t393;
-    const zhao2000_links_real t419 = t417 + t418;
-    const zhao2000_links_real t420 = -0.8660254f * t411;
-    const zhao2000_links_real t421 = t419 * t420;
-    const zhao2000_links_real t422 = t414 - t421;
-    const zhao2000_links_real t423 = t422 * w->x[14];
-    const zhao2000_links_real t424 = t401 * t412;
-    const zhao2000_links_real t425 = t410 * t403;
-    const zhao2000_links_real t426 = t424 + t425;
-    const zhao2000_links_real t427 = t391 * t399;
-    const zhao2000_links_real t428 = t398 * t393;
-    const zhao2000_links_real t429 = t427 - t428;
-    const zhao2000_links_real t430 = t408 * t383;
-    const zhao2000_links_real t431 = t429 + t430;
-    const zhao2000_links_real t432 = t431 * t420;
-    const zhao2000_links_real t433 = t426 - t432;
-    const zhao2000_links_real t434 = t433 * w->x[15];
-    const zhao2000_links_real t435 = t423 + t434;
-    const zhao2000_links_real t436 = t401 * t420;
-    const zhao2000_links_real t437 = t419 * t403;
-    const zhao2000_links_real t438 = t436 + t437;
-    const zhao2000_links_real t439 = t431 * t412;
-    const zhao2000_links_real t440 = t438 + t439;
-    const zhao2000_links_real t441 = t440 * w->x[12];
-    const zhao2000_links_real t442 = t435 - t441;
-    const zhao2000_links_real t443 = t410 * t420;
-    const zhao2000_links_real t444 = t419 * t412;
-    const zhao2000_links_real t445 = t443 - t444;
-    const zhao2000_links_real t446 = t431 * t403;
-    const zhao2000_links_real t447 = t445 + t446;
-    const zhao2000_links_real t448 = t447 * w->x[13];
-    const zhao2000_links_real t449 = t442 - t448;
-    const zhao2000_links_real t450 = 489.63956f * t449;
-    w->f[13] = t450;
-    /* row 15: hip3, elbow3, wrist3, quaternion (w, x, y, z) */
-    const zhao2000_links_real t452 = t422 * w->x[13];
-    const zhao2000_links_real t453 = t433 * w->x[12];
-    const zhao2000_links_real t454 = t452 - t453;
-    const zhao2000_links_real t455 = t440 * w->x[15];
-    const zhao2000_links_real t456 = t454 - t455;
-    const zhao2000_links_real t457 = t447 * w->x[14];
-    const zhao2000_links_real t458 = t456 + t457;
-    const zhao2000_links_real t459 = 489.63956f * t458;
-    const zhao2000_links_real t460 = -t459;
-    w->f[14] = t460;
-    /* row 16: x, y, z */
-    const zhao2000_links_real t462 = w->x[9] * w->x[9];
-    const zhao2000_links_real t463 = w->x[10] * w->x[10];
-    const zhao2000_links_real t464 = t462 + t463;
-    const zhao2000_links_real t465 = w->x[11] * w->x[11];
-    const zhao2000_links_real t466 = t464 + t465;
-    const zhao2000_links_real t467 = w->k[3] * w->k[3];
-    const zhao2000_links_real t468 = t466 - t467;
-    const zhao2000_links_real t469 = t468 * 0.0020423187f;
-    const zhao2000_links_real t470 = -t469;
-    w->f[15] = t470;
-}
-
-/* Norm of the rows in w->f as a length: no row is further from zero. */
-static ZHAO2000_LINKS_SHARED zhao2000_links_real zhao2000_links_direct_residual(
-    const zhao2000_links_direct_work *w)
-{
-    zhao2000_links_real sum = w->f[0] * w->f[0];
-    for (int i = 1; i < 16; ++i) {
-        sum += w->f[i] * w->f[i];
-    }
-    return sqrtf(sum);
-}
-
-/* Adds the step in w->f to the state: lengths and joint values are added to, quaternions are
- * turned. Returns the squared length of the step, angles times the size. */
-static zhao2000_links_real zhao2000_links_direct_apply_step(zhao2000_links_direct_work *w)
-{
-    const zhao2000_links_real t0 = 0.0040846374f * w->f[0];
-    const zhao2000_links_real t1 = w->x[0] + t0;
-    const zhao2000_links_real t2 = 0.0040846374f * w->f[1];
-    const zhao2000_links_real t3 = w->x[1] + t2;
-    const zhao2000_links_real t4 = 0.0040846374f * w->f[2];
-    const zhao2000_links_real t5 = w->x[2] + t4;
-    const zhao2000_links_real t6 = 0.0040846374f * w->f[3];
-    const zhao2000_links_real t7 = w->x[3] + t6;
-    const zhao2000_links_real t8 = 0.0040846374f * w->f[4];
-    const zhao2000_links_real t9 = w->x[4] + t8;
-    const zhao2000_links_real t10 = 0.0040846374f * w->f[5];
-    const zhao2000_links_real t11 = w->x[5] + t10;
-    const zhao2000_links_real t12 = 0.0040846374f * w->f[6];
-    const zhao2000_links_real t13 = w->x[6] + t12;
-    const zhao2000_links_real t14 = 0.0040846374f * w->f[7];
-    const zhao2000_links_real t15 = w->x[7] + t14;
-    const zhao2000_links_real t16 = 0.0040846374f * w->f[8];
-    const zhao2000_links_real t17 = w->x[8] + t16;
-    const zhao2000_links_real t18 = w->x[9] + w->f[9];
-    const zhao2000_links_real t19 = w->x[10] + w->f[10];
-    const zhao2000_links_real t20 = w->x[11] + w->f[11];
-    const zhao2000_links_real t21 = 0.0020423187f * w->f[12];
-    const zhao2000_links_real t22 = t21 * w->x[13];
-    const zhao2000_links_real t23 = w->x[12] - t22;
-    const zhao2000_links_real t24 = 0.0020423187f * w->f[13];
-    const zhao2000_links_real t25 = t24 * w->x[14];
-    const zhao2000_links_real t26 = t23 - t25;
-    const zhao2000_links_real t27 = 0.0020423187f * w->f[14];
-    const zhao2000_links_real t28 = t27 * w->x[15];
-    const zhao2000_links_real t29 = t26 - t28;
-    const zhao2000_links_real t30 = t29 * t29;
-    const zhao2000_links_real t31 = t21 * w->x[12];
-    const zhao2000_links_real t32 = w->x[13] + t31;
-    const zhao2000_links_real t33 = t24 * w->x[15];
-    const zhao2000_links_real t34 = t32 + t33;
-    const zhao2000_links_real t35 = t27 * w->x[14];
-    const zhao2000_links_real t36 = t34 - t35;
-    const zhao2000_links_real t37 = t36 * t36;
-    const zhao2000_links_real t38 = t30 + t37;
-    const zhao2000_links_real t39 = t21 * w->x[15];
-    const zhao2000_links_real t40 = w->x[14] - t39;
-    const zhao2000_links_real t41 = t24 * w->x[12];
-    const zhao2000_links_real t42 = t40 + t41;
-    const zhao2000_links_real t43 = t27 * w->x[13];
-    const zhao2000_links_real t44 = t42 + t43;
-    const zhao2000_links_real t45 = t44 * t44;
-    const zhao2000_links_real t46 = t38 + t45;
-    const zhao2000_links_real t47 = t21 * w->x[14];
-    const zhao2000_links_real t48 = w->x[15] + t47;
-    const zhao2000_links_real t49 = t24 * w->x[13];
-    const zhao2000_links_real t50 = t48 - t49;
-    const zhao2000_links_real t51 = t27 * w->x[12];
-    const zhao2000_links_real t52 = t50 + t51;
-    const zhao2000_links_real t53 = t52 * t52;
-    const zhao2000_links_real t54 = t46 + t53;
-    const zhao2000_links_real t55 = sqrtf(t54);
-    const zhao2000_links_real t56 = 1.0f / t55;
-    const zhao2000_links_real t57 = t29 * t56;
-    const zhao2000_links_real t58 = t36 * t56;
-    const zhao2000_links_real t59 = t44 * t56;
-    const zhao2000_links_real t60 = t52 * t56;
-    const zhao2000_links_real t61 = w->f[0] * w->f[0];
-    const zhao2000_links_real t62 = w->f[1] * w->f[1];
-    const zhao2000_links_real t63 = t61 + t62;
-    const zhao2000_links_real t64 = w->f[2] * w->f[2];
-    const zhao2000_links_real t65 = t63 + t64;
-    const zhao2000_links_real t66 = w->f[3] * w->f[3];
-    const zhao2000_links_real t67 = t65 + t66;
-    const zhao2000_links_real t68 = w->f[4] * w->f[4];
-    const zhao2000_links_real t69 = t67 + t68;
-    const zhao2000_links_real t70 = w->f[5] * w->f[5];
-    const zhao2000_links_real t71 = t69 + t70;
-    const zhao2000_links_real t72 = w->f[6] * w->f[6];
-    const zhao2000_links_real t73 = t71 + t72;
-    const zhao2000_links_real t74 = w->f[7] * w->f[7];
-    const zhao2000_links_real t75 = t73 + t74;
-    const zhao2000_links_real t76 = w->f[8] * w->f[8];
-    const zhao2000_links_real t77 = t75 + t76;
-    const zhao2000_links_real t78 = w->f[9] * w->f[9];
-    const zhao2000_links_real t79 = t77 + t78;
-    const zhao2000_links_real t80 = w->f[10] * w->f[10];
-    const zhao2000_links_real t81 = t79 + t80;
-    const zhao2000_links_real t82 = w->f[11] * w->f[11];
-    const zhao2000_links_real t83 = t81 + t82;
-    const zhao2000_links_real t84 = w->f[12] * w->f[12];
-    const zhao2000_links_real t85 = t83 + t84;
-    const zhao2000_links_real t86 = w->f[13] * w->f[13];
-    const zhao2000_links_real t87 = t85 + t86;
-    const zhao2000_links_real t88 = w->f[14] * w->f[14];
-    const zhao2000_links_real t89 = t87 + t88;
-    w->x[0] = t1;
-    w->x[1] = t3;
-    w->x[2] = t5;
-    w->x[3] = t7;
-    w->x[4] = t9;
-    w->x[5] = t11;
-    w->x[6] = t13;
-    w->x[7] = t15;
-    w->x[8] = t17;
-    w->x[9] = t18;
-    w->x[10] = t19;
-    w->x[11] = t20;
-    w->x[12] = t57;
-    w->x[13] = t58;
-    w->x[14] = t59;
-    w->x[15] = t60;
-    return t89;
-}
-
-/* Sets w->k, the known values aimed at: a part of the line from the guess's to `to`. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_direct_set_target(zhao2000_links_direct_work *w,
-    const zhao2000_links_real to[4], zhao2000_links_real part)
-{
-    for (int i = 0; i < 4; ++i) {
-        w->k[i] = to[i];
-    }
-    if (part < 1.0f) {
-        for (int i = 0; i < 4; ++i) {
-            w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);
-        }
-    }
-}
-
-/* The matrix into w->a, row by row. */
-static void zhao2000_links_direct_matrix(zhao2000_links_direct_work *w)
-{
-    const zhao2000_links_real t0 = w->k[0] - 1.5707964f;
-    const zhao2000_links_real t1 = sinf(t0);
-    const zhao2000_links_real t2 = cosf(w->x[1]);
-    const zhao2000_links_real t3 = 63.115757f * t2;
-    const zhao2000_links_real t4 = sinf(w->x[1]);
-    const zhao2000_links_real t5 = -30.272121f * t4;
-    const zhao2000_links_real t6 = t3 + t5;
-    const zhao2000_links_real t7 = t6 + 6.1662765f;
-    const zhao2000_links_real t8 = sinf(w->x[0]);
-    const zhao2000_links_real t9 = t7 * t8;
-    const zhao2000_links_real t10 = 30.272121f * t2;
-    const zhao2000_links_real t11 = 63.115757f * t4;
-    const zhao2000_links_real t12 = t10 + t11;
-    const zhao2000_links_real t13 = t12 + 69.727875f;
-    const zhao2000_links_real t14 = cosf(w->x[0]);
-    const zhao2000_links_real t15 = t13 * t14;
-    const zhao2000_links_real t16 = t9 + t15;
-    const zhao2000_links_real t17 = t1 * t16;
-    const zhao2000_links_real t18 = 0.0040846374f * t17;
-    const zhao2000_links_real t19 = -t18;
-    w->a[0] = t19;
-    const zhao2000_links_real t21 = -30.272121f * t2;
-    const zhao2000_links_real t22 = t21 - t11;
-    const zhao2000_links_real t23 = t14 * t22;
-    const zhao2000_links_real t24 = 30.272121f * t4;
-    const zhao2000_links_real t25 = t3 - t24;
-    const zhao2000_links_real t26 = t8 * t25;
-    const zhao2000_links_real t27 = t23 - t26;
-    const zhao2000_links_real t28 = t1 * t27;
-    const zhao2000_links_real t29 = 0.0040846374f * t28;
-    w->a[1] = t29;
-    w->a[2] = 0.0f;
-    w->a[3] = 0.0f;
-    w->a[4] = 0.0f;
-    w->a[5] = 0.0f;
-    w->a[6] = 0.0f;
-    w->a[7] = 0.0f;
-    w->a[8] = 0.0f;
-    w->a[9] = 1.0f;
-    w->a[10] = 0.0f;
-    w->a[11] = 0.0f;
-    const zhao2000_links_real t41 = -138.56407f * w->x[14];
-    const zhao2000_links_real t42 = 0.0020423187f * w->x[12];
-    const zhao2000_links_real t43 = t41 * t42;
-    const zhao2000_links_real t44 = -69.282036f * w->x[15];
-    const zhao2000_links_real t45 = -t44;
-    const zhao2000_links_real t46 = t45 + t45;
-    const zhao2000_links_real t47 = 0.0020423187f * w->x[13];
-    const zhao2000_links_real t48 = t46 * t47;
-    const zhao2000_links_real t49 = t43 - t48;
-    const zhao2000_links_real t50 = -138.56407f * w->x[13];
-    const zhao2000_links_real t51 = 0.0020423187f * w->x[15];
-    const zhao2000_links_real t52 = t50 * t51;
-    const zhao2000_links_real t53 = t49 - t52;
-    const zhao2000_links_real t54 = -69.282036f * w->x[12];
-    const zhao2000_links_real t55 = -t54;
-    const zhao2000_links_real t56 = t55 + t55;
-    const zhao2000_links_real t57 = 0.0020423187f * w->x[14];
-    const zhao2000_links_real t58 = t56 * t57;
-    const zhao2000_links_real t59 = t53 + t58;
-    w->a[12] = t59;
-    const zhao2000_links_real t61 = t41 * t51;
-    const zhao2000_links_real t62 = t46 * t57;
-    const zhao2000_links_real t63 = t61 - t62;
-    const zhao2000_links_real t64 = t50 * t42;
-    const zhao2000_links_real t65 = t63 + t64;
-    const zhao2000_links_real t66 = t56 * t47;
-    const zhao2000_links_real t67 = t65 - t66;
-    w->a[13] = t67;
-    const zhao2000_links_real t69 = t50 * t47;
-    const zhao2000_links_real t70 = t41 * t57;
-    const zhao2000_links_real t71 = t46 * t51;
-    const zhao2000_links_real t72 = t71 + t70;
-    const zhao2000_links_real t73 = t69 - t72;
-    const zhao2000_links_real t74 = t56 * t42;
-    const zhao2000_links_real t75 = t73 + t74;
-    w->a[14] = t75;
-    const zhao2000_links_real t77 = cosf(t0);
-    const zhao2000_links_real t78 = t77 * t16;
-    const zhao2000_links_real t79 = 0.0040846374f * t78;
-    w->a[15] = t79;
-    const zhao2000_links_real t81 = t77 * t27;
-    const zhao2000_links_real t82 = 0.0040846374f * t81;
-    const zhao2000_links_real t83 = -t82;
-    w->a[16] = t83;
-    w->a[17] = 0.0f;
-    w->a[18] = 0.0f;
-    w->a[19] = 0.0f;
-    w->a[20] = 0.0f;
-    w->a[21] = 0.0f;
-    w->a[22] = 0.0f;
-    w->a[23] = 0.0f;
-    w->a[24] = 0.0f;
-    w->a[25] = 1.0f;
-    w->a[26] = 0.0f;
-    const zhao2000_links_real t95 = -t50;
-    const zhao2000_links_real t96 = t95 + t95;
-    const zhao2000_links_real t97 = t96 * t42;
-    const zhao2000_links_real t98 = -138.56407f * w->x[15];
-    const zhao2000_links_real t99 = -t98;
-    const zhao2000_links_real t100 = t99 + t99;
-    const zhao2000_links_real t101 = t100 * t57;
-    const zhao2000_links_real t102 = t97 + t101;
-    w->a[27] = t102;
-    const zhao2000_links_real t104 = t96 * t51;
-    const zhao2000_links_real t105 = t100 * t47;
-    const zhao2000_links_real t106 = t104 - t105;
-    w->a[28] = t106;
-    const zhao2000_links_real t108 = t100 * t42;
-    const zhao2000_links_real t109 = t96 * t57;
-    const zhao2000_links_real t110 = t108 - t109;
-    w->a[29] = t110;
-    const zhao2000_links_real t112 = t7 * t14;
-    const zhao2000_links_real t113 = t13 * t8;
-    const zhao2000_links_real t114 = t112 - t113;
-    const zhao2000_links_real t115 = t77 * t114;
-    const zhao2000_links_real t116 = 1.0f - t77;
-    const zhao2000_links_real t117 = t116 * t114;
-    const zhao2000_links_real t118 = t115 + t117;
-    const zhao2000_links_real t119 = 0.0040846374f * t118;
-    const zhao2000_links_real t120 = -t119;
-    w->a[30] = t120;
-    const zhao2000_links_real t122 = t14 * t25;
-    const zhao2000_links_real t123 = t8 * t22;
-    const zhao2000_links_real t124 = t122 + t123;
-    const zhao2000_links_real t125 = t77 * t124;
-    const zhao2000_links_real t126 = t116 * t124;
-    const zhao2000_links_real t127 = t125 + t126;
-    const zhao2000_links_real t128 = 0.0040846374f * t127;
-    const zhao2000_links_real t129 = -t128;
-    w->a[31] = t129;
-    w->a[32] = 0.0f;
-    w->a[33] = 0.0f;
-    w->a[34] = 0.0f;
-    w->a[35] = 0.0f;
-    w->a[36] = 0.0f;
-    w->a[37] = 0.0f;
-    w->a[38] = 0.0f;
-    w->a[39] = 0.0f;
-    w->a[40] = 0.0f;
-    w->a[41] = 1.0f;
-    const zhao2000_links_real t141 = -138.56407f * w->x[12];
-    const zhao2000_links_real t142 = t141 * t42;
-    const zhao2000_links_real t143 = t142 - t69;
-    const zhao2000_links_real t144 = t98 * t51;
-    const zhao2000_links_real t145 = t143 - t144;
-    const zhao2000_links_real t146 = t145 + t70;
-    w->a[42] = t146;
-    const zhao2000_links_real t148 = t141 * t51;
-    const zhao2000_links_real t149 = t50 * t57;
-    const zhao2000_links_real t150 = t148 - t149;
-    const zhao2000_links_real t151 = t98 * t42;
-    const zhao2000_links_real t152 = t150 + t151;
-    const zhao2000_links_real t153 = t41 * t47;
-    const zhao2000_links_real t154 = t152 - t153;
-    w->a[43] = t154;
-    const zhao2000_links_real t156 = t98 * t47;
-    const zhao2000_links_real t157 = t141 * t57;
-    const zhao2000_links_real t158 = t52 + t157;
-    const zhao2000_links_real t159 = t156 - t158;
-    const zhao2000_links_real t160 = t159 + t43;
-    w->a[44] = t160;
-    const zhao2000_links_real t162 = 0.5f * w->x[2];
-    const zhao2000_links_real t163 = cosf(t162);
-    const zhao2000_links_real t164 = 0.5f * w->x[1];
-    const zhao2000_links_real t165 = cosf(t164);
-    const zhao2000_links_real t166 = 0.5f * t0;
-    const zhao2000_links_real t167 = cosf(t166);
-    const zhao2000_links_real t168 = 0.5f * w->x[0];
-    const zhao2000_links_real t169 = cosf(t168);
-    const zhao2000_links_real t170 = 0.5f * t169;
-    const zhao2000_links_real t171 = t167 * t170;
-    const zhao2000_links_real t172 = t165 * t171;
-    const zhao2000_links_real t173 = sinf(t164);
-    const zhao2000_links_real t174 = sinf(t168);
-    const zhao2000_links_real t175 = 0.5f * t174;
-    const zhao2000_links_real t176 = t167 * t175;
-    const zhao2000_links_real t177 = t173 * t176;
-    const zhao2000_links_real t178 = t172 - t177;
-    const zhao2000_links_real t179 = t163 * t178;
-    const zhao2000_links_real t180 = sinf(t162);
-    const zhao2000_links_real t181 = t165 * t176;
-    const zhao2000_links_real t182 = t173 * t171;
-    const zhao2000_links_real t183 = t181 + t182;
-    const zhao2000_links_real t184 = t180 * t183;
-    const zhao2000_links_real t185 = t179 - t184;
-    const zhao2000_links_real t186 = w->x[15] * t185;
-    const zhao2000_links_real t187 = t163 * t183;
-    const zhao2000_links_real t188 = t180 * t178;
-    const zhao2000_links_real t189 = t187 + t188;
-    const zhao2000_links_real t190 = w->x[14] * t189;
-    const zhao2000_links_real t191 = t186 - t190;
-    const zhao2000_links_real t192 = sinf(t166);
-    const zhao2000_links_real t193 = t192 * t170;
-    const zhao2000_links_real t194 = t165 * t193;
-    const zhao2000_links_real t195 = t192 * t175;
-    const zhao2000_links_real t196 = t173 * t195;
-    const zhao2000_links_real t197 = t194 - t196;
-    const zhao2000_links_real t198 = t163 * t197;
-    const zhao2000_links_real t199 = t165 * t195;
-    const zhao2000_links_real t200 = t173 * t193;
-    const zhao2000_links_real t201 = t199 + t200;
-    const zhao2000_links_real t202 = t180 * t201;
-    const zhao2000_links_real t203 = t198 - t202;
-    const zhao2000_links_real t204 = w->x[12] * t203;
-    const zhao2000_links_real t205 = t191 - t204;
-    const zhao2000_links_real t206 = t163 * t201;
-    const zhao2000_links_real t207 = t180 * t197;
-    const zhao2000_links_real t208 = t206 + t207;
-    const zhao2000_links_real t209 = w->x[13] * t208;
-    const zhao2000_links_real t210 = t205 + t209;
-    const zhao2000_links_real t211 = t210 + t210;
-    const zhao2000_links_real t212 = -t211;
-    w->a[45] = t212;
-    const zhao2000_links_real t214 = t167 * t169;
-    const zhao2000_links_real t215 = 0.5f * t165;
-    const zhao2000_links_real t216 = t214 * t215;
-    const zhao2000_links_real t217 = t167 * t174;
-    const zhao2000_links_real t218 = 0.5f * t173;
-    const zhao2000_links_real t219 = t217 * t218;
-    const zhao2000_links_real t220 = t216 - t219;
-    const zhao2000_links_real t221 = t163 * t220;
-    const zhao2000_links_real t222 = t214 * t218;
-    const zhao2000_links_real t223 = t217 * t215;
-    const zhao2000_links_real t224 = t222 + t223;
-    const zhao2000_links_real t225 = t180 * t224;
-    const zhao2000_links_real t226 = t221 - t225;
-    const zhao2000_links_real t227 = w->x[15] * t226;
-    const zhao2000_links_real t228 = t163 * t224;
-    const zhao2000_links_real t229 = t180 * t220;
-    const zhao2000_links_real t230 = t228 + t229;
-    const zhao2000_links_real t231 = w->x[14] * t230;
-    const zhao2000_links_real t232 = t227 - t231;
-    const zhao2000_links_real t233 = t192 * t169;
-    const zhao2000_links_real t234 = t233 * t215;
-    const zhao2000_links_real t235 = t192 * t174;
-    const zhao2000_links_real t236 = t235 * t218;
-    const zhao2000_links_real t237 = t234 - t236;
-    const zhao2000_links_real t238 = t163 * t237;
-    const zhao2000_links_real t239 = t233 * t218;
-    const zhao2000_links_real t240 = t235 * t215;
-    const zhao2000_links_real t241 = t239 + t240;
-    const zhao2000_links_real t242 = t180 * t241;
-    const zhao2000_links_real t243 = t238 - t242;
-    const zhao2000_links_real t244 = w->x[12] * t243;
-    const zhao2000_links_real t245 = t232 - t244;
-    const zhao2000_links_real t246 = t163 * t241;
-    const zhao2000_links_real t247 = t180 * t237;
-    const zhao2000_links_real t248 = t246 + t247;
-    const zhao2000_links_real t249 = w->x[13] * t248;
-    const zhao2000_links_real t250 = t245 + t249;
-    const zhao2000_links_real t251 = t250 + t250;
-    const zhao2000_links_real t252 = -t251;
-    w->a[46] = t252;
-    const zhao2000_links_real t254 = t214 * t165;
-    const zhao2000_links_real t255 = t217 * t173;
-    const zhao2000_links_real t256 = t254 - t255;
-    const zhao2000_links_real t257 = 0.5f * t163;
-    const zhao2000_links_real t258 = t256 * t257;
-    const zhao2000_links_real t259 = t214 * t173;
-    const zhao2000_links_real t260 = t217 * t165;
-    const zhao2000_links_real t261 = t259 + t260;
-    const zhao2000_links_real t262 = 0.5f * t180;
-    const zhao2000_links_real t263 = t261 * t262;
-    const zhao2000_links_real t264 = t258 - t263;
-    const zhao2000_links_real t265 = w->x[15] * t264;
-    const zhao2000_links_real t266 = t256 * t262;
-    const zhao2000_links_real t267 = t261 * t257;
-    const zhao2000_links_real t268 = t266 + t267;
-    const zhao2000_links_real t269 = w->x[14] * t268;
-    const zhao2000_links_real t270 = t265 - t269;
-    const zhao2000_links_real t271 = t233 * t165;
-    const zhao2000_links_real t272 = t235 * t173;
-    const zhao2000_links_real t273 = t271 - t272;
-    const zhao2000_links_real t274 = t273 * t257;
-    const zhao2000_links_real t275 = t235 * t165;
-    const zhao2000_links_real t276 = t233 * t173;
-    const zhao2000_links_real t277 = t275 + t276;
-    const zhao2000_links_real t278 = t277 * t262;
-    const zhao2000_links_real t279 = t274 - t278;
-    const zhao2000_links_real t280 = w->x[12] * t279;
-    const zhao2000_links_real t281 = t270 - t280;
-    const zhao2000_links_real t282 = t273 * t262;
-    const zhao2000_links_real t283 = t277 * t257;
-    const zhao2000_links_real t284 = t282 + t283;
-    const zhao2000_links_real t285 = w->x[13] * t284;
-    const zhao2000_links_real t286 = t281 + t285;
-    const zhao2000_links_real t287 = t286 + t286;
-    const zhao2000_links_real t288 = -t287;
-    w->a[47] = t288;
-    w->a[48] = 0.0f;
-    w->a[49] = 0.0f;
-    w->a[50] = 0.0f;
-    w->a[51] = 0.0f;
-    w->a[52] = 0.0f;
-    w->a[53] = 0.0f;
-    w->a[54] = 0.0f;
-    w->a[55] = 0.0f;
-    w->a[56] = 0.0f;
-    const zhao2000_links_real t299 = t273 * t163;
-    const zhao2000_links_real t300 = t277 * t180;
-    const zhao2000_links_real t301 = t299 - t300;
-    const zhao2000_links_real t302 = 489.63956f * t301;
-    const zhao2000_links_real t303 = t302 * t42;
-    const zhao2000_links_real t304 = t277 * t163;
-    const zhao2000_links_real t305 = t273 * t180;
-    const zhao2000_links_real t306 = t304 + t305;
-    const zhao2000_links_real t307 = 489.63956f * t306;
-    const zhao2000_links_real t308 = t307 * t47;
-    const zhao2000_links_real t309 = t303 - t308;
-    const zhao2000_links_real t310 = t256 * t163;
-    const zhao2000_links_real t311 = t261 * t180;
-    const zhao2000_links_real t312 = t310 - t311;
-    const zhao2000_links_real t313 = 489.63956f * t312;
-    const zhao2000_links_real t314 = t313 * t51;
-    const zhao2000_links_real t315 = t309 + t314;
-    const zhao2000_links_real t316 = t256 * t180;
-    const zhao2000_links_real t317 = t261 * t163;
-    const zhao2000_links_real t318 = t316 + t317;
-    const zhao2000_links_real t319 = 489.63956f * t318;
-    const zhao2000_links_real t320 = t319 * t57;
-    const zhao2000_links_real t321 = t315 - t320;
-    w->a[57] = t321;
-    const zhao2000_links_real t323 = t319 * t47;
-    const zhao2000_links_real t324 = t313 * t42;
-    const zhao2000_links_real t325 = t302 * t51;
-    const zhao2000_links_real t326 = t307 * t57;
-    const zhao2000_links_real t327 = t325 - t326;
-    const zhao2000_links_real t328 = t327 - t324;
-    const zhao2000_links_real t329 = t328 + t323;
-    w->a[58] = t329;
-    const zhao2000_links_real t331 = t307 * t51;
-    const zhao2000_links_real t332 = t302 * t57;
-    const zhao2000_links_real t333 = t331 + t332;
-    const zhao2000_links_real t334 = t313 * t47;
-    const zhao2000_links_real t335 = t333 + t334;
-    const zhao2000_links_real t336 = t319 * t42;
-    const zhao2000_links_real t337 = t335 + t336;
-    const zhao2000_links_real t338 = -t337;
-    w->a[59] = t338;
-    const zhao2000_links_real t340 = w->x[13] * t189;
-    const zhao2000_links_real t341 = w->x[12] * t185;
-    const zhao2000_links_real t342 = t340 + t341;
-    const zhao2000_links_real t343 = w->x[15] * t203;
-    const zhao2000_links_real t344 = t342 + t343;
-    const zhao2000_links_real t345 = w->x[14] * t208;
-    const zhao2000_links_real t346 = t344 + t345;
-    const zhao2000_links_real t347 = t346 + t346;
-    const zhao2000_links_real t348 = -t347;
-    w->a[60] = t348;
-    const zhao2000_links_real t350 = w->x[13] * t230;
-    const zhao2000_links_real t351 = w->x[12] * t226;
-    const zhao2000_links_real t352 = t350 + t351;
-    const zhao2000_links_real t353 = w->x[15] * t243;
-    const zhao2000_links_real t354 = t352 + t353;
-    const zhao2000_links_real t355 = w->x[14] * t248;
-    const zhao2000_links_real t356 = t354 + t355;
-    const zhao2000_links_real t357 = t356 + t356;
-    const zhao2000_links_real t358 = -t357;
-    w->a[61] = t358;
-    const zhao2000_links_real t360 = w->x[13] * t268;
-    const zhao2000_links_real t361 = w->x[12] * t264;
-    const zhao2000_links_real t362 = t360 + t361;
-    const zhao2000_links_real t363 = w->x[15] * t279;
-    const zhao2000_links_real t364 = t362 + t363;
-    const zhao2000_links_real t365 = w->x[14] * t284;
-    const zhao2000_links_real t366 = t364 + t365;
-    const zhao2000_links_real t367 = t366 + t366;
-    const zhao2000_links_real t368 = -t367;
-    w->a[62] = t368;
-    w->a[63] = 0.0f;
-    w->a[64] = 0.0f;
-    w->a[65] = 0.0f;
-    w->a[66] = 0.0f;
-    w->a[67] = 0.0f;
-    w->a[68] = 0.0f;
-    w->a[69] = 0.0f;
-    w->a[70] = 0.0f;
-    w->a[71] = 0.0f;
-    const zhao2000_links_real t379 = t323 + t324;
-    const zhao2000_links_real t380 = t379 - t325;
-    const zhao2000_links_real t381 = t380 - t326;
-    w->a[72] = t381;
-    const zhao2000_links_real t383 = t320 + t314;
-    const zhao2000_links_real t384 = t383 + t303;
-    const zhao2000_links_real t385 = t384 + t308;
-    w->a[73] = t385;
-    const zhao2000_links_real t387 = t319 * t51;
-    const zhao2000_links_real t388 = t313 * t57;
-    const zhao2000_links_real t389 = t387 - t388;
-    const zhao2000_links_real t390 = t302 * t47;
-    const zhao2000_links_real t391 = t389 + t390;
-    const zhao2000_links_real t392 = t307 * t42;
-    const zhao2000_links_real t393 = t391 - t392;
-    w->a[74] = t393;
-    w->a[75] = 0.0f;
-    w->a[76] = 0.0f;
-    w->a[77] = 0.0f;
-    const zhao2000_links_real t398 = w->k[1] - 3.6651914f;
-    const zhao2000_links_real t399 = cosf(t398);
-    const zhao2000_links_real t400 = cosf(w->x[4]);
-    const zhao2000_links_real t401 = 30.272121f * t400;
-    const zhao2000_links_real t402 = sinf(w->x[4]);
-    const zhao2000_links_real t403 = 63.115757f * t402;
-    const zhao2000_links_real t404 = t401 + t403;
-    const zhao2000_links_real t405 = t404 + 69.727875f;
-    const zhao2000_links_real t406 = 0.8660254f * t405;
-    const zhao2000_links_real t407 = cosf(w->x[3]);
-    const zhao2000_links_real t408 = t406 * t407;
-    const zhao2000_links_real t409 = -54.659847f * t400;
-    const zhao2000_links_real t410 = 26.216427f * t402;
-    const zhao2000_links_real t411 = t409 + t410;
-    const zhao2000_links_real t412 = t411 - 5.340152f;
-    const zhao2000_links_real t413 = sinf(w->x[3]);
-    const zhao2000_links_real t414 = t412 * t413;
-    const zhao2000_links_real t415 = t408 - t414;
-    const zhao2000_links_real t416 = -0.5f * t412;
-    const zhao2000_links_real t417 = -31.557878f * t400;
-    const zhao2000_links_real t418 = 15.136061f * t402;
-    const zhao2000_links_real t419 = t417 + t418;
-    const zhao2000_links_real t420 = t419 - 3.0831382f;
-    const zhao2000_links_real t421 = 0.8660254f * t420;
-    const zhao2000_links_real t422 = t416 + t421;
-    const zhao2000_links_real t423 = t422 * t413;
-    const zhao2000_links_real t424 = -0.5f * t423;
-    const zhao2000_links_real t425 = t415 + t424;
-    const zhao2000_links_real t426 = t399 * t425;
-    const zhao2000_links_real t427 = sinf(t398);
-    const zhao2000_links_real t428 = 0.8660254f * t423;
-    const zhao2000_links_real t429 = t420 * t413;
-    const zhao2000_links_real t430 = -0.5f * t405;
-    const zhao2000_links_real t431 = t430 * t407;
-    const zhao2000_links_real t432 = t429 + t431;
-    const zhao2000_links_real t433 = t428 - t432;
-    const zhao2000_links_real t434 = t427 * t433;
-    const zhao2000_links_real t435 = t426 - t434;
-    const zhao2000_links_real t436 = 0.0040846374f * t435;
-    const zhao2000_links_real t437 = -t436;
-    w->a[78] = t437;
-    const zhao2000_links_real t439 = 26.216427f * t400;
-    const zhao2000_links_real t440 = -54.659847f * t402;
-    const zhao2000_links_real t441 = t439 - t440;
-    const zhao2000_links_real t442 = t407 * t441;
-    const zhao2000_links_real t443 = 63.115757f * t400;
-    const zhao2000_links_real t444 = 30.272121f * t402;
-    const zhao2000_links_real t445 = t443 - t444;
-    const zhao2000_links_real t446 = 0.8660254f * t445;
-    const zhao2000_links_real t447 = t413 * t446;
-    const zhao2000_links_real t448 = t442 + t447;
-    const zhao2000_links_real t449 = 1.0f - t407;
-    const zhao2000_links_real t450 = -0.5f * t441;
-    const zhao2000_links_real t451 = 15.136061f * t400;
-    const zhao2000_links_real t452 = -31.557878f * t402;
-    const zhao2000_links_real t453 = t451 - t452;
-    const zhao2000_links_real t454 = 0.8660254f * t453;
-    const zhao2000_links_real t455 = t450 + t454;
-    const zhao2000_links_real t456 = t449 * t455;
-    const zhao2000_links_real t457 = -0.5f * t456;
-    const zhao2000_links_real t458 = t448 + t457;
-    const zhao2000_links_real t459 = t399 * t458;
-    const zhao2000_links_real t460 = t407 * t453;
-    const zhao2000_links_real t461 = -0.5f * t445;
-    const zhao2000_links_real t462 = t413 * t461;
-    const zhao2000_links_real t463 = t460 - t462;
-    const zhao2000_links_real t464 = 0.8660254f * t456;
-    const zhao2000_links_real t465 = t463 + t464;
-    const zhao2000_links_real t466 = t427 * t465;
-    const zhao2000_links_real t467 = t459 - t466;
-    const zhao2000_links_real t468 = 0.0040846374f * t467;
-    const zhao2000_links_real t469 = -t468;
-    w->a[79] = t469;
-    w->a[80] = 0.0f;
-    w->a[81] = 0.0f;
-    w->a[82] = 0.0f;
-    w->a[83] = 0.0f;
-    w->a[84] = 1.0f;
-    w->a[85] = 0.0f;
-    w->a[86] = 0.0f;
-    const zhao2000_links_real t478 = 69.282036f * w->x[14];
-    const zhao2000_links_real t479 = t478 * t42;
-    const zhao2000_links_real t480 = 34.641018f * w->x[15];
-    const zhao2000_links_real t481 = -t480;
-    const zhao2000_links_real t482 = t481 + t481;
-    const zhao2000_links_real t483 = t482 * t47;
-    const zhao2000_links_real t484 = t479 - t483;
-    const zhao2000_links_real t485 = 34.641018f * w->x[13];
-    const zhao2000_links_real t486 = 60.0f * w->x[14];
-    const zhao2000_links_real t487 = t485 - t486;
-    const zhao2000_links_real t488 = -60.0f * w->x[14];
-    const zhao2000_links_real t489 = t487 + t488;
-    const zhao2000_links_real t490 = t489 + t489;
-    const zhao2000_links_real t491 = t490 * t51;
-    const zhao2000_links_real t492 = t484 - t491;
-    const zhao2000_links_real t493 = 120.0f * w->x[15];
-    const zhao2000_links_real t494 = 34.641018f * w->x[12];
-    const zhao2000_links_real t495 = t493 + t494;
-    const zhao2000_links_real t496 = -t495;
-    const zhao2000_links_real t497 = t496 + t496;
-    const zhao2000_links_real t498 = t497 * t57;
-    const zhao2000_links_real t499 = t492 + t498;
-    w->a[87] = t499;
-    const zhao2000_links_real t501 = t478 * t51;
-    const zhao2000_links_real t502 = t482 * t57;
-    const zhao2000_links_real t503 = t501 - t502;
-    const zhao2000_links_real t504 = t490 * t42;
-    const zhao2000_links_real t505 = t503 + t504;
-    const zhao2000_links_real t506 = t497 * t47;
-    const zhao2000_links_real t507 = t505 - t506;
-    w->a[88] = t507;
-    const zhao2000_links_real t509 = t490 * t47;
-    const zhao2000_links_real t510 = t482 * t51;
-    const zhao2000_links_real t511 = t478 * t57;
-    const zhao2000_links_real t512 = t510 + t511;
-    const zhao2000_links_real t513 = t509 - t512;
-    const zhao2000_links_real t514 = t497 * t42;
-    const zhao2000_links_real t515 = t513 + t514;
-    w->a[89] = t515;
-    w->a[90] = 0.0f;
-    w->a[91] = 0.0f;
-    w->a[92] = 0.0f;
-    const zhao2000_links_real t520 = t399 * t433;
-    const zhao2000_links_real t521 = t427 * t425;
-    const zhao2000_links_real t522 = t520 + t521;
-    const zhao2000_links_real t523 = 0.0040846374f * t522;
-    const zhao2000_links_real t524 = -t523;
-    w->a[93] = t524;
-    const zhao2000_links_real t526 = t399 * t465;
-    const zhao2000_links_real t527 = t427 * t458;
-    const zhao2000_links_real t528 = t526 + t527;
-    const zhao2000_links_real t529 = 0.0040846374f * t528;
-    const zhao2000_links_real t530 = -t529;
-    w->a[94] = t530;
-    w->a[95] = 0.0f;
-    w->a[96] = 0.0f;
-    w->a[97] = 0.0f;
-    w->a[98] = 0.0f;
-    w->a[99] = 0.0f;
-    w->a[100] = 1.0f;
-    w->a[101] = 0.0f;
-    const zhao2000_links_real t539 = t487 + t485;
-    const zhao2000_links_real t540 = -t539;
-    const zhao2000_links_real t541 = t540 + t540;
-    const zhao2000_links_real t542 = t541 * t42;
-    const zhao2000_links_real t543 = t493 * t47;
-    const zhao2000_links_real t544 = t542 - t543;
-    const zhao2000_links_real t545 = -60.0f * w->x[13];
-    const zhao2000_links_real t546 = -t545;
-    const zhao2000_links_real t547 = t546 + t546;
-    const zhao2000_links_real t548 = t547 * t51;
-    const zhao2000_links_real t549 = t544 - t548;
-    const zhao2000_links_real t550 = 60.0f * w->x[12];
-    const zhao2000_links_real t551 = 69.282036f * w->x[15];
-    const zhao2000_links_real t552 = t550 - t551;
-    const zhao2000_links_real t553 = t552 + t552;
-    const zhao2000_links_real t554 = t553 * t57;
-    const zhao2000_links_real t555 = t549 + t554;
-    w->a[102] = t555;
-    const zhao2000_links_real t557 = t541 * t51;
-    const zhao2000_links_real t558 = t493 * t57;
-    const zhao2000_links_real t559 = t557 - t558;
-    const zhao2000_links_real t560 = t547 * t42;
-    const zhao2000_links_real t561 = t559 + t560;
-    const zhao2000_links_real t562 = t553 * t47;
-    const zhao2000_links_real t563 = t561 - t562;
-    w->a[103] = t563;
-    const zhao2000_links_real t565 = t547 * t47;
-    const zhao2000_links_real t566 = t493 * t51;
-    const zhao2000_links_real t567 = t541 * t57;
-    const zhao2000_links_real t568 = t566 + t567;
-    const zhao2000_links_real t569 = t565 - t568;
-    const zhao2000_links_real t570 = t553 * t42;
-    const zhao2000_links_real t571 = t569 + t570;
-    w->a[104] = t571;
-    w->a[105] = 0.0f;
-    w->a[106] = 0.0f;
-    w->a[107] = 0.0f;
-    const zhao2000_links_real t576 = -0.5f * t420;
-    const zhao2000_links_real t577 = 0.8660254f * t412;
-    const zhao2000_links_real t578 = t576 - t577;
-    const zhao2000_links_real t579 = t578 * t407;
-    const zhao2000_links_real t580 = t405 * t413;
-    const zhao2000_links_real t581 = t579 - t580;
-    const zhao2000_links_real t582 = t399 * t581;
-    const zhao2000_links_real t583 = 1.0f - t399;
-    const zhao2000_links_real t584 = t583 * t581;
-    const zhao2000_links_real t585 = t582 + t584;
-    const zhao2000_links_real t586 = 0.0040846374f * t585;
-    const zhao2000_links_real t587 = -t586;
-    w->a[108] = t587;
-    const zhao2000_links_real t589 = t407 * t445;
-    const zhao2000_links_real t590 = -0.5f * t453;
-    const zhao2000_links_real t591 = 0.8660254f * t441;
-    const zhao2000_links_real t592 = t590 - t591;
-    const zhao2000_links_real t593 = t413 * t592;
-    const zhao2000_links_real t594 = t589 + t593;
-    const zhao2000_links_real t595 = t399 * t594;
-    const zhao2000_links_real t596 = t583 * t594;
-    const zhao2000_links_real t597 = t595 + t596;
-    const zhao2000_links_real t598 = 0.0040846374f * t597;
-    const zhao2000_links_real t599 = -t598;
-    w->a[109] = t599;
-    w->a[110] = 0.0f;
-    w->a[111] = 0.0f;
-    w->a[112] = 0.0f;
-    w->a[113] = 0.0f;
-    w->a[114] = 0.0f;
-    w->a[115] = 0.0f;
-    w->a[116] = 1.0f;
-    const zhao2000_links_real t608 = 60.0f * w->x[15];
-    const zhao2000_links_real t609 = t494 + t608;
-    const zhao2000_links_real t610 = t609 + t609;
-    const zhao2000_links_real t611 = t610 * t42;
-    const zhao2000_links_real t612 = t487 + t487;
-    const zhao2000_links_real t613 = t612 * t47;
-    const zhao2000_links_real t614 = t611 - t613;
-    const zhao2000_links_real t615 = -60.0f * w->x[12];
-    const zhao2000_links_real t616 = t615 + t480;
-    const zhao2000_links_real t617 = t616 + t616;
-    const zhao2000_links_real t618 = t617 * t51;
-    const zhao2000_links_real t619 = t614 - t618;
-    const zhao2000_links_real t620 = 60.0f * w->x[13];
-    const zhao2000_links_real t621 = 34.641018f * w->x[14];
-    const zhao2000_links_real t622 = t620 + t621;
-    const zhao2000_links_real t623 = t622 + t622;
-    const zhao2000_links_real t624 = t623 * t57;
-    const zhao2000_links_real t625 = t619 + t624;
-    w->a[117] = t625;
-    const zhao2000_links_real t627 = t610 * t51;
-    const zhao2000_links_real t628 = t612 * t57;
-    const zhao2000_links_real t629 = t627 - t628;
-    const zhao2000_links_real t630 = t617 * t42;
-    const zhao2000_links_real t631 = t629 + t630;
-    const zhao2000_links_real t632 = t623 * t47;
-    const zhao2000_links_real t633 = t631 - t632;
-    w->a[118] = t633;
-    const zhao2000_links_real t635 = t617 * t47;
-    const zhao2000_links_real t636 = t612 * t51;
-    const zhao2000_links_real t637 = t610 * t57;
-    const zhao2000_links_real t638 = t636 + t637;
-    const zhao2000_links_real t639 = t635 - t638;
-    const zhao2000_links_real t640 = t623 * t42;
-    const zhao2000_links_real t641 = t639 + t640;
-    w->a[119] = t641;
-    w->a[120] = 0.0f;
-    w->a[121] = 0.0f;
-    w->a[122] = 0.0f;
-    const zhao2000_links_real t646 = 0.5f * w->x[5];
-    const zhao2000_links_real t647 = cosf(t646);
-    const zhao2000_links_real t648 = 0.5f * w->x[4];
-    const zhao2000_links_real t649 = cosf(t648);
-    const zhao2000_links_real t650 = 0.5f * t398;
-    const zhao2000_links_real t651 = cosf(t650);
-    const zhao2000_links_real t652 = 0.5f * w->x[3];
-    const zhao2000_links_real t653 = cosf(t652);
-    const zhao2000_links_real t654 = -0.25f * t653;
-    const zhao2000_links_real t655 = t651 * t654;
-    const zhao2000_links_real t656 = sinf(t650);
-    const zhao2000_links_real t657 = 0.4330127f * t653;
-    const zhao2000_links_real t658 = t656 * t657;
-    const zhao2000_links_real t659 = t655 - t658;
-    const zhao2000_links_real t660 = t649 * t659;
-    const zhao2000_links_real t661 = sinf(t648);
-    const zhao2000_links_real t662 = -0.5f * t661;
-    const zhao2000_links_real t663 = sinf(t652);
-    const zhao2000_links_real t664 = 0.5f * t663;
-    const zhao2000_links_real t665 = t651 * t664;
-    const zhao2000_links_real t666 = t662 * t665;
-    const zhao2000_links_real t667 = t660 - t666;
-    const zhao2000_links_real t668 = 0.8660254f * t661;
-    const zhao2000_links_real t669 = t656 * t664;
-    const zhao2000_links_real t670 = t668 * t669;
-    const zhao2000_links_real t671 = t667 + t670;
-    const zhao2000_links_real t672 = t647 * t671;
-    const zhao2000_links_real t673 = sinf(t646);
-    const zhao2000_links_real t674 = -0.5f * t673;
-    const zhao2000_links_real t675 = t649 * t665;
-    const zhao2000_links_real t676 = t662 * t659;
-    const zhao2000_links_real t677 = t675 + t676;
-    const zhao2000_links_real t678 = t651 * t657;
-    const zhao2000_links_real t679 = t656 * t654;
-    const zhao2000_links_real t680 = t678 + t679;
-    const zhao2000_links_real t681 = t668 * t680;
-    const zhao2000_links_real t682 = t677 + t681;
-    const zhao2000_links_real t683 = t674 * t682;
-    const zhao2000_links_real t684 = t672 - t683;
-    const zhao2000_links_real t685 = 0.8660254f * t673;
-    const zhao2000_links_real t686 = t668 * t659;
-    const zhao2000_links_real t687 = t662 * t680;
-    const zhao2000_links_real t688 = t686 - t687;
-    const zhao2000_links_real t689 = t649 * t669;
-    const zhao2000_links_real t690 = t688 - t689;
-    const zhao2000_links_real t691 = t685 * t690;
-    const zhao2000_links_real t692 = t684 - t691;
-    const zhao2000_links_real t693 = w->x[15] * t692;
-    const zhao2000_links_real t694 = t647 * t682;
-    const zhao2000_links_real t695 = t674 * t671;
-    const zhao2000_links_real t696 = t694 + t695;
-    const zhao2000_links_real t697 = t649 * t680;
-    const zhao2000_links_real t698 = t668 * t665;
-    const zhao2000_links_real t699 = t697 - t698;
-    const zhao2000_links_real t700 = t662 * t669;
-    const zhao2000_links_real t701 = t699 - t700;
-    const zhao2000_links_real t702 = t685 * t701;
-    const zhao2000_links_real t703 = t696 + t702;
-    const zhao2000_links_real t704 = w->x[14] * t703;
-    const zhao2000_links_real t705 = t693 - t704;
-    const zhao2000_links_real t706 = t647 * t701;
-    const zhao2000_links_real t707 = t685 * t682;
-    const zhao2000_links_real t708 = t706 - t707;
-    const zhao2000_links_real t709 = t674 * t690;
-    const zhao2000_links_real t710 = t708 + t709;
-    const zhao2000_links_real t711 = w->x[12] * t710;
-    const zhao2000_links_real t712 = t705 - t711;
-    const zhao2000_links_real t713 = t685 * t671;
-    const zhao2000_links_real t714 = t674 * t701;
-    const zhao2000_links_real t715 = t713 - t714;
-    const zhao2000_links_real t716 = t647 * t690;
-    const zhao2000_links_real t717 = t715 + t716;
-    const zhao2000_links_real t718 = w->x[13] * t717;
-    const zhao2000_links_real t719 = t712 - t718;
-    const zhao2000_links_real t720 = t719 + t719;
-    const zhao2000_links_real t721 = -t720;
-    w->a[123] = t721;
-    const zhao2000_links_real t723 = t651 * t653;
-    const zhao2000_links_real t724 = -0.25f * t649;
-    const zhao2000_links_real t725 = t723 * t724;
-    const zhao2000_links_real t726 = -0.5f * t663;
-    const zhao2000_links_real t727 = t651 * t726;
-    const zhao2000_links_real t728 = 0.8660254f * t663;
-    const zhao2000_links_real t729 = t656 * t728;
-    const zhao2000_links_real t730 = t727 - t729;
-    const zhao2000_links_real t731 = 0.5f * t661;
-    const zhao2000_links_real t732 = t730 * t731;
-    const zhao2000_links_real t733 = t725 - t732;
-    const zhao2000_links_real t734 = t656 * t653;
-    const zhao2000_links_real t735 = 0.4330127f * t649;
-    const zhao2000_links_real t736 = t734 * t735;
-    const zhao2000_links_real t737 = t733 - t736;
-    const zhao2000_links_real t738 = t647 * t737;
-    const zhao2000_links_real t739 = t723 * t731;
-    const zhao2000_links_real t740 = t730 * t724;
-    const zhao2000_links_real t741 = t739 + t740;
-    const zhao2000_links_real t742 = t651 * t728;
-    const zhao2000_links_real t743 = t656 * t726;
-    const zhao2000_links_real t744 = t742 + t743;
-    const zhao2000_links_real t745 = t744 * t735;
-    const zhao2000_links_real t746 = t741 + t745;
-    const zhao2000_links_real t747 = t674 * t746;
-    const zhao2000_links_real t748 = t738 - t747;
-    const zhao2000_links_real t749 = t730 * t735;
-    const zhao2000_links_real t750 = t744 * t724;
-    const zhao2000_links_real t751 = t749 - t750;
-    const zhao2000_links_real t752 = t734 * t731;
-    const zhao2000_links_real t753 = t751 - t752;
-    const zhao2000_links_real t754 = t685 * t753;
-    const zhao2000_links_real t755 = t748 - t754;
-    const zhao2000_links_real t756 = w->x[15] * t755;
-    const zhao2000_links_real t757 = t647 * t746;
-    const zhao2000_links_real t758 = t674 * t737;
-    const zhao2000_links_real t759 = t757 + t758;
-    const zhao2000_links_real t760 = t723 * t735;
-    const zhao2000_links_real t761 = t744 * t731;
-    const zhao2000_links_real t762 = t760 - t761;
-    const zhao2000_links_real t763 = t734 * t724;
-    const zhao2000_links_real t764 = t762 + t763;
-    const zhao2000_links_real t765 = t685 * t764;
-    const zhao2000_links_real t766 = t759 + t765;
-    const zhao2000_links_real t767 = w->x[14] * t766;
-    const zhao2000_links_real t768 = t756 - t767;
-    const zhao2000_links_real t769 = t647 * t764;
-    const zhao2000_links_real t770 = t685 * t746;
-    const zhao2000_links_real t771 = t769 - t770;
-    const zhao2000_links_real t772 = t674 * t753;
-    const zhao2000_links_real t773 = t771 + t772;
-    const zhao2000_links_real t774 = w->x[12] * t773;
-    const zhao2000_links_real t775 = t768 - t774;
-    const zhao2000_links_real t776 = t685 * t737;
-    const zhao2000_links_real t777 = t674 * t764;
-    const zhao2000_links_real t778 = t776 - t777;
-    const zhao2000_links_real t779 = t647 * t753;
-    const zhao2000_links_real t780 = t778 + t779;
-    const zhao2000_links_real t781 = w->x[13] * t780;
-    const zhao2000_links_real t782 = t775 - t781;
-    const zhao2000_links_real t783 = t782 + t782;
-    const zhao2000_links_real t784 = -t783;
-    w->a[124] = t784;
-    const zhao2000_links_real t786 = t723 * t649;
-    const zhao2000_links_real t787 = t730 * t662;
-    const zhao2000_links_real t788 = t786 - t787;
-    const zhao2000_links_real t789 = t744 * t668;
-    const zhao2000_links_real t790 = t788 - t789;
-    const zhao2000_links_real t791 = -0.25f * t647;
-    const zhao2000_links_real t792 = t790 * t791;
-    const zhao2000_links_real t793 = t723 * t662;
-    const zhao2000_links_real t794 = t730 * t649;
-    const zhao2000_links_real t795 = t793 + t794;
-    const zhao2000_links_real t796 = t734 * t668;
-    const zhao2000_links_real t797 = t795 - t796;
-    const zhao2000_links_real t798 = 0.5f * t673;
-    const zhao2000_links_real t799 = t797 * t798;
-    const zhao2000_links_real t800 = t792 - t799;
-    const zhao2000_links_real t801 = t730 * t668;
-    const zhao2000_links_real t802 = t744 * t662;
-    const zhao2000_links_real t803 = t801 - t802;
-    const zhao2000_links_real t804 = t734 * t649;
-    const zhao2000_links_real t805 = t803 + t804;
-    const zhao2000_links_real t806 = 0.4330127f * t647;
-    const zhao2000_links_real t807 = t805 * t806;
-    const zhao2000_links_real t808 = t800 - t807;
-    const zhao2000_links_real t809 = w->x[15] * t808;
-    const zhao2000_links_real t810 = t790 * t798;
-    const zhao2000_links_real t811 = t797 * t791;
-    const zhao2000_links_real t812 = t810 + t811;
-    const zhao2000_links_real t813 = t723 * t668;
-    const zhao2000_links_real t814 = t744 * t649;
-    const zhao2000_links_real t815 = t813 + t814;
-    const zhao2000_links_real t816 = t734 * t662;
-    const zhao2000_links_real t817 = t815 + t816;
-    const zhao2000_links_real t818 = t817 * t806;
-    const zhao2000_links_real t819 = t812 + t818;
-    const zhao2000_links_real t820 = w->x[14] * t819;
-    const zhao2000_links_real t821 = t809 - t820;
-    const zhao2000_links_real t822 = t790 * t806;
-    const zhao2000_links_real t823 = t817 * t798;
-    const zhao2000_links_real t824 = t822 - t823;
-    const zhao2000_links_real t825 = t805 * t791;
-    const zhao2000_links_real t826 = t824 + t825;
-    const zhao2000_links_real t827 = w->x[12] * t826;
-    const zhao2000_links_real t828 = t821 - t827;
-    const zhao2000_links_real t829 = t797 * t806;
-    const zhao2000_links_real t830 = t817 * t791;
-    const zhao2000_links_real t831 = t829 - t830;
-    const zhao2000_links_real t832 = t805 * t798;
-    const zhao2000_links_real t833 = t831 - t832;
-    const zhao2000_links_real t834 = w->x[13] * t833;
-    const zhao2000_links_real t835 = t828 - t834;
-    const zhao2000_links_real t836 = t835 + t835;
-    const zhao2000_links_real t837 = -t836;
-    w->a[125] = t837;
-    w->a[126] = 0.0f;
-    w->a[127] = 0.0f;
-    w->a[128] = 0.0f;
-    w->a[129] = 0.0f;
-    w->a[130] = 0.0f;
-    w->a[131] = 0.0f;
-    const zhao2000_links_real t845 = t797 * t685;
-    const zhao2000_links_real t846 = t817 * t674;
-    const zhao2000_links_real t847 = t845 - t846;
-    const zhao2000_links_real t848 = t805 * t647;
-    const zhao2000_links_real t849 = t847 + t848;
-    const zhao2000_links_real t850 = 489.63956f * t849;
-    const zhao2000_links_real t851 = t850 * t42;
-    const zhao2000_links_real t852 = t790 * t685;
-    const zhao2000_links_real t853 = t817 * t647;
-    const zhao2000_links_real t854 = t852 + t853;
-    const zhao2000_links_real t855 = t805 * t674;
-    const zhao2000_links_real t856 = t854 + t855;
-    const zhao2000_links_real t857 = 489.63956f * t856;
-    const zhao2000_links_real t858 = t857 * t47;
-    const zhao2000_links_real t859 = t851 - t858;
-    const zhao2000_links_real t860 = t790 * t647;
-    const zhao2000_links_real t861 = t797 * t674;
-    const zhao2000_links_real t862 = t860 - t861;
-    const zhao2000_links_real t863 = t817 * t685;
-    const zhao2000_links_real t864 = t862 - t863;
-    const zhao2000_links_real t865 = 489.63956f * t864;
-    const zhao2000_links_real t866 = t865 * t51;
-    const zhao2000_links_real t867 = t859 + t866;
-    const zhao2000_links_real t868 = t790 * t674;
-    const zhao2000_links_real t869 = t797 * t647;
-    const zhao2000_links_real t870 = t868 + t869;
-    const zhao2000_links_real t871 = t805 * t685;
-    const zhao2000_links_real t872 = t870 - t871;
-    const zhao2000_links_real t873 = 489.63956f * t872;
-    const zhao2000_links_real t874 = t873 * t57;
-    const zhao2000_links_real t875 = t867 - t874;
-    w->a[132] = t875;
-    const zhao2000_links_real t877 = t873 * t47;
-    const zhao2000_links_real t878 = t865 * t42;
-    const zhao2000_links_real t879 = t850 * t51;
-    const zhao2000_links_real t880 = t857 * t57;
-    const zhao2000_links_real t881 = t879 - t880;
-    const zhao2000_links_real t882 = t881 - t878;
-    const zhao2000_links_real t883 = t882 + t877;
-    w->a[133] = t883;
-    const zhao2000_links_real t885 = t857 * t51;
-    const zhao2000_links_real t886 = t850 * t57;
-    const zhao2000_links_real t887 = t885 + t886;
-    const zhao2000_links_real t888 = t865 * t47;
-    const zhao2000_links_real t889 = t887 + t888;
-    const zhao2000_links_real t890 = t873 * t42;
-    const zhao2000_links_real t891 = t889 + t890;
-    const zhao2000_links_real t892 = -t891;
-    w->a[134] = t892;
-    w->a[135] = 0.0f;
-    w->a[136] = 0.0f;
-    w->a[137] = 0.0f;
-    const zhao2000_links_real t897 = w->x[14] * t717;
-    const zhao2000_links_real t898 = w->x[13] * t703;
-    const zhao2000_links_real t899 = w->x[12] * t692;
-    const zhao2000_links_real t900 = t898 + t899;
-    const zhao2000_links_real t901 = w->x[15] * t710;
-    const zhao2000_links_real t902 = t900 + t901;
-    const zhao2000_links_real t903 = t897 - t902;
-    const zhao2000_links_real t904 = t903 + t903;
-    w->a[138] = t904;
-    const zhao2000_links_real t906 = w->x[14] * t780;
-    const zhao2000_links_real t907 = w->x[13] * t766;
-    const zhao2000_links_real t908 = w->x[12] * t755;
-    const zhao2000_links_real t909 = t907 + t908;
-    const zhao2000_links_real t910 = w->x[15] * t773;
-    const zhao2000_links_real t911 = t909 + t910;
-    const zhao2000_links_real t912 = t906 - t911;
-    const zhao2000_links_real t913 = t912 + t912;
-    w->a[139] = t913;
-    const zhao2000_links_real t915 = w->x[14] * t833;
-    const zhao2000_links_real t916 = w->x[13] * t819;
-    const zhao2000_links_real t917 = w->x[12] * t808;
-    const zhao2000_links_real t918 = t916 + t917;
-    const zhao2000_links_real t919 = w->x[15] * t826;
-    const zhao2000_links_real t920 = t918 + t919;
-    const zhao2000_links_real t921 = t915 - t920;
-    const zhao2000_links_real t922 = t921 + t921;
-    w->a[140] = t922;
-    w->a[141] = 0.0f;
-    w->a[142] = 0.0f;
-    w->a[143] = 0.0f;
-    w->a[144] = 0.0f;
-    w->a[145] = 0.0f;
-    w->a[146] = 0.0f;
-    const zhao2000_links_real t930 = t877 + t878;
-    const zhao2000_links_real t931 = t930 - t879;
-    const zhao2000_links_real t932 = t931 - t880;
-    w->a[147] = t932;
-    const zhao2000_links_real t934 = t874 + t866;
-    const zhao2000_links_real t935 = t934 + t851;
-    const zhao2000_links_real t936 = t935 + t858;
-    w->a[148] = t936;
-    const zhao2000_links_real t938 = t873 * t51;
-    const zhao2000_links_real t939 = t865 * t57;
-    const zhao2000_links_real t940 = t938 - t939;
-    const zhao2000_links_real t941 = t850 * t47;
-    const zhao2000_links_real t942 = t940 + t941;
-    const zhao2000_links_real t943 = t857 * t42;
-    const zhao2000_links_real t944 = t942 - t943;
-    w->a[149] = t944;
-    w->a[150] = 0.0f;
-    w->a[151] = 0.0f;
-    w->a[152] = 0.0f;
-    w->a[153] = 0.0f;
-    w->a[154] = 0.0f;
-    w->a[155] = 0.0f;
-    const zhao2000_links_real t952 = w->k[2] - 5.7595863f;
-    const zhao2000_links_real t953 = cosf(t952);
-    const zhao2000_links_real t954 = cosf(w->x[7]);
-    const zhao2000_links_real t955 = 30.272121f * t954;
-    const zhao2000_links_real t956 = sinf(w->x[7]);
-    const zhao2000_links_real t957 = 63.115757f * t956;
-    const zhao2000_links_real t958 = t955 + t957;
-    const zhao2000_links_real t959 = t958 + 69.727875f;
-    const zhao2000_links_real t960 = -0.8660254f * t959;
-    const zhao2000_links_real t961 = cosf(w->x[6]);
-    const zhao2000_links_real t962 = t960 * t961;
-    const zhao2000_links_real t963 = 54.659847f * t954;
-    const zhao2000_links_real t964 = -26.216427f * t956;
-    const zhao2000_links_real t965 = t963 + t964;
-    const zhao2000_links_real t966 = t965 + 5.340152f;
-    const zhao2000_links_real t967 = sinf(w->x[6]);
-    const zhao2000_links_real t968 = t966 * t967;
-    const zhao2000_links_real t969 = t962 - t968;
-    const zhao2000_links_real t970 = -0.5f * t966;
-    const zhao2000_links_real t971 = -31.557878f * t954;
-    const zhao2000_links_real t972 = 15.136061f * t956;
-    const zhao2000_links_real t973 = t971 + t972;
-    const zhao2000_links_real t974 = t973 - 3.0831382f;
-    const zhao2000_links_real t975 = -0.8660254f * t974;
-    const zhao2000_links_real t976 = t970 + t975;
-    const zhao2000_links_real t977 = t976 * t967;
-    const zhao2000_links_real t978 = -0.5f * t977;
-    const zhao2000_links_real t979 = t969 + t978;
-    const zhao2000_links_real t980 = t953 * t979;
-    const zhao2000_links_real t981 = sinf(t952);
-    const zhao2000_links_real t982 = -0.8660254f * t977;
-    const zhao2000_links_real t983 = t974 * t967;
-    const zhao2000_links_real t984 = -0.5f * t959;
-    const zhao2000_links_real t985 = t984 * t961;
-    const zhao2000_links_real t986 = t983 + t985;
-    const zhao2000_links_real t987 = t982 - t986;
-    const zhao2000_links_real t988 = t981 * t987;
-    const zhao2000_links_real t989 = t980 - t988;
-    const zhao2000_links_real t990 = 0.0040846374f * t989;
-    const zhao2000_links_real t991 = -t990;
-    w->a[156] = t991;
-    const zhao2000_links_real t993 = -26.216427f * t954;
-    const zhao2000_links_real t994 = 54.659847f * t956;
-    const zhao2000_links_real t995 = t993 - t994;
-    const zhao2000_links_real t996 = t961 * t995;
-    const zhao2000_links_real t997 = 63.115757f * t954;
-    const zhao2000_links_real t998 = 30.272121f * t956;
-    const zhao2000_links_real t999 = t997 - t998;
-    const zhao2000_links_real t1000 = -0.8660254f * t999;
-    const zhao2000_links_real t1001 = t967 * t1000;
-    const zhao2000_links_real t1002 = t996 + t1001;
-    const zhao2000_links_real t1003 = 1.0f - t961;
-    const zhao2000_links_real t1004 = -0.5f * t995;
-    const zhao2000_links_real t1005 = 15.136061f * t954;
-    const zhao2000_links_real t1006 = -31.557878f * t956;
-    const zhao2000_links_real t1007 = t1005 - t1006;
-    const zhao2000_links_real t1008 = -0.8660254f * t1007;
-    const zhao2000_links_real t1009 = t1004 + t1008;
-    const zhao2000_links_real t1010 = t1003 * t1009;
-    const zhao2000_links_real t1011 = -0.5f * t1010;
-    const zhao2000_links_real t1012 = t1002 + t1011;
-    const zhao2000_links_real t1013 = t953 * t1012;
-    const zhao2000_links_real t1014 = t961 * t1007;
-    const zhao2000_links_real t1015 = -0.5f * t999;
-    const zhao2000_links_real t1016 = t967 * t1015;
-    const zhao2000_links_real t1017 = t1014 - t1016;
-    const zhao2000_links_real t1018 = -0.8660254f * t1010;
-    const zhao2000_links_real t1019 = t1017 + t1018;
-    const zhao2000_links_real t1020 = t981 * t1019;
-    const zhao2000_links_real t1021 = t1013 - t1020;
-    const zhao2000_links_real t1022 = 0.0040846374f * t1021;
-    const zhao2000_links_real t1023 = -t1022;
-    w->a[157] = t1023;
-    w->a[158] = 0.0f;
-    w->a[159] = 1.0f;
-    w->a[160] = 0.0f;
-    w->a[161] = 0.0f;
-    const zhao2000_links_real t1029 = t485 - t488;
-    const zhao2000_links_real t1030 = t1029 + t486;
-    const zhao2000_links_real t1031 = t1030 + t1030;
-    const zhao2000_links_real t1032 = t1031 * t51;
-    const zhao2000_links_real t1033 = t484 - t1032;
-    const zhao2000_links_real t1034 = -120.0f * w->x[15];
-    const zhao2000_links_real t1035 = t1034 + t494;
-    const zhao2000_links_real t1036 = -t1035;
-    const zhao2000_links_real t1037 = t1036 + t1036;
-    const zhao2000_links_real t1038 = t1037 * t57;
-    const zhao2000_links_real t1039 = t1033 + t1038;
-    w->a[162] = t1039;
-    const zhao2000_links_real t1041 = t1031 * t42;
-    const zhao2000_links_real t1042 = t503 + t1041;
-    const zhao2000_links_real t1043 = t1037 * t47;
-    const zhao2000_links_real t1044 = t1042 - t1043;
-    w->a[163] = t1044;
-    const zhao2000_links_real t1046 = t1031 * t47;
-    const zhao2000_links_real t1047 = t1046 - t512;
-    const zhao2000_links_real t1048 = t1037 * t42;
-    const zhao2000_links_real t1049 = t1047 + t1048;
-    w->a[164] = t1049;
-    w->a[165] = 0.0f;
-    w->a[166] = 0.0f;
-    w->a[167] = 0.0f;
-    w->a[168] = 0.0f;
-    w->a[169] = 0.0f;
-    w->a[170] = 0.0f;
-    const zhao2000_links_real t1057 = t953 * t987;
-    const zhao2000_links_real t1058 = t981 * t979;
-    const zhao2000_links_real t1059 = t1057 + t1058;
-    const zhao2000_links_real t1060 = 0.0040846374f * t1059;
-    const zhao2000_links_real t1061 = -t1060;
-    w->a[171] = t1061;
-    const zhao2000_links_real t1063 = t953 * t1019;
-    const zhao2000_links_real t1064 = t981 * t1012;
-    const zhao2000_links_real t1065 = t1063 + t1064;
-    const zhao2000_links_real t1066 = 0.0040846374f * t1065;
-    const zhao2000_links_real t1067 = -t1066;
-    w->a[172] = t1067;
-    w->a[173] = 0.0f;
-    w->a[174] = 0.0f;
-    w->a[175] = 1.0f;
-    w->a[176] = 0.0f;
-    const zhao2000_links_real t1073 = t1029 + t485;
-    const zhao2000_links_real t1074 = -t1073;
-    const zhao2000_links_real t1075 = t1074 + t1074;
-    const zhao2000_links_real t1076 = t1075 * t42;
-    const zhao2000_links_real t1077 = t1034 * t47;
-    const zhao2000_links_real t1078 = t1076 - t1077;
-    const zhao2000_links_real t1079 = -t620;
-    const zhao2000_links_real t1080 = t1079 + t1079;
-    const zhao2000_links_real t1081 = t1080 * t51;
-    const zhao2000_links_real t1082 = t1078 - t1081;
-    const zhao2000_links_real t1083 = t615 - t551;
-    const zhao2000_links_real t1084 = t1083 + t1083;
-    const zhao2000_links_real t1085 = t1084 * t57;
-    const zhao2000_links_real t1086 = t1082 + t1085;
-    w->a[177] = t1086;
-    const zhao2000_links_real t1088 = t1075 * t51;
-    const zhao2000_links_real t1089 = t1034 * t57;
-    const zhao2000_links_real t1090 = t1088 - t1089;
-    const zhao2000_links_real t1091 = t1080 * t42;
-    const zhao2000_links_real t1092 = t1090 + t1091;
-    const zhao2000_links_real t1093 = t1084 * t47;
-    const zhao2000_links_real t1094 = t1092 - t1093;
-    w->a[178] = t1094;
-    const zhao2000_links_real t1096 = t1080 * t47;
-    const zhao2000_links_real t1097 = t1034 * t51;
-    const zhao2000_links_real t1098 = t1075 * t57;
-    const zhao2000_links_real t1099 = t1097 + t1098;
-    const zhao2000_links_real t1100 = t1096 - t1099;
-    const zhao2000_links_real t1101 = t1084 * t42;
-    const zhao2000_links_real t1102 = t1100 + t1101;
-    w->a[179] = t1102;
-    w->a[180] = 0.0f;
-    w->a[181] = 0.0f;
-    w->a[182] = 0.0f;
-    w->a[183] = 0.0f;
-    w->a[184] = 0.0f;
-    w->a[185] = 0.0f;
-    const zhao2000_links_real t1110 = -0.5f * t974;
-    const zhao2000_links_real t1111 = -0.8660254f * t966;
-    const zhao2000_links_real t1112 = t1110 - t1111;
-    const zhao2000_links_real t1113 = t1112 * t961;
-    const zhao2000_links_real t1114 = t959 * t967;
-    const zhao2000_links_real t1115 = t1113 - t1114;
-    const zhao2000_links_real t1116 = t953 * t1115;
-    const zhao2000_links_real t1117 = 1.0f - t953;
-    const zhao2000_links_real t1118 = t1117 * t1115;
-    const zhao2000_links_real t1119 = t1116 + t1118;
-    const zhao2000_links_real t1120 = 0.0040846374f * t1119;
-    const zhao2000_links_real t1121 = -t1120;
-    w->a[186] = t1121;
-    const zhao2000_links_real t1123 = t961 * t999;
-    const zhao2000_links_real t1124 = -0.5f * t1007;
-    const zhao2000_links_real t1125 = -0.8660254f * t995;
-    const zhao2000_links_real t1126 = t1124 - t1125;
-    const zhao2000_links_real t1127 = t967 * t1126;
-    const zhao2000_links_real t1128 = t1123 + t1127;
-    const zhao2000_links_real t1129 = t953 * t1128;
-    const zhao2000_links_real t1130 = t1117 * t1128;
-    const zhao2000_links_real t1131 = t1129 + t1130;
-    const zhao2000_links_real t1132 = 0.0040846374f * t1131;
-    const zhao2000_links_real t1133 = -t1132;
-    w->a[187] = t1133;
-    w->a[188] = 0.0f;
-    w->a[189] = 0.0f;
-    w->a[190] = 0.0f;
-    w->a[191] = 1.0f;
-    const zhao2000_links_real t1139 = -60.0f * w->x[15];
-    const zhao2000_links_real t1140 = t494 + t1139;
-    const zhao2000_links_real t1141 = t1140 + t1140;
-    const zhao2000_links_real t1142 = t1141 * t42;
-    const zhao2000_links_real t1143 = t1029 + t1029;
-    const zhao2000_links_real t1144 = t1143 * t47;
-    const zhao2000_links_real t1145 = t1142 - t1144;
-    const zhao2000_links_real t1146 = t550 + t480;
-    const zhao2000_links_real t1147 = t1146 + t1146;
-    const zhao2000_links_real t1148 = t1147 * t51;
-    const zhao2000_links_real t1149 = t1145 - t1148;
-    const zhao2000_links_real t1150 = t545 + t621;
-    const zhao2000_links_real t1151 = t1150 + t1150;
-    const zhao2000_links_real t1152 = t1151 * t57;
-    const zhao2000_links_real t1153 = t1149 + t1152;
-    w->a[192] = t1153;
-    const zhao2000_links_real t1155 = t1141 * t51;
-    const zhao2000_links_real t1156 = t1143 * t57;
-    const zhao2000_links_real t1157 = t1155 - t1156;
-    const zhao2000_links_real t1158 = t1147 * t42;
-    const zhao2000_links_real t1159 = t1157 + t1158;
-    const zhao2000_links_real t1160 = t1151 * t47;
-    const zhao2000_links_real t1161 = t1159 - t1160;
-    w->a[193] = t1161;
-    const zhao2000_links_real t1163 = t1147 * t47;
-    const zhao2000_links_real t1164 = t1143 * t51;
-    const zhao2000_links_real t1165 = t1141 * t57;
-    const zhao2000_links_real t1166 = t1164 + t1165;
-    const zhao2000_links_real t1167 = t1163 - t1166;
-    const zhao2000_links_real t1168 = t1151 * t42;
-    const zhao2000_links_real t1169 = t1167 + t1168;
-    w->a[194] = t1169;
-    w->a[195] = 0.0f;
-    w->a[196] = 0.0f;
-    w->a[197] = 0.0f;
-    w->a[198] = 0.0f;
-    w->a[199] = 0.0f;
-    w->a[200] = 0.0f;
-    const zhao2000_links_real t1177 = 0.5f * w->x[8];
-    const zhao2000_links_real t1178 = cosf(t1177);
-    const zhao2000_links_real t1179 = 0.5f * w->x[7];
-    const zhao2000_links_real t1180 = cosf(t1179);
-    const zhao2000_links_real t1181 = 0.5f * t952;
-    const zhao2000_links_real t1182 = cosf(t1181);
-    const zhao2000_links_real t1183 = 0.5f * w->x[6];
-    const zhao2000_links_real t1184 = cosf(t1183);
-    const zhao2000_links_real t1185 = -0.25f * t1184;
-    const zhao2000_links_real t1186 = t1182 * t1185;
-    const zhao2000_links_real t1187 = sinf(t1181);
-    const zhao2000_links_real t1188 = -0.4330127f * t1184;
-    const zhao2000_links_real t1189 = t1187 * t1188;
-    const zhao2000_links_real t1190 = t1186 - t1189;
-    const zhao2000_links_real t1191 = t1180 * t1190;
-    const zhao2000_links_real t1192 = sinf(t1179);
-    const zhao2000_links_real t1193 = -0.5f * t1192;
-    const zhao2000_links_real t1194 = sinf(t1183);
-    const zhao2000_links_real t1195 = 0.5f * t1194;
-    const zhao2000_links_real t1196 = t1182 * t1195;
-    const zhao2000_links_real t1197 = t1193 * t1196;
-    const zhao2000_links_real t1198 = t1191 - t1197;
-    const zhao2000_links_real t1199 = -0.8660254f * t1192;
-    const zhao2000_links_real t1200 = t1187 * t1195;
-    const zhao2000_links_real t1201 = t1199 * t1200;
-    const zhao2000_links_real t1202 = t1198 + t1201;
-    const zhao2000_links_real t1203 = t1178 * t1202;
-    const zhao2000_links_real t1204 = sinf(t1177);
-    const zhao2000_links_real t1205 = -0.5f * t1204;
-    const zhao2000_links_real t1206 = t1180 * t1196;
-    const zhao2000_links_real t1207 = t1193 * t1190;
-    const zhao2000_links_real t1208 = t1206 + t1207;
-    const zhao2000_links_real t1209 = t1182 * t1188;
-    const zhao2000_links_real t1210 = t1187 * t1185;
-    const zhao2000_links_real t1211 = t1209 + t1210;
-    const zhao2000_links_real t1212 = t1199 * t1211;
-    const zhao2000_links_real t1213 = t1208 + t1212;
-    const zhao2000_links_real t1214 = t1205 * t1213;
-    const zhao2000_links_real t1215 = t1203 - t1214;
-    const zhao2000_links_real t1216 = -0.8660254f * t1204;
-    const zhao2000_links_real t1217 = t1199 * t1190;
-    const zhao2000_links_real t1218 = t1193 * t1211;
-    const zhao2000_links_real t1219 = t1217 - t1218;
-    const zhao2000_links_real t1220 = t1180 * t1200;
-    const zhao2000_links_real t1221 = t1219 - t1220;
-    const zhao2000_links_real t1222 = t1216 * t1221;
-    const zhao2000_links_real t1223 = t1215 - t1222;
-    const zhao2000_links_real t1224 = w->x[15] * t1223;
-    const zhao2000_links_real t1225 = t1178 * t1213;
-    const zhao2000_links_real t1226 = t1205 * t1202;
-    const zhao2000_links_real t1227 = t1225 + t1226;
-    const zhao2000_links_real t1228 = t1180 * t1211;
-    const zhao2000_links_real t1229 = t1199 * t1196;
-    const zhao2000_links_real t1230 = t1228 - t1229;
-    const zhao2000_links_real t1231 = t1193 * t1200;
-    const zhao2000_links_real t1232 = t1230 - t1231;
-    const zhao2000_links_real t1233 = t1216 * t1232;
-    const zhao2000_links_real t1234 = t1227 + t1233;
-    const zhao2000_links_real t1235 = w->x[14] * t1234;
-    const zhao2000_links_real t1236 = t1224 - t1235;
-    const zhao2000_links_real t1237 = t1178 * t1232;
-    const zhao2000_links_real t1238 = t1216 * t1213;
-    const zhao2000_links_real t1239 = t1237 - t1238;
-    const zhao2000_links_real t1240 = t1205 * t1221;
-    const zhao2000_links_real t1241 = t1239 + t1240;
-    const zhao2000_links_real t1242 = w->x[12] * t1241;
-    const zhao2000_links_real t1243 = t1236 - t1242;
-    const zhao2000_links_real t1244 = t1216 * t1202;
-    const zhao2000_links_real t1245 = t1205 * t1232;
-    const zhao2000_links_real t1246 = t1244 - t1245;
-    const zhao2000_links_real t1247 = t1178 * t1221;
-    const zhao2000_links_real t1248 = t1246 + t1247;
-    const zhao2000_links_real t1249 = w->x[13] * t1248;
-    const zhao2000_links_real t1250 = t1243 - t1249;
-    const zhao2000_links_real t1251 = t1250 + t1250;
-    const zhao2000_links_real t1252 = -t1251;
-    w->a[201] = t1252;
-    const zhao2000_links_real t1254 = t1182 * t1184;
-    const zhao2000_links_real t1255 = -0.25f * t1180;
-    const zhao2000_links_real t1256 = t1254 * t1255;
-    const zhao2000_links_real t1257 = -0.5f * t1194;
-    const zhao2000_links_real t1258 = t1182 * t1257;
-    const zhao2000_links_real t1259 = -0.8660254f * t1194;
-    const zhao2000_links_real t1260 = t1187 * t1259;
-    const zhao2000_links_real t1261 = t1258 - t1260;
-    const zhao2000_links_real t1262 = 0.5f * t1192;
-    const zhao2000_links_real t1263 = t1261 * t1262;
-    const zhao2000_links_real t1264 = t1256 - t1263;
-    const zhao2000_links_real t1265 = t1187 * t1184;
-    const zhao2000_links_real t1266 = -0.4330127f * t1180;
-    const zhao2000_links_real t1267 = t1265 * t1266;
-    const zhao2000_links_real t1268 = t1264 - t1267;
-    const zhao2000_links_real t1269 = t1178 * t1268;
-    const zhao2000_links_real t1270 = t1254 * t1262;
-    const zhao2000_links_real t1271 = t1261 * t1255;
-    const zhao2000_links_real t1272 = t1270 + t1271;
-    const zhao2000_links_real t1273 = t1182 * t1259;
-    const zhao2000_links_real t1274 = t1187 * t1257;
-    const zhao2000_links_real t1275 = t1273 + t1274;
-    const zhao2000_links_real t1276 = t1275 * t1266;
-    const zhao2000_links_real t1277 = t1272 + t1276;
-    const zhao2000_links_real t1278 = t1205 * t1277;
-    const zhao2000_links_real t1279 = t1269 - t1278;
-    const zhao2000_links_real t1280 = t1261 * t1266;
-    const zhao2000_links_real t1281 = t1275 * t1255;
-    const zhao2000_links_real t1282 = t1280 - t1281;
-    const zhao2000_links_real t1283 = t1265 * t1262;
-    const zhao2000_links_real t1284 = t1282 - t1283;
-    const zhao2000_links_real t1285 = t1216 * t1284;
-    const zhao2000_links_real t1286 = t1279 - t1285;
-    const zhao2000_links_real t1287 = w->x[15] * t1286;
-    const zhao2000_links_real t1288 = t1178 * t1277;
-    const zhao2000_links_real t1289 = t1205 * t1268;
-    const zhao2000_links_real t1290 = t1288 + t1289;
-    const zhao2000_links_real t1291 = t1254 * t1266;
-    const zhao2000_links_real t1292 = t1275 * t1262;
-    const zhao2000_links_real t1293 = t1291 - t1292;
-    const zhao2000_links_real t1294 = t1265 * t1255;
-    const zhao2000_links_real t1295 = t1293 + t1294;
-    const zhao2000_links_real t1296 = t1216 * t1295;
-    const zhao2000_links_real t1297 = t1290 + t1296;
-    const zhao2000_links_real t1298 = w->x[14] * t1297;
-    const zhao2000_links_real t1299 = t1287 - t1298;
-    const zhao2000_links_real t1300 = t1178 * t1295;
-    const zhao2000_links_real t1301 = t1216 * t1277;
-    const zhao2000_links_real t1302 = t1300 - t1301;
-    const zhao2000_links_real t1303 = t1205 * t1284;
-    const zhao2000_links_real t1304 = t1302 + t1303;
-    const zhao2000_links_real t1305 = w->x[12] * t1304;
-    const zhao2000_links_real t1306 = t1299 - t1305;
-    const zhao2000_links_real t1307 = t1216 * t1268;
-    const zhao2000_links_real t1308 = t1205 * t1295;
-    const zhao2000_links_real t1309 = t1307 - t1308;
-    const zhao2000_links_real t1310 = t1178 * t1284;
-    const zhao2000_links_real t1311 = t1309 + t1310;
-    const zhao2000_links_real t1312 = w->x[13] * t1311;
-    const zhao2000_links_real t1313 = t1306 - t1312;
-    const zhao2000_links_real t1314 = t1313 + t1313;
-    const zhao2000_links_real t1315 = -t1314;
-    w->a[202] = t1315;
-    const zhao2000_links_real t1317 = t1254 * t1180;
-    const zhao2000_links_real t1318 = t1261 * t1193;
-    const zhao2000_links_real t1319 = t1317 - t1318;
-    const zhao2000_links_real t1320 = t1275 * t1199;
-    const zhao2000_links_real t1321 = t1319 - t1320;
-    const zhao2000_links_real t1322 = -0.25f * t1178;
-    const zhao2000_links_real t1323 = t1321 * t1322;
-    const zhao2000_links_real t1324 = t1254 * t1193;
-    const zhao2000_links_real t1325 = t1261 * t1180;
-    const zhao2000_links_real t1326 = t1324 + t1325;
-    const zhao2000_links_real t1327 = t1265 * t1199;
-    const zhao2000_links_real t1328 = t1326 - t1327;
-    const zhao2000_links_real t1329 = 0.5f * t1204;
-    const zhao2000_links_real t1330 = t1328 * t1329;
-    const zhao2000_links_real t1331 = t1323 - t1330;
-    const zhao2000_links_real t1332 = t1261 * t1199;
-    const zhao2000_links_real t1333 = t1275 * t1193;
-    const zhao2000_links_real t1334 = t1332 - t1333;
-    const zhao2000_links_real t1335 = t1265 * t1180;
-    const zhao2000_links_real t1336 = t1334 + t1335;
-    const zhao2000_links_real t1337 = -0.4330127f * t1178;
-    const zhao2000_links_real t1338 = t1336 * t1337;
-    const zhao2000_links_real t1339 = t1331 - t1338;
-    const zhao2000_links_real t1340 = w->x[15] * t1339;
-    const zhao2000_links_real t1341 = t1321 * t1329;
-    const zhao2000_links_real t1342 = t1328 * t1322;
-    const zhao2000_links_real t1343 = t1341 + t1342;
-    const zhao2000_links_real t1344 = t1254 * t1199;
-    const zhao2000_links_real t1345 = t1275 * t1180;
-    const zhao2000_links_real t1346 = t1344 + t1345;
-    const zhao2000_links_real t1347 = t1265 * t1193;
-    const zhao2000_links_real t1348 = t1346 + t1347;
-    const zhao2000_links_real t1349 = t1348 * t1337;
-    const zhao2000_links_real t1350 = t1343 + t1349;
-    const zhao2000_links_real t1351 = w->x[14] * t1350;
-    const zhao2000_links_real t1352 = t1340 - t1351;
-    const zhao2000_links_real t1353 = t1321 * t1337;
-    const zhao2000_links_real t1354 = t1348 * t1329;
-    const zhao2000_links_real t1355 = t1353 - t1354;
-    const zhao2000_links_real t1356 = t1336 * t1322;
-    const zhao2000_links_real t1357 = t1355 + t1356;
-    const zhao2000_links_real t1358 = w->x[12] * t1357;
-    const zhao2000_links_real t1359 = t1352 - t1358;
-    const zhao2000_links_real t1360 = t1328 * t1337;
-    const zhao2000_links_real t1361 = t1348 * t1322;
-    const zhao2000_links_real t1362 = t1360 - t1361;
-    const zhao2000_links_real t1363 = t1336 * t1329;
-    const zhao2000_links_real t1364 = t1362 - t1363;
-    const zhao2000_links_real t1365 = w->x[13] * t1364;
-    const zhao2000_links_real t1366 = t1359 - t1365;
-    const zhao2000_links_real t1367 = t1366 + t1366;
-    const zhao2000_links_real t1368 = -t1367;
-    w->a[203] = t1368;
-    w->a[204] = 0.0f;
-    w->a[205] = 0.0f;
-    w->a[206] = 0.0f;
-    const zhao2000_links_real t1373 = t1328 * t1216;
-    const zhao2000_links_real t1374 = t1348 * t1205;
-    const zhao2000_links_real t1375 = t1373 - t1374;
-    const zhao2000_links_real t1376 = t1336 * t1178;
-    const zhao2000_links_real t1377 = t1375 + t1376;
-    const zhao2000_links_real t1378 = 489.63956f * t1377;
-    const zhao2000_links_real t1379 = t1378 * t42;
-    const zhao2000_links_real t1380 = t1321 * t1216;
-    const zhao2000_links_real t1381 = t1348 * t1178;
-    const zhao2000_links_real t1382 = t1380 + t1381;
-    const zhao2000_links_real t1383 = t1336 * t1205;
-    const zhao2000_links_real t1384 = t1382 + t1383;
-    const zhao2000_links_real t1385 = 489.63956f * t1384;
-    const zhao2000_links_real t1386 = t1385 * t47;
-    const zhao2000_links_real t1387 = t1379 - t1386;
-    const zhao2000_links_real t1388 = t1321 * t1178;
-    const zhao2000_links_real t1389 = t1328 * t1205;
-    const zhao2000_links_real t1390 = t1388 - t1389;
-    const zhao2000_links_real t1391 = t1348 * t1216;
-    const zhao2000_links_real t1392 = t1390 - t1391;
-    const zhao2000_links_real t1393 = 489.63956f * t1392;
-    const zhao2000_links_real t1394 = t1393 * t51;
-    const zhao2000_links_real t1395 = t1387 + t1394;
-    const zhao2000_links_real t1396 = t1321 * t1205;
-    const zhao2000_links_real t1397 = t1328 * t1178;
-    const zhao2000_links_real t1398 = t1396 + t1397;
-    const zhao2000_links_real t1399 = t1336 * t1216;
-    const zhao2000_links_real t1400 = t1398 - t1399;
-    const zhao2000_links_real t1401 = 489.63956f * t1400;
-    const zhao2000_links_real t1402 = t1401 * t57;
-    const zhao2000_links_real t1403 = t1395 - t1402;
-    w->a[207] = t1403;
-    const zhao2000_links_real t1405 = t1401 * t47;
-    const zhao2000_links_real t1406 = t1393 * t42;
-    const zhao2000_links_real t1407 = t1378 * t51;
-    const zhao2000_links_real t1408 = t1385 * t57;
-    const zhao2000_links_real t1409 = t1407 - t1408;
-    const zhao2000_links_real t1410 = t1409 - t1406;
-    const zhao2000_links_real t1411 = t1410 + t1405;
-    w->a[208] = t1411;
-    const zhao2000_links_real t1413 = t1385 * t51;
-    const zhao2000_links_real t1414 = t1378 * t57;
-    const zhao2000_links_real t1415 = t1413 + t1414;
-    const zhao2000_links_real t1416 = t1393 * t47;
-    const zhao2000_links_real t1417 = t1415 + t1416;
-    const zhao2000_links_real t1418 = t1401 * t42;
-    const zhao2000_links_real t1419 = t1417 + t1418;
-    const zhao2000_links_real t1420 = -t1419;
-    w->a[209] = t1420;
-    w->a[210] = 0.0f;
-    w->a[211] = 0.0f;
-    w->a[212] = 0.0f;
-    w->a[213] = 0.0f;
-    w->a[214] = 0.0f;
-    w->a[215] = 0.0f;
-    const zhao2000_links_real t1428 = w->x[14] * t1248;
-    const zhao2000_links_real t1429 = w->x[13] * t1234;
-    const zhao2000_links_real t1430 = w->x[12] * t1223;
-    const zhao2000_links_real t1431 = t1429 + t1430;
-    const zhao2000_links_real t1432 = w->x[15] * t1241;
-    const zhao2000_links_real t1433 = t1431 + t1432;
-    const zhao2000_links_real t1434 = t1428 - t1433;
-    const zhao2000_links_real t1435 = t1434 + t1434;
-    w->a[216] = t1435;
-    const zhao2000_links_real t1437 = w->x[14] * t1311;
-    const zhao2000_links_real t1438 = w->x[13] * t1297;
-    const zhao2000_links_real t1439 = w->x[12] * t1286;
-    const zhao2000_links_real t1440 = t1438 + t1439;
-    const zhao2000_links_real t1441 = w->x[15] * t1304;
-    const zhao2000_links_real t1442 = t1440 + t1441;
-    const zhao2000_links_real t1443 = t1437 - t1442;
-    const zhao2000_links_real t1444 = t1443 + t1443;
-    w->a[217] = t1444;
-    const zhao2000_links_real t1446 = w->x[14] * t1364;
-    const zhao2000_links_real t1447 = w->x[13] * t1350;
-    const zhao2000_links_real t1448 = w->x[12] * t1339;
-    const zhao2000_links_real t1449 = t1447 + t1448;
-    const zhao2000_links_real t1450 = w->x[15] * t1357;
-    const zhao2000_links_real t1451 = t1449 + t1450;
-    const zhao2000_links_real t1452 = t1446 - t1451;
-    const zhao2000_links_real t1453 = t1452 + t1452;
-    w->a[218] = t1453;
-    w->a[219] = 0.0f;
-    w->a[220] = 0.0f;
-    w->a[221] = 0.0f;
-    const zhao2000_links_real t1458 = t1405 + t1406;
-    const zhao2000_links_real t1459 = t1458 - t1407;
-    const zhao2000_links_real t1460 = t1459 - t1408;
-    w->a[222] = t1460;
-    const zhao2000_links_real t1462 = t1402 + t1394;
-    const zhao2000_links_real t1463 = t1462 + t1379;
-    const zhao2000_links_real t1464 = t1463 + t1386;
-    w->a[223] = t1464;
-    const zhao2000_links_real t1466 = t1401 * t51;
-    const zhao2000_links_real t1467 = t1393 * t57;
-    const zhao2000_links_real t1468 = t1466 - t1467;
-    const zhao2000_links_real t1469 = t1378 * t47;
-    const zhao2000_links_real t1470 = t1468 + t1469;
-    const zhao2000_links_real t1471 = t1385 * t42;
-    const zhao2000_links_real t1472 = t1470 - t1471;
-    w->a[224] = t1472;
-    w->a[225] = 0.0f;
-    w->a[226] = 0.0f;
-    w->a[227] = 0.0f;
-    w->a[228] = 0.0f;
-    w->a[229] = 0.0f;
-    w->a[230] = 0.0f;
-    w->a[231] = 0.0f;
-    w->a[232] = 0.0f;
-    w->a[233] = 0.0f;
-    const zhao2000_links_real t1483 = 0.0040846374f * w->x[9];
-    w->a[234] = t1483;
-    const zhao2000_links_real t1485 = 0.0040846374f * w->x[10];
-    w->a[235] = t1485;
-    const zhao2000_links_real t1487 = 0.0040846374f * w->x[11];
-    w->a[236] = t1487;
-    w->a[237] = 0.0f;
-    w->a[238] = 0.0f;
-    w->a[239] = 0.0f;
-}
-
-/* QR of the 16 x 15 matrix by modified Gram-Schmidt: Q in w->a, R in w->r with reciprocals on the
- * diagonal; 0 where its columns are dependent. */
-static int zhao2000_links_direct_factor(zhao2000_links_direct_work *w)
-{
-    zhao2000_links_direct_matrix(w);
-    w->spread = 0.0f;
-    for (int c = 0; c < 15; ++c) {
-        /* the length of the column, its reciprocal on R's diagonal */
-        zhao2000_links_real squared = 0.0f;
-        for (int i = 0; i < 16; ++i) {
-            squared += w->a[15 * i + c] * w->a[15 * i + c];
-        }
-        if (!(squared > 1.9073486e-06f * 1.9073486e-06f)) {
-            w->spread = 0.0f;
-            return 0;
-        }
-        const zhao2000_links_real inverse = 1.0f / sqrtf(squared);
-        w->r[15 * c + c] = inverse;
-        w->spread += inverse * inverse;
-        for (int i = 0; i < 16; ++i) {
-            w->a[15 * i + c] *= inverse;
-        }
-        for (int j = c + 1; j < 15; ++j) {
-            zhao2000_links_real r = 0.0f;
-            for (int i = 0; i < 16; ++i) {
-                r += w->a[15 * i + c] * w->a[15 * i + j];
-            }
-            w->r[15 * c + j] = r;
-            for (int i = 0; i < 16; ++i) {
-                w->a[15 * i + j] -= r * w->a[15 * i + c];
-            }
-        }
-    }
-    return 1;
-}
-
-/* The least-squares step from w->f into the first 15 entries of w->f. */
-static void zhao2000_links_direct_solve(zhao2000_links_direct_work *w)
-{
-    zhao2000_links_real y[15];
-    /* y = Q^T f, and f less its part along each column */
-    for (int c = 0; c < 15; ++c) {
-        y[c] = 0.0f;
-        for (int i = 0; i < 16; ++i) {
-            y[c] += w->a[15 * i + c] * w->f[i];
-        }
-        for (int i = 0; i < 16; ++i) {
-            w->f[i] -= y[c] * w->a[15 * i + c];
-        }
-    }
-    /* back substitution with R */
-    for (int c = 14; c >= 0; --c) {
-        for (int j = c + 1; j < 15; ++j) {
-            y[c] -= w->r[15 * c + j] * w->f[j];
-        }
-        w->f[c] = y[c] * w->r[15 * c + c];
-    }
-}
-
-/* Whether the middle of the part that is tried is reached as its end is: three steps from the
- * part's begin with its factors, each judged by the next. Where known values turn, the rows' change
- * is bent: both ends of a part may have a configuration, and points between them none. */
-static ZHAO2000_LINKS_COLD bool zhao2000_links_direct_reaches_middle(zhao2000_links_direct_work *w,
-    const zhao2000_links_real to[4], zhao2000_links_real middle, zhao2000_links_real still2)
-{
-    zhao2000_links_real end[16];
-    zhao2000_links_real size[3];
-    for (int i = 0; i < 16; ++i) {
-        end[i] = w->x[i];
-    }
-    for (int i = 0; i < 16; ++i) {
-        w->x[i] = w->x0[i];
-    }
-    zhao2000_links_direct_set_target(w, to, middle);
-    for (int i = 0; i < 3; ++i) {
-        zhao2000_links_direct_rows(w);
-        zhao2000_links_direct_solve(w);
-        size[i] = zhao2000_links_direct_apply_step(w);
-    }
-    for (int i = 0; i < 16; ++i) {
-        w->x[i] = end[i];
-    }
-    return (size[2] <= still2) || ((size[1] <= 0.0625f * size[0])
-        && (size[2] <= 0.140625f * size[1]));
-}
-
-/* Newton's method along the straight line from the known values of the guess to the given ones
- * (to).
- *
- * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
- * values turn by at most 0.5 rad is tried first. Where the second step is longer than a quarter of
- * the first (of a far one, a sixth), or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says
- * what is proved): the state is put back and a nearer point of the line is aimed at. Factors are
- * kept for one more step where that is predicted to reach the tolerance. The answer's rows are
- * evaluated before it is called OK. */
-static zhao2000_links_status zhao2000_links_direct_newton(zhao2000_links_direct_work *w,
-    const zhao2000_links_real to[4], const zhao2000_links_config *config, zhao2000_links_info *info)
-{
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
-    const zhao2000_links_real tolerance2 = config->tolerance * config->tolerance;
-    const zhao2000_links_real longest2 = config->max_step * config->max_step;
-    zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
-    /* parts of the line, 0 to 1: where the state is known to lie, and what is aimed at */
-    zhao2000_links_real done = 0.0f;
-    zhao2000_links_real aim = 1.0f;
-    /* squares of: the last step, kappa, the longest step allowed */
-    zhao2000_links_real size = 0.0f;
-    zhao2000_links_real kappa2 = 0.00034596f;
-    zhao2000_links_real limit;
-    zhao2000_links_real residual = HUGE_VALF;
-    /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
-    zhao2000_links_real room = 0.00011673917f;
-    zhao2000_links_real still2 = 8.7219416e-07f; /* square of a step that is rounding */
-    int sign = 0; /* of the determinant: a change means that a singularity lies between */
-    unsigned int count = 0U;
-    unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
-    bool fresh = true; /* whether this step needs new factors */
-    bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether the second step was far shorter than it had to be */
-    bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
-    /* four times as long: the second and third step keep the factors, whose ratio judges it */
-    bool very_far = false;
-    bool settling = false; /* whether the end of the line is accepted: only convergence is left */
-    /* whether the tolerance should be reached: the rows are evaluated once more */
-    bool verify = false;
-    w->spread = 0.0f;
-    /* the square of the largest turn of a known value on the line (rad), and what part of the line
-     * is tried first */
-    zhao2000_links_real turn2 = 0.0f;
-    static const uint8_t places[4] = { 0, 1, 2, 3 };
-    static const zhao2000_links_real radians[4] = { 1.0f, 1.0f, 1.0f, 0.0040846374f };
-    for (int i = 0; i < 4; ++i) {
-        const zhao2000_links_real turned = radians[i] * (to[places[i]] - w->at[places[i]]);
-        if (turned * turned > turn2) {
-            turn2 = turned * turned;
-        }
-    }
-    if (turn2 > 0.25f) {
-        aim = 0.5f / sqrtf(turn2);
-    }
-    zhao2000_links_direct_set_target(w, to, aim);
-    for (int i = 0; i < 16; ++i) {
-        w->x0[i] = w->x[i];
-    }
-    for (;;) {
-        zhao2000_links_direct_rows(w);
-        if (verify) {
-            residual = zhao2000_links_direct_residual(w);
-            if (residual <= config->tolerance + room) {
-                status = ZHAO2000_LINKS_OK;
-                break;
-            }
-            room = 0.00093391334f;
-            verify = false;
-            fresh = true;
-        }
-        if (count >= (unsigned int)config->max_iterations) {
-            break;
-        }
-        ++count;
-        if (fresh) {
-            /* matrix and factors, and the sign of the determinant */
-            if (taken == 0U) {
-                zhao2000_links_direct_set_target(w, to, done);
-            }
-            int turn = zhao2000_links_direct_factor(w);
-            if (taken == 0U) {
-                zhao2000_links_direct_set_target(w, to, aim);
-            }
-            kept = (taken == 0U);
-            if (turn == 0) {
-                status = ZHAO2000_LINKS_SINGULAR;
-                break;
-            }
-            if (turn + sign == 0) {
-                status = ZHAO2000_LINKS_WRONG_BRANCH;
-                break;
-            }
-            sign = turn;
-            still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
-                ? (1.3628034e-08f * w->spread) : 8.7219416e-07f;
-        }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
-         * 1/6, later 3/8 (README.md) */
-        zhao2000_links_direct_solve(w);
-        const zhao2000_links_real before = size;
-        size = zhao2000_links_direct_apply_step(w);
-        if (taken == 0U) {
-            limit = longest2;
-            far = (size * w->spread > 59936.727f);
-            very_far = (size * w->spread > 16.0f * 59936.727f);
-        } else if (taken == 1U) {
-            limit = (far ? 0.027777778f : 0.0625f) * before;
-        } else {
-            limit = 0.140625f * before;
-        }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
-        if (accepted && (taken == 1U) && ((aim - done) * (aim
-            - done) * turn2 * w->spread > 0.25f)) {
-            accepted = zhao2000_links_direct_reaches_middle(w, to, done + 0.5f * (aim - done),
-                still2);
-            zhao2000_links_direct_set_target(w, to, aim);
-        }
-        if (accepted) {
-            if (aim >= 1.0f) {
-                /* accepted at the end of the line: predict the error, decide on new factors */
-                zhao2000_links_real error2;
-                zhao2000_links_real gain2;
-                if (taken > 0U) {
-                    settling = true;
-                    if (was_fresh && (before > still2)) {
-                        kappa2 = size / (before * before);
-                    }
-                }
-                gain2 = 4.0f * ((fresh || !(before > 0.0f)) ? (kappa2 * size) : (size / before));
-                error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || ((taken > 0U)
-                    && (size <= still2));
-                was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2)
-                    && ((taken > 0U) ? !(very_far && (taken == 1U)) : ((gain2 < 0.3f)
-                        && !very_far));
-                ++taken;
-            } else if ((taken == 0U) || ((size > still2)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
-                /* towards a point of the line: the next step judges this one; of a far point whose
-                 * third step is not far shorter than its second, a fourth one judges that */
-                if (taken < 2U) {
-                    quick = (size * 100.0f <= before);
-                }
-                was_fresh = fresh;
-                fresh = false;
-                ++taken;
-            } else {
-                /* accepted at a point of the line: go on from here, by up to twice the part where
-                 * convergence was quick */
-                const zhao2000_links_real part = aim - done;
-                done = aim;
-                aim += (quick && (part * part * turn2 <= 0.25f)) ? (2.0f * part) : part;
-                if (aim > 0.999f) {
-                    aim = 1.0f;
-                }
-                for (int i = 0; i < 16; ++i) {
-                    w->x0[i] = w->x[i];
-                }
-                zhao2000_links_direct_set_target(w, to, aim);
-                taken = 0U;
-                fresh = true;
-            }
-        } else if (aim - done > 0.0009765625f) {
-            /* refused: back to the part that is done, and aim nearer */
-            aim = done + 0.375f * (aim - done);
-            for (int i = 0; i < 16; ++i) {
-                w->x[i] = w->x0[i];
-            }
-            zhao2000_links_direct_set_target(w, to, aim);
-            fresh = settling || !kept;
-            taken = 0U;
-            settling = false;
-        } else {
-            /* parts have become too short: the line is not assured to be regular */
-            status = ZHAO2000_LINKS_WRONG_BRANCH;
-            break;
-        }
-    }
-    zhao2000_links_write_info(info, count, residual, size, w->spread);
-    return status;
-}
 /* Unwraps joint values: takes whole turns off angles without limits, so that the nearer way from
  * `at` is meant. */
 static void zhao2000_links_unwrap_joints(const zhao2000_links_real at[4],
@@ -5168,151 +1628,6 @@ static void zhao2000_links_unwrap_joints(const zhao2000_links_real at[4],
     }
 }
 
-/* Checks the branch of an answer, passive joints and pose coordinates x: whether each limb stands
- * on the reference's side of its dead centres, which is a sign. Else a limb has passed one on the
- * way, which is a singularity. */
-static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_check_branch(
-    const zhao2000_links_real x[16], const zhao2000_links_real given[4])
-{
-    zhao2000_links_status status = ZHAO2000_LINKS_OK;
-    (void)x;
-    (void)given;
-    const zhao2000_links_real limb1_t0 = cosf(x[0]);
-    const zhao2000_links_real limb1_t1 = -6.1662765f * limb1_t0;
-    const zhao2000_links_real limb1_t2 = sinf(x[0]);
-    const zhao2000_links_real limb1_t3 = 69.727875f * limb1_t2;
-    const zhao2000_links_real limb1_t4 = limb1_t1 + limb1_t3;
-    const zhao2000_links_real limb1_t5 = x[0] + x[1];
-    const zhao2000_links_real limb1_t6 = cosf(limb1_t5);
-    const zhao2000_links_real limb1_t7 = -63.115757f * limb1_t6;
-    const zhao2000_links_real limb1_t8 = limb1_t4 + limb1_t7;
-    const zhao2000_links_real limb1_t9 = sinf(limb1_t5);
-    const zhao2000_links_real limb1_t10 = 30.272121f * limb1_t9;
-    const zhao2000_links_real limb1_t11 = limb1_t8 + limb1_t10;
-    const zhao2000_links_real limb1_t12 = -limb1_t11;
-    const zhao2000_links_real limb1_t13 = -69.282036f * x[13];
-    const zhao2000_links_real limb1_t14 = x[12] * limb1_t13;
-    const zhao2000_links_real limb1_t15 = -69.282036f * x[15];
-    const zhao2000_links_real limb1_t16 = x[14] * limb1_t15;
-    const zhao2000_links_real limb1_t17 = limb1_t14 + limb1_t16;
-    const zhao2000_links_real limb1_t18 = limb1_t17 + limb1_t17;
-    const zhao2000_links_real limb1_t19 = x[11] + limb1_t18;
-    const zhao2000_links_real limb1_t20 = 0.0012584238f * limb1_t19;
-    const zhao2000_links_real limb1_t21 = 0.01423018f * limb1_t11;
-    const zhao2000_links_real limb1_t22 = limb1_t20 + limb1_t21;
-    const zhao2000_links_real limb1_t23 = 1.7201067f * limb1_t22;
-    const zhao2000_links_real limb1_t24 = -0.01423018f * limb1_t19;
-    const zhao2000_links_real limb1_t25 = 0.0012584238f * limb1_t11;
-    const zhao2000_links_real limb1_t26 = limb1_t24 + limb1_t25;
-    const zhao2000_links_real limb1_t27 = -1.0204082f * limb1_t26;
-    const zhao2000_links_real limb1_t28 = limb1_t23 - limb1_t27;
-    const zhao2000_links_real limb1_t29 = limb1_t28 * limb1_t9;
-    const zhao2000_links_real limb1_t30 = -1.0204082f * limb1_t22;
-    const zhao2000_links_real limb1_t31 = -1.7201067f * limb1_t26;
-    const zhao2000_links_real limb1_t32 = limb1_t30 - limb1_t31;
-    const zhao2000_links_real limb1_t33 = limb1_t32 * limb1_t6;
-    const zhao2000_links_real limb1_t34 = limb1_t29 - limb1_t33;
-    if (!(limb1_t12 >= -0.07f)) { /* theta1_side */
-        status = ZHAO2000_LINKS_WRONG_BRANCH;
-    }
-    if (!(limb1_t34 >= -0.00173f)) { /* elbow1 */
-        status = ZHAO2000_LINKS_WRONG_BRANCH;
-    }
-    const zhao2000_links_real limb2_t0 = cosf(x[3]);
-    const zhao2000_links_real limb2_t1 = -6.1662765f * limb2_t0;
-    const zhao2000_links_real limb2_t2 = sinf(x[3]);
-    const zhao2000_links_real limb2_t3 = 69.727875f * limb2_t2;
-    const zhao2000_links_real limb2_t4 = limb2_t1 + limb2_t3;
-    const zhao2000_links_real limb2_t5 = x[3] + x[4];
-    const zhao2000_links_real limb2_t6 = cosf(limb2_t5);
-    const zhao2000_links_real limb2_t7 = -63.115757f * limb2_t6;
-    const zhao2000_links_real limb2_t8 = limb2_t4 + limb2_t7;
-    const zhao2000_links_real limb2_t9 = sinf(limb2_t5);
-    const zhao2000_links_real limb2_t10 = 30.272121f * limb2_t9;
-    const zhao2000_links_real limb2_t11 = limb2_t8 + limb2_t10;
-    const zhao2000_links_real limb2_t12 = -limb2_t11;
-    const zhao2000_links_real limb2_t13 = 34.641018f * x[13];
-    const zhao2000_links_real limb2_t14 = 60.0f * x[14];
-    const zhao2000_links_real limb2_t15 = limb2_t13 - limb2_t14;
-    const zhao2000_links_real limb2_t16 = x[12] * limb2_t15;
-    const zhao2000_links_real limb2_t17 = 60.0f * x[15];
-    const zhao2000_links_real limb2_t18 = x[13] * limb2_t17;
-    const zhao2000_links_real limb2_t19 = 34.641018f * x[15];
-    const zhao2000_links_real limb2_t20 = x[14] * limb2_t19;
-    const zhao2000_links_real limb2_t21 = limb2_t18 + limb2_t20;
-    const zhao2000_links_real limb2_t22 = limb2_t16 + limb2_t21;
-    const zhao2000_links_real limb2_t23 = limb2_t22 + limb2_t22;
-    const zhao2000_links_real limb2_t24 = x[11] + limb2_t23;
-    const zhao2000_links_real limb2_t25 = 0.0012584238f * limb2_t24;
-    const zhao2000_links_real limb2_t26 = 0.01423018f * limb2_t11;
-    const zhao2000_links_real limb2_t27 = limb2_t25 + limb2_t26;
-    const zhao2000_links_real limb2_t28 = 1.7201067f * limb2_t27;
-    const zhao2000_links_real limb2_t29 = -0.01423018f * limb2_t24;
-    const zhao2000_links_real limb2_t30 = 0.0012584238f * limb2_t11;
-    const zhao2000_links_real limb2_t31 = limb2_t29 + limb2_t30;
-    const zhao2000_links_real limb2_t32 = -1.0204082f * limb2_t31;
-    const zhao2000_links_real limb2_t33 = limb2_t28 - limb2_t32;
-    const zhao2000_links_real limb2_t34 = limb2_t33 * limb2_t9;
-    const zhao2000_links_real limb2_t35 = -1.0204082f * limb2_t27;
-    const zhao2000_links_real limb2_t36 = -1.7201067f * limb2_t31;
-    const zhao2000_links_real limb2_t37 = limb2_t35 - limb2_t36;
-    const zhao2000_links_real limb2_t38 = limb2_t37 * limb2_t6;
-    const zhao2000_links_real limb2_t39 = limb2_t34 - limb2_t38;
-    if (!(limb2_t12 >= -0.0676f)) { /* theta2_side */
-        status = ZHAO2000_LINKS_WRONG_BRANCH;
-    }
-    if (!(limb2_t39 >= -0.00176f)) { /* elbow2 */
-        status = ZHAO2000_LINKS_WRONG_BRANCH;
-    }
-    const zhao2000_links_real limb3_t0 = cosf(x[6]);
-    const zhao2000_links_real limb3_t1 = -6.1662765f * limb3_t0;
-    const zhao2000_links_real limb3_t2 = sinf(x[6]);
-    const zhao2000_links_real limb3_t3 = 69.727875f * limb3_t2;
-    const zhao2000_links_real limb3_t4 = limb3_t1 + limb3_t3;
-    const zhao2000_links_real limb3_t5 = x[6] + x[7];
-    const zhao2000_links_real limb3_t6 = cosf(limb3_t5);
-    const zhao2000_links_real limb3_t7 = -63.115757f * limb3_t6;
-    const zhao2000_links_real limb3_t8 = limb3_t4 + limb3_t7;
-    const zhao2000_links_real limb3_t9 = sinf(limb3_t5);
-    const zhao2000_links_real limb3_t10 = 30.272121f * limb3_t9;
-    const zhao2000_links_real limb3_t11 = limb3_t8 + limb3_t10;
-    const zhao2000_links_real limb3_t12 = -limb3_t11;
-    const zhao2000_links_real limb3_t13 = 34.641018f * x[13];
-    const zhao2000_links_real limb3_t14 = -60.0f * x[14];
-    const zhao2000_links_real limb3_t15 = limb3_t13 - limb3_t14;
-    const zhao2000_links_real limb3_t16 = x[12] * limb3_t15;
-    const zhao2000_links_real limb3_t17 = -60.0f * x[15];
-    const zhao2000_links_real limb3_t18 = x[13] * limb3_t17;
-    const zhao2000_links_real limb3_t19 = 34.641018f * x[15];
-    const zhao2000_links_real limb3_t20 = x[14] * limb3_t19;
-    const zhao2000_links_real limb3_t21 = limb3_t18 + limb3_t20;
-    const zhao2000_links_real limb3_t22 = limb3_t16 + limb3_t21;
-    const zhao2000_links_real limb3_t23 = limb3_t22 + limb3_t22;
-    const zhao2000_links_real limb3_t24 = x[11] + limb3_t23;
-    const zhao2000_links_real limb3_t25 = 0.0012584238f * limb3_t24;
-    const zhao2000_links_real limb3_t26 = 0.01423018f * limb3_t11;
-    const zhao2000_links_real limb3_t27 = limb3_t25 + limb3_t26;
-    const zhao2000_links_real limb3_t28 = 1.7201067f * limb3_t27;
-    const zhao2000_links_real limb3_t29 = -0.01423018f * limb3_t24;
-    const zhao2000_links_real limb3_t30 = 0.0012584238f * limb3_t11;
-    const zhao2000_links_real limb3_t31 = limb3_t29 + limb3_t30;
-    const zhao2000_links_real limb3_t32 = -1.0204082f * limb3_t31;
-    const zhao2000_links_real limb3_t33 = limb3_t28 - limb3_t32;
-    const zhao2000_links_real limb3_t34 = limb3_t33 * limb3_t9;
-    const zhao2000_links_real limb3_t35 = -1.0204082f * limb3_t27;
-    const zhao2000_links_real limb3_t36 = -1.7201067f * limb3_t31;
-    const zhao2000_links_real limb3_t37 = limb3_t35 - limb3_t36;
-    const zhao2000_links_real limb3_t38 = limb3_t37 * limb3_t6;
-    const zhao2000_links_real limb3_t39 = limb3_t34 - limb3_t38;
-    if (!(limb3_t12 >= -0.0696f)) { /* theta3_side */
-        status = ZHAO2000_LINKS_WRONG_BRANCH;
-    }
-    if (!(limb3_t39 >= -0.00178f)) { /* elbow3 */
-        status = ZHAO2000_LINKS_WRONG_BRANCH;
-    }
-    return status;
-}
-
 /* Writes the info of a call that takes no step: no number is known but which joint is the first
  * that is outside its range or not finite. */
 static ZHAO2000_LINKS_COLD void zhao2000_links_write_no_step(zhao2000_links_info *info,
@@ -5324,63 +1639,1618 @@ static ZHAO2000_LINKS_COLD void zhao2000_links_write_no_step(zhao2000_links_info
     }
 }
 
-/* Reads joints and guess: checks both and sets the state to the guess's. What passes is finite and
- * within bounds. */
-static ZHAO2000_LINKS_SHARED zhao2000_links_status zhao2000_links_read_guess(
-    zhao2000_links_direct_work *w, const zhao2000_links_real joints[4],
+/* Cosine and sine of an angle: polynomials of least error within an eighth of a turn of the next
+ * quarter. */
+static void zhao2000_links_cosine_and_sine(zhao2000_links_real angle, zhao2000_links_real u[2])
+{
+    const zhao2000_links_real number = angle * 0.63661975f;
+    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+    /* the quarter turn in three parts, the first of which have few digits, so that their products
+     * are exact */
+    const zhao2000_links_real k = (zhao2000_links_real)quarter;
+    const zhao2000_links_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f)
+        - k * -6.3975784e-07f;
+    const zhao2000_links_real square = x * x;
+    const zhao2000_links_real s = x + x * square * (-0.16666651f + square * (0.008331973f
+        + square * -0.00019494935f));
+    const zhao2000_links_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
+        + square * (-0.0013887362f + square * 2.4437715e-05f));
+    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
+    const zhao2000_links_real cosine = odd ? s : c;
+    const zhao2000_links_real sine = odd ? c : s;
+    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
+    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+}
+
+/* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and
+ * where formulas are evaluated, each angle by cosine and sine; sign: the guess's side of each
+ * choice; left, guard: what must stay above zero, where the line is done and at u; y: the unknowns;
+ * share: the smallest root over its usual size; over: how far a part was too long, by squares. */
+typedef struct {
+    zhao2000_links_real at[7];
+    zhao2000_links_real u[7];
+    zhao2000_links_real sign[5];
+    zhao2000_links_real left[7];
+    zhao2000_links_real guard[7];
+    zhao2000_links_real y[23];
+    zhao2000_links_real share;
+    zhao2000_links_real over;
+    unsigned int reach;
+} zhao2000_links_direct_work;
+
+/* Reads the guess: its joints by the limbs' formulas, and the signs of the direct problem's. */
+static zhao2000_links_status zhao2000_links_read_guess(zhao2000_links_direct_work *w,
     const zhao2000_links_pose *guess)
 {
-    const zhao2000_links_status limits = zhao2000_links_check_limits(joints);
-    zhao2000_links_status status;
-    zhao2000_links_real c[7];
-    zhao2000_links_real passive[9] = { 0.0f };
-    status = zhao2000_links_pose_coordinates(guess, c);
+    zhao2000_links_real x[7];
+    zhao2000_links_status status = zhao2000_links_normalise_pose(guess, x);
     if (status == ZHAO2000_LINKS_OK) {
-        status = zhao2000_links_solve_limbs(c, w->at, passive);
-        for (int i = 0; i < 9; ++i) {
-            w->x[i] = passive[i];
+        const zhao2000_links_real t0 = -69.282036f * x[6];
+        const zhao2000_links_real t1 = x[3] * t0;
+        const zhao2000_links_real t2 = -t1;
+        const zhao2000_links_real t3 = t2 + t2;
+        const zhao2000_links_real t4 = x[0] + t3;
+        const zhao2000_links_real t5 = t4 * t4;
+        const zhao2000_links_real t6 = x[6] * t0;
+        const zhao2000_links_real t7 = -t6;
+        const zhao2000_links_real t8 = t7 + t7;
+        const zhao2000_links_real t9 = t8 - 69.282036f;
+        const zhao2000_links_real t10 = x[1] + t9;
+        const zhao2000_links_real t11 = t10 + 138.56407f;
+        const zhao2000_links_real t12 = t11 * t11;
+        const zhao2000_links_real t13 = t5 + t12;
+        const zhao2000_links_real d1 = t13;
+        const zhao2000_links_real r1 = (d1 > 1.87e-08f) ? sqrtf(d1) : 1.0f;
+        const zhao2000_links_real t16 = 0.0012584238f * x[2];
+        const zhao2000_links_real t17 = 0.01423018f * r1;
+        const zhao2000_links_real t18 = t16 - t17;
+        const zhao2000_links_real t19 = 1.7201067f * t18;
+        const zhao2000_links_real t20 = -0.01423018f * x[2];
+        const zhao2000_links_real t21 = 0.0012584238f * r1;
+        const zhao2000_links_real t22 = t20 - t21;
+        const zhao2000_links_real t23 = -1.0204082f * t22;
+        const zhao2000_links_real t24 = t19 - t23;
+        const zhao2000_links_real t25 = t24 * t24;
+        const zhao2000_links_real t26 = -1.0204082f * t18;
+        const zhao2000_links_real t27 = -1.7201067f * t22;
+        const zhao2000_links_real t28 = t26 - t27;
+        const zhao2000_links_real t29 = t28 * t28;
+        const zhao2000_links_real t30 = t25 + t29;
+        const zhao2000_links_real t31 = t22 * t22;
+        const zhao2000_links_real t32 = t31 + 0.7396918f;
+        const zhao2000_links_real t33 = t18 * t18;
+        const zhao2000_links_real t34 = t33 + 0.2603082f;
+        const zhao2000_links_real t35 = t32 + t34;
+        const zhao2000_links_real t36 = t35 - 1.0f;
+        const zhao2000_links_real t37 = t36 * t36;
+        const zhao2000_links_real t38 = t30 - t37;
+        const zhao2000_links_real d2 = t38;
+        const zhao2000_links_real r2 = (d2 > 1.14e-11f) ? sqrtf(d2) : 1.0f;
+        const zhao2000_links_real t41 = 34.641018f * x[6];
+        const zhao2000_links_real t42 = x[3] * t41;
+        const zhao2000_links_real t43 = 60.0f * x[6];
+        const zhao2000_links_real t44 = x[6] * t43;
+        const zhao2000_links_real t45 = t42 + t44;
+        const zhao2000_links_real t46 = -t45;
+        const zhao2000_links_real t47 = t46 + t46;
+        const zhao2000_links_real t48 = t47 + 60.0f;
+        const zhao2000_links_real t49 = x[0] + t48;
+        const zhao2000_links_real t50 = t49 - 120.0f;
+        const zhao2000_links_real t51 = t50 * t50;
+        const zhao2000_links_real t52 = x[3] * t43;
+        const zhao2000_links_real t53 = x[6] * t41;
+        const zhao2000_links_real t54 = t52 - t53;
+        const zhao2000_links_real t55 = t54 + t54;
+        const zhao2000_links_real t56 = t55 + 34.641018f;
+        const zhao2000_links_real t57 = x[1] + t56;
+        const zhao2000_links_real t58 = t57 - 69.282036f;
+        const zhao2000_links_real t59 = t58 * t58;
+        const zhao2000_links_real t60 = t51 + t59;
+        const zhao2000_links_real d3 = t60;
+        const zhao2000_links_real r3 = (d3 > 1.74e-08f) ? sqrtf(d3) : 1.0f;
+        const zhao2000_links_real t63 = 0.0012584238f * x[2];
+        const zhao2000_links_real t64 = 0.01423018f * r3;
+        const zhao2000_links_real t65 = t63 - t64;
+        const zhao2000_links_real t66 = 1.7201067f * t65;
+        const zhao2000_links_real t67 = 0.0012584238f * r3;
+        const zhao2000_links_real t68 = t20 - t67;
+        const zhao2000_links_real t69 = -1.0204082f * t68;
+        const zhao2000_links_real t70 = t66 - t69;
+        const zhao2000_links_real t71 = t70 * t70;
+        const zhao2000_links_real t72 = -1.0204082f * t65;
+        const zhao2000_links_real t73 = -1.7201067f * t68;
+        const zhao2000_links_real t74 = t72 - t73;
+        const zhao2000_links_real t75 = t74 * t74;
+        const zhao2000_links_real t76 = t71 + t75;
+        const zhao2000_links_real t77 = t68 * t68;
+        const zhao2000_links_real t78 = t77 + 0.7396918f;
+        const zhao2000_links_real t79 = t65 * t65;
+        const zhao2000_links_real t80 = t79 + 0.2603082f;
+        const zhao2000_links_real t81 = t78 + t80;
+        const zhao2000_links_real t82 = t81 - 1.0f;
+        const zhao2000_links_real t83 = t82 * t82;
+        const zhao2000_links_real t84 = t76 - t83;
+        const zhao2000_links_real d4 = t84;
+        const zhao2000_links_real r4 = (d4 > 1.18e-11f) ? sqrtf(d4) : 1.0f;
+        const zhao2000_links_real t87 = -60.0f * x[6];
+        const zhao2000_links_real t88 = x[6] * t87;
+        const zhao2000_links_real t89 = t42 + t88;
+        const zhao2000_links_real t90 = -t89;
+        const zhao2000_links_real t91 = t90 + t90;
+        const zhao2000_links_real t92 = t91 - 60.0f;
+        const zhao2000_links_real t93 = x[0] + t92;
+        const zhao2000_links_real t94 = t93 + 120.0f;
+        const zhao2000_links_real t95 = t94 * t94;
+        const zhao2000_links_real t96 = x[3] * t87;
+        const zhao2000_links_real t97 = t96 - t53;
+        const zhao2000_links_real t98 = t97 + t97;
+        const zhao2000_links_real t99 = t98 + 34.641018f;
+        const zhao2000_links_real t100 = x[1] + t99;
+        const zhao2000_links_real t101 = t100 - 69.282036f;
+        const zhao2000_links_real t102 = t101 * t101;
+        const zhao2000_links_real t103 = t95 + t102;
+        const zhao2000_links_real d5 = t103;
+        const zhao2000_links_real r5 = (d5 > 1.85e-08f) ? sqrtf(d5) : 1.0f;
+        const zhao2000_links_real t106 = 0.01423018f * r5;
+        const zhao2000_links_real t107 = t63 - t106;
+        const zhao2000_links_real t108 = 1.7201067f * t107;
+        const zhao2000_links_real t109 = 0.0012584238f * r5;
+        const zhao2000_links_real t110 = t20 - t109;
+        const zhao2000_links_real t111 = -1.0204082f * t110;
+        const zhao2000_links_real t112 = t108 - t111;
+        const zhao2000_links_real t113 = t112 * t112;
+        const zhao2000_links_real t114 = -1.0204082f * t107;
+        const zhao2000_links_real t115 = -1.7201067f * t110;
+        const zhao2000_links_real t116 = t114 - t115;
+        const zhao2000_links_real t117 = t116 * t116;
+        const zhao2000_links_real t118 = t113 + t117;
+        const zhao2000_links_real t119 = t110 * t110;
+        const zhao2000_links_real t120 = t119 + 0.7396918f;
+        const zhao2000_links_real t121 = t107 * t107;
+        const zhao2000_links_real t122 = t121 + 0.2603082f;
+        const zhao2000_links_real t123 = t120 + t122;
+        const zhao2000_links_real t124 = t123 - 1.0f;
+        const zhao2000_links_real t125 = t124 * t124;
+        const zhao2000_links_real t126 = t118 - t125;
+        const zhao2000_links_real d6 = t126;
+        const zhao2000_links_real r6 = (d6 > 1.2e-11f) ? sqrtf(d6) : 1.0f;
+        const zhao2000_links_real t129 = 489.63956f * x[4];
+        const zhao2000_links_real t130 = 489.63956f * x[5];
+        if (!((d1 > 1.87e-08f) && (d2 > 1.14e-11f) && (d3 > 1.74e-08f) && (d4 > 1.18e-11f)
+            && (d5 > 1.85e-08f) && (d6 > 1.2e-11f) && (fabsf(t129) <= 0.00093391334f)
+            && (fabsf(t130) <= 0.00093391334f))) {
+            status = ZHAO2000_LINKS_OUT_OF_RANGE;
+        } else {
+            const zhao2000_links_real t131 = t24 * r2;
+            const zhao2000_links_real t132 = t28 * t36;
+            const zhao2000_links_real t133 = t131 - t132;
+            const zhao2000_links_real t134 = 1.0f / t30;
+            const zhao2000_links_real t135 = t133 * t134;
+            const zhao2000_links_real t136 = 30.272121f * t135;
+            const zhao2000_links_real t137 = t24 * t36;
+            const zhao2000_links_real t138 = t28 * r2;
+            const zhao2000_links_real t139 = t137 + t138;
+            const zhao2000_links_real t140 = t139 * t134;
+            const zhao2000_links_real t141 = -63.115757f * t140;
+            const zhao2000_links_real t142 = t136 - t141;
+            const zhao2000_links_real t143 = t142 + r1;
+            const zhao2000_links_real t144 = -6.1662765f * t143;
+            const zhao2000_links_real t145 = -30.272121f * t140;
+            const zhao2000_links_real t146 = x[2] - t145;
+            const zhao2000_links_real t147 = -63.115757f * t135;
+            const zhao2000_links_real t148 = t146 + t147;
+            const zhao2000_links_real t149 = 69.727875f * t148;
+            const zhao2000_links_real t150 = t144 - t149;
+            const zhao2000_links_real t151 = t150 * -0.00020408163f;
+            const zhao2000_links_real t152 = -6.1662765f * t151;
+            const zhao2000_links_real t153 = -6.1662765f * t148;
+            const zhao2000_links_real t154 = -69.727875f * t143;
+            const zhao2000_links_real t155 = t153 - t154;
+            const zhao2000_links_real t156 = t155 * -0.00020408163f;
+            const zhao2000_links_real t157 = 69.727875f * t156;
+            const zhao2000_links_real t158 = t152 + t157;
+            const zhao2000_links_real t159 = t158 - t141;
+            const zhao2000_links_real t160 = t159 + t136;
+            const zhao2000_links_real t161 = t160 * t4;
+            const zhao2000_links_real t162 = t160 * t160;
+            const zhao2000_links_real t163 = 1.0f / t162;
+            const zhao2000_links_real t164 = t161 * t163;
+            const zhao2000_links_real t165 = -t164;
+            const zhao2000_links_real t166 = t160 * t11;
+            const zhao2000_links_real t167 = t166 * t163;
+            const zhao2000_links_real t168 = -t167;
+            const zhao2000_links_real t169 = t70 * r4;
+            const zhao2000_links_real t170 = t74 * t82;
+            const zhao2000_links_real t171 = t169 - t170;
+            const zhao2000_links_real t172 = 1.0f / t76;
+            const zhao2000_links_real t173 = t171 * t172;
+            const zhao2000_links_real t174 = 30.272121f * t173;
+            const zhao2000_links_real t175 = t70 * t82;
+            const zhao2000_links_real t176 = t74 * r4;
+            const zhao2000_links_real t177 = t175 + t176;
+            const zhao2000_links_real t178 = t177 * t172;
+            const zhao2000_links_real t179 = -63.115757f * t178;
+            const zhao2000_links_real t180 = t174 - t179;
+            const zhao2000_links_real t181 = t180 + r3;
+            const zhao2000_links_real t182 = -6.1662765f * t181;
+            const zhao2000_links_real t183 = -30.272121f * t178;
+            const zhao2000_links_real t184 = x[2] - t183;
+            const zhao2000_links_real t185 = -63.115757f * t173;
+            const zhao2000_links_real t186 = t184 + t185;
+            const zhao2000_links_real t187 = 69.727875f * t186;
+            const zhao2000_links_real t188 = t182 - t187;
+            const zhao2000_links_real t189 = t188 * -0.00020408163f;
+            const zhao2000_links_real t190 = -6.1662765f * t189;
+            const zhao2000_links_real t191 = -6.1662765f * t186;
+            const zhao2000_links_real t192 = -69.727875f * t181;
+            const zhao2000_links_real t193 = t191 - t192;
+            const zhao2000_links_real t194 = t193 * -0.00020408163f;
+            const zhao2000_links_real t195 = 69.727875f * t194;
+            const zhao2000_links_real t196 = t190 + t195;
+            const zhao2000_links_real t197 = t196 - t179;
+            const zhao2000_links_real t198 = t197 + t174;
+            const zhao2000_links_real t199 = t198 * t50;
+            const zhao2000_links_real t200 = t198 * t198;
+            const zhao2000_links_real t201 = 1.0f / t200;
+            const zhao2000_links_real t202 = t199 * t201;
+            const zhao2000_links_real t203 = -t202;
+            const zhao2000_links_real t204 = t198 * t58;
+            const zhao2000_links_real t205 = t204 * t201;
+            const zhao2000_links_real t206 = -t205;
+            const zhao2000_links_real t207 = t112 * r6;
+            const zhao2000_links_real t208 = t116 * t124;
+            const zhao2000_links_real t209 = t207 - t208;
+            const zhao2000_links_real t210 = 1.0f / t118;
+            const zhao2000_links_real t211 = t209 * t210;
+            const zhao2000_links_real t212 = 30.272121f * t211;
+            const zhao2000_links_real t213 = t112 * t124;
+            const zhao2000_links_real t214 = t116 * r6;
+            const zhao2000_links_real t215 = t213 + t214;
+            const zhao2000_links_real t216 = t215 * t210;
+            const zhao2000_links_real t217 = -63.115757f * t216;
+            const zhao2000_links_real t218 = t212 - t217;
+            const zhao2000_links_real t219 = t218 + r5;
+            const zhao2000_links_real t220 = -6.1662765f * t219;
+            const zhao2000_links_real t221 = -30.272121f * t216;
+            const zhao2000_links_real t222 = x[2] - t221;
+            const zhao2000_links_real t223 = -63.115757f * t211;
+            const zhao2000_links_real t224 = t222 + t223;
+            const zhao2000_links_real t225 = 69.727875f * t224;
+            const zhao2000_links_real t226 = t220 - t225;
+            const zhao2000_links_real t227 = t226 * -0.00020408163f;
+            const zhao2000_links_real t228 = -6.1662765f * t227;
+            const zhao2000_links_real t229 = -6.1662765f * t224;
+            const zhao2000_links_real t230 = -69.727875f * t219;
+            const zhao2000_links_real t231 = t229 - t230;
+            const zhao2000_links_real t232 = t231 * -0.00020408163f;
+            const zhao2000_links_real t233 = 69.727875f * t232;
+            const zhao2000_links_real t234 = t228 + t233;
+            const zhao2000_links_real t235 = t234 - t217;
+            const zhao2000_links_real t236 = t235 + t212;
+            const zhao2000_links_real t237 = t236 * t94;
+            const zhao2000_links_real t238 = t236 * t236;
+            const zhao2000_links_real t239 = 1.0f / t238;
+            const zhao2000_links_real t240 = t237 * t239;
+            const zhao2000_links_real t241 = -t240;
+            const zhao2000_links_real t242 = t236 * t101;
+            const zhao2000_links_real t243 = t242 * t239;
+            const zhao2000_links_real t244 = -t243;
+            const zhao2000_links_real t245 = x[0] * x[0];
+            const zhao2000_links_real t246 = x[1] * x[1];
+            const zhao2000_links_real t247 = t245 + t246;
+            const zhao2000_links_real t248 = x[2] * x[2];
+            const zhao2000_links_real t249 = t247 + t248;
+            const zhao2000_links_real t250 = sqrtf(t249);
+            w->at[0] = t165;
+            w->at[1] = t168;
+            w->at[2] = t203;
+            w->at[3] = t206;
+            w->at[4] = t241;
+            w->at[5] = t244;
+            w->at[6] = t250;
+            const zhao2000_links_real t258 = 0.70710677f * t167;
+            const zhao2000_links_real t259 = -0.70710677f * t240;
+            const zhao2000_links_real t260 = t258 * t259;
+            const zhao2000_links_real t261 = -0.70710677f * t164;
+            const zhao2000_links_real t262 = 0.70710677f * t243;
+            const zhao2000_links_real t263 = t261 * t262;
+            const zhao2000_links_real t264 = t260 - t263;
+            const zhao2000_links_real t265 = 84.85281f * t205;
+            const zhao2000_links_real t266 = -48.989796f * t202;
+            const zhao2000_links_real t267 = t265 + t266;
+            const zhao2000_links_real t268 = 0.5f * t267;
+            const zhao2000_links_real t269 = t264 * t268;
+            const zhao2000_links_real t270 = 0.70710677f * t205;
+            const zhao2000_links_real t271 = t270 * t259;
+            const zhao2000_links_real t272 = -0.70710677f * t202;
+            const zhao2000_links_real t273 = t272 * t262;
+            const zhao2000_links_real t274 = t271 - t273;
+            const zhao2000_links_real t275 = 48.989796f * t164;
+            const zhao2000_links_real t276 = t274 * t275;
+            const zhao2000_links_real t277 = t269 - t276;
+            const zhao2000_links_real t278 = t258 * t272;
+            const zhao2000_links_real t279 = t261 * t270;
+            const zhao2000_links_real t280 = t278 - t279;
+            const zhao2000_links_real t281 = -84.85281f * t243;
+            const zhao2000_links_real t282 = -48.989796f * t240;
+            const zhao2000_links_real t283 = t281 + t282;
+            const zhao2000_links_real t284 = 0.5f * t283;
+            const zhao2000_links_real t285 = t280 * t284;
+            const zhao2000_links_real t286 = t277 - t285;
+            const zhao2000_links_real t287 = -48.989796f * t205;
+            const zhao2000_links_real t288 = -84.85281f * t202;
+            const zhao2000_links_real t289 = t287 + t288;
+            const zhao2000_links_real t290 = 0.5f * t289;
+            const zhao2000_links_real t291 = t264 * t290;
+            const zhao2000_links_real t292 = 48.989796f * t167;
+            const zhao2000_links_real t293 = t274 * t292;
+            const zhao2000_links_real t294 = t291 - t293;
+            const zhao2000_links_real t295 = -48.989796f * t243;
+            const zhao2000_links_real t296 = 84.85281f * t240;
+            const zhao2000_links_real t297 = t295 + t296;
+            const zhao2000_links_real t298 = 0.5f * t297;
+            const zhao2000_links_real t299 = t280 * t298;
+            const zhao2000_links_real t300 = t294 - t299;
+            const zhao2000_links_real t301 = t286 * t286;
+            const zhao2000_links_real t302 = t300 * t300;
+            const zhao2000_links_real t303 = t301 + t302;
+            w->left[5] = t303;
+            const zhao2000_links_real t305 = t258 * t258;
+            const zhao2000_links_real t306 = t270 * t270;
+            const zhao2000_links_real t307 = t305 + t306;
+            const zhao2000_links_real t308 = t262 * t262;
+            const zhao2000_links_real t309 = t307 + t308;
+            const zhao2000_links_real t310 = t261 * t261;
+            const zhao2000_links_real t311 = t272 * t272;
+            const zhao2000_links_real t312 = t310 + t311;
+            const zhao2000_links_real t313 = t259 * t259;
+            const zhao2000_links_real t314 = t312 + t313;
+            const zhao2000_links_real t315 = t309 * t314;
+            const zhao2000_links_real t316 = t258 * t261;
+            const zhao2000_links_real t317 = t270 * t272;
+            const zhao2000_links_real t318 = t316 + t317;
+            const zhao2000_links_real t319 = t262 * t259;
+            const zhao2000_links_real t320 = t318 + t319;
+            const zhao2000_links_real t321 = t261 * t258;
+            const zhao2000_links_real t322 = t272 * t270;
+            const zhao2000_links_real t323 = t321 + t322;
+            const zhao2000_links_real t324 = t259 * t262;
+            const zhao2000_links_real t325 = t323 + t324;
+            const zhao2000_links_real t326 = t320 * t325;
+            const zhao2000_links_real t327 = t315 - t326;
+            w->left[6] = t327;
+            if (!((w->left[5] > 0.0154f) && (w->left[6] > 2.86e-06f))) {
+                status = ZHAO2000_LINKS_SINGULAR;
+            } else {
+                const zhao2000_links_real t329 = x[3] + x[3];
+                const zhao2000_links_real t330 = t329 * x[6];
+                const zhao2000_links_real t331 = t286 * t330;
+                const zhao2000_links_real t332 = x[3] * x[3];
+                const zhao2000_links_real t333 = x[6] * x[6];
+                const zhao2000_links_real t334 = t332 - t333;
+                const zhao2000_links_real t335 = t300 * t334;
+                const zhao2000_links_real t336 = t331 - t335;
+                w->sign[0] = (t336 < 0.0f) ? -1.0f : 1.0f;
+                w->sign[1] = (x[2] < 0.0f) ? -1.0f : 1.0f;
+                const zhao2000_links_real t339 = 0.01423018f * x[2];
+                const zhao2000_links_real t340 = x[1] + 138.56407f;
+                const zhao2000_links_real t341 = -69.282036f * t334;
+                const zhao2000_links_real t342 = t340 + t341;
+                const zhao2000_links_real t343 = t167 * t342;
+                const zhao2000_links_real t344 = 69.282036f * t330;
+                const zhao2000_links_real t345 = x[0] + t344;
+                const zhao2000_links_real t346 = t164 * t345;
+                const zhao2000_links_real t347 = t343 + t346;
+                const zhao2000_links_real t348 = -0.0012584238f * t347;
+                const zhao2000_links_real t349 = t339 + t348;
+                const zhao2000_links_real t350 = -1.0204082f * t349;
+                const zhao2000_links_real t351 = -0.01423018f * t347;
+                const zhao2000_links_real t352 = -0.0012584238f * x[2];
+                const zhao2000_links_real t353 = t351 + t352;
+                const zhao2000_links_real t354 = 1.7201067f * t353;
+                const zhao2000_links_real t355 = t350 - t354;
+                const zhao2000_links_real t356 = t135 * t156;
+                const zhao2000_links_real t357 = t140 * t151;
+                const zhao2000_links_real t358 = t356 - t357;
+                const zhao2000_links_real t359 = t156 * t358;
+                const zhao2000_links_real t360 = t135 * t151;
+                const zhao2000_links_real t361 = t140 * t156;
+                const zhao2000_links_real t362 = t360 + t361;
+                const zhao2000_links_real t363 = t151 * t362;
+                const zhao2000_links_real t364 = t359 + t363;
+                const zhao2000_links_real t365 = t355 * t364;
+                const zhao2000_links_real t366 = -1.7201067f * t349;
+                const zhao2000_links_real t367 = -1.0204082f * t353;
+                const zhao2000_links_real t368 = t366 - t367;
+                const zhao2000_links_real t369 = t151 * t358;
+                const zhao2000_links_real t370 = t156 * t362;
+                const zhao2000_links_real t371 = t369 - t370;
+                const zhao2000_links_real t372 = t368 * t371;
+                const zhao2000_links_real t373 = t365 - t372;
+                w->sign[2] = (t373 < 0.0f) ? -1.0f : 1.0f;
+                const zhao2000_links_real t375 = x[1] - 69.282036f;
+                const zhao2000_links_real t376 = 34.641018f * t334;
+                const zhao2000_links_real t377 = t375 + t376;
+                const zhao2000_links_real t378 = 60.0f * t330;
+                const zhao2000_links_real t379 = t377 + t378;
+                const zhao2000_links_real t380 = t205 * t379;
+                const zhao2000_links_real t381 = x[0] - 120.0f;
+                const zhao2000_links_real t382 = 60.0f * t334;
+                const zhao2000_links_real t383 = t381 + t382;
+                const zhao2000_links_real t384 = -34.641018f * t330;
+                const zhao2000_links_real t385 = t383 + t384;
+                const zhao2000_links_real t386 = t202 * t385;
+                const zhao2000_links_real t387 = t380 + t386;
+                const zhao2000_links_real t388 = -0.0012584238f * t387;
+                const zhao2000_links_real t389 = t339 + t388;
+                const zhao2000_links_real t390 = -1.0204082f * t389;
+                const zhao2000_links_real t391 = -0.01423018f * t387;
+                const zhao2000_links_real t392 = -0.0012584238f * x[2];
+                const zhao2000_links_real t393 = t391 + t392;
+                const zhao2000_links_real t394 = 1.7201067f * t393;
+                const zhao2000_links_real t395 = t390 - t394;
+                const zhao2000_links_real t396 = t173 * t194;
+                const zhao2000_links_real t397 = t178 * t189;
+                const zhao2000_links_real t398 = t396 - t397;
+                const zhao2000_links_real t399 = t194 * t398;
+                const zhao2000_links_real t400 = t173 * t189;
+                const zhao2000_links_real t401 = t178 * t194;
+                const zhao2000_links_real t402 = t400 + t401;
+                const zhao2000_links_real t403 = t189 * t402;
+                const zhao2000_links_real t404 = t399 + t403;
+                const zhao2000_links_real t405 = t395 * t404;
+                const zhao2000_links_real t406 = -1.7201067f * t389;
+                const zhao2000_links_real t407 = -1.0204082f * t393;
+                const zhao2000_links_real t408 = t406 - t407;
+                const zhao2000_links_real t409 = t189 * t398;
+                const zhao2000_links_real t410 = t194 * t402;
+                const zhao2000_links_real t411 = t409 - t410;
+                const zhao2000_links_real t412 = t408 * t411;
+                const zhao2000_links_real t413 = t405 - t412;
+                w->sign[3] = (t413 < 0.0f) ? -1.0f : 1.0f;
+                const zhao2000_links_real t415 = -60.0f * t330;
+                const zhao2000_links_real t416 = t377 + t415;
+                const zhao2000_links_real t417 = t243 * t416;
+                const zhao2000_links_real t418 = x[0] + 120.0f;
+                const zhao2000_links_real t419 = -60.0f * t334;
+                const zhao2000_links_real t420 = t418 + t419;
+                const zhao2000_links_real t421 = t420 + t384;
+                const zhao2000_links_real t422 = t240 * t421;
+                const zhao2000_links_real t423 = t417 + t422;
+                const zhao2000_links_real t424 = -0.0012584238f * t423;
+                const zhao2000_links_real t425 = t339 + t424;
+                const zhao2000_links_real t426 = -1.0204082f * t425;
+                const zhao2000_links_real t427 = -0.01423018f * t423;
+                const zhao2000_links_real t428 = t427 + t392;
+                const zhao2000_links_real t429 = 1.7201067f * t428;
+                const zhao2000_links_real t430 = t426 - t429;
+                const zhao2000_links_real t431 = t211 * t232;
+                const zhao2000_links_real t432 = t216 * t227;
+                const zhao2000_links_real t433 = t431 - t432;
+                const zhao2000_links_real t434 = t232 * t433;
+                const zhao2000_links_real t435 = t211 * t227;
+                const zhao2000_links_real t436 = t216 * t232;
+                const zhao2000_links_real t437 = t435 + t436;
+                const zhao2000_links_real t438 = t227 * t437;
+                const zhao2000_links_real t439 = t434 + t438;
+                const zhao2000_links_real t440 = t430 * t439;
+                const zhao2000_links_real t441 = -1.7201067f * t425;
+                const zhao2000_links_real t442 = -1.0204082f * t428;
+                const zhao2000_links_real t443 = t441 - t442;
+                const zhao2000_links_real t444 = t227 * t433;
+                const zhao2000_links_real t445 = t232 * t437;
+                const zhao2000_links_real t446 = t444 - t445;
+                const zhao2000_links_real t447 = t443 * t446;
+                const zhao2000_links_real t448 = t440 - t447;
+                w->sign[4] = (t448 < 0.0f) ? -1.0f : 1.0f;
+                const zhao2000_links_real t450 = t336 * t336;
+                w->left[0] = t450;
+                const zhao2000_links_real t452 = t303 * t303;
+                const zhao2000_links_real t453 = t452 * t248;
+                w->left[1] = t453;
+                const zhao2000_links_real t455 = t355 * t355;
+                const zhao2000_links_real t456 = t368 * t368;
+                const zhao2000_links_real t457 = t455 + t456;
+                const zhao2000_links_real t458 = 16.0f - t457;
+                const zhao2000_links_real t459 = t452 * t458;
+                w->left[2] = t459;
+                const zhao2000_links_real t461 = t395 * t395;
+                const zhao2000_links_real t462 = t408 * t408;
+                const zhao2000_links_real t463 = t461 + t462;
+                const zhao2000_links_real t464 = 16.0f - t463;
+                const zhao2000_links_real t465 = t452 * t464;
+                w->left[3] = t465;
+                const zhao2000_links_real t467 = t430 * t430;
+                const zhao2000_links_real t468 = t443 * t443;
+                const zhao2000_links_real t469 = t467 + t468;
+                const zhao2000_links_real t470 = 16.0f - t469;
+                const zhao2000_links_real t471 = t452 * t470;
+                w->left[4] = t471;
+                if (!((w->left[0] > 0.0463f) && (w->left[1] > 2.33e+07f)
+                    && (w->left[2] > 20300.0f) && (w->left[3] > 20300.0f)
+                    && (w->left[4] > 20300.0f))) {
+                    status = ZHAO2000_LINKS_SINGULAR;
+                }
+            }
         }
-        w->x[9] = c[0];
-        w->x[10] = c[1];
-        w->x[11] = c[2];
-        w->x[12] = c[3];
-        w->x[13] = c[4];
-        w->x[14] = c[5];
-        w->x[15] = c[6];
-        status = (status == ZHAO2000_LINKS_OK) ? status : ZHAO2000_LINKS_OUT_OF_RANGE;
     }
-    /* NaN or infinity anywhere comes first */
-    return ((status == ZHAO2000_LINKS_OK) || (limits == ZHAO2000_LINKS_NONFINITE))
-        ? limits : status;
+    return status;
 }
 
-/* Writes the pose of the state. */
-static ZHAO2000_LINKS_SHARED void zhao2000_links_write_pose(const zhao2000_links_direct_work *w,
-    zhao2000_links_pose *pose)
+/* The formulas (README.md) at w->u: unknowns and guards. */
+static void zhao2000_links_direct_formulas(zhao2000_links_direct_work *w)
 {
-    zhao2000_links_pose_from_coordinates(&w->x[9], pose);
+    const zhao2000_links_real t0 = 0.70710677f * w->u[3];
+    const zhao2000_links_real t1 = -0.70710677f * w->u[4];
+    const zhao2000_links_real t2 = t0 * t1;
+    const zhao2000_links_real t3 = -0.70710677f * w->u[2];
+    const zhao2000_links_real t4 = 0.70710677f * w->u[5];
+    const zhao2000_links_real t5 = t3 * t4;
+    const zhao2000_links_real t6 = t2 - t5;
+    const zhao2000_links_real t7 = 48.989796f * w->u[0];
+    const zhao2000_links_real t8 = t6 * t7;
+    const zhao2000_links_real t9 = 0.70710677f * w->u[1];
+    const zhao2000_links_real t10 = t9 * t1;
+    const zhao2000_links_real t11 = -0.70710677f * w->u[0];
+    const zhao2000_links_real t12 = t11 * t4;
+    const zhao2000_links_real t13 = t10 - t12;
+    const zhao2000_links_real t14 = 42.426407f * w->u[3];
+    const zhao2000_links_real t15 = 24.494898f * w->u[2];
+    const zhao2000_links_real t16 = t14 - t15;
+    const zhao2000_links_real t17 = t13 * t16;
+    const zhao2000_links_real t18 = t8 - t17;
+    const zhao2000_links_real t19 = t9 * t3;
+    const zhao2000_links_real t20 = t11 * t0;
+    const zhao2000_links_real t21 = t19 - t20;
+    const zhao2000_links_real t22 = -42.426407f * w->u[5];
+    const zhao2000_links_real t23 = 24.494898f * w->u[4];
+    const zhao2000_links_real t24 = t22 - t23;
+    const zhao2000_links_real t25 = t21 * t24;
+    const zhao2000_links_real t26 = t18 + t25;
+    const zhao2000_links_real t27 = t26 * t26;
+    const zhao2000_links_real t28 = 48.989796f * w->u[1];
+    const zhao2000_links_real t29 = t6 * t28;
+    const zhao2000_links_real t30 = -24.494898f * w->u[3];
+    const zhao2000_links_real t31 = 42.426407f * w->u[2];
+    const zhao2000_links_real t32 = t30 - t31;
+    const zhao2000_links_real t33 = t13 * t32;
+    const zhao2000_links_real t34 = t29 - t33;
+    const zhao2000_links_real t35 = -24.494898f * w->u[5];
+    const zhao2000_links_real t36 = 42.426407f * w->u[4];
+    const zhao2000_links_real t37 = t35 + t36;
+    const zhao2000_links_real t38 = t21 * t37;
+    const zhao2000_links_real t39 = t34 + t38;
+    const zhao2000_links_real t40 = t39 * t39;
+    const zhao2000_links_real t41 = t27 + t40;
+    w->guard[5] = t41;
+    const zhao2000_links_real t43 = t11 * t9;
+    const zhao2000_links_real t44 = t3 * t0;
+    const zhao2000_links_real t45 = t43 + t44;
+    const zhao2000_links_real t46 = t1 * t4;
+    const zhao2000_links_real t47 = t45 + t46;
+    const zhao2000_links_real t48 = t9 * t9;
+    const zhao2000_links_real t49 = t0 * t0;
+    const zhao2000_links_real t50 = t48 + t49;
+    const zhao2000_links_real t51 = t4 * t4;
+    const zhao2000_links_real t52 = t50 + t51;
+    const zhao2000_links_real t53 = t11 * t11;
+    const zhao2000_links_real t54 = t3 * t3;
+    const zhao2000_links_real t55 = t53 + t54;
+    const zhao2000_links_real t56 = t1 * t1;
+    const zhao2000_links_real t57 = t55 + t56;
+    const zhao2000_links_real t58 = t52 * t57;
+    const zhao2000_links_real t59 = t9 * t11;
+    const zhao2000_links_real t60 = t0 * t3;
+    const zhao2000_links_real t61 = t59 + t60;
+    const zhao2000_links_real t62 = t4 * t1;
+    const zhao2000_links_real t63 = t61 + t62;
+    const zhao2000_links_real t64 = t63 * t47;
+    const zhao2000_links_real t65 = t58 - t64;
+    w->guard[6] = t65;
+    if ((w->guard[5] > 0.0154f) && (w->guard[6] > 2.86e-06f)) {
+        const zhao2000_links_real t67 = -97.97959f * w->u[0];
+        const zhao2000_links_real t68 = t6 * t67;
+        const zhao2000_links_real t69 = -84.85281f * w->u[3];
+        const zhao2000_links_real t70 = 48.989796f * w->u[2];
+        const zhao2000_links_real t71 = t69 + t70;
+        const zhao2000_links_real t72 = t13 * t71;
+        const zhao2000_links_real t73 = t68 - t72;
+        const zhao2000_links_real t74 = 84.85281f * w->u[5];
+        const zhao2000_links_real t75 = 48.989796f * w->u[4];
+        const zhao2000_links_real t76 = t74 + t75;
+        const zhao2000_links_real t77 = t21 * t76;
+        const zhao2000_links_real t78 = t73 + t77;
+        const zhao2000_links_real t79 = t78 * t78;
+        const zhao2000_links_real t80 = t41 - t79;
+        const zhao2000_links_real d1 = t80; /* above 0 where pose.gamma has two values */
+        const zhao2000_links_real r1 = w->sign[0] * sqrtf((d1 > 0.0f) ? d1 : 0.0f);
+        const zhao2000_links_real t83 = t26 * t78;
+        const zhao2000_links_real t84 = t39 * r1;
+        const zhao2000_links_real t85 = t83 + t84;
+        const zhao2000_links_real t86 = 1.0f / t41;
+        const zhao2000_links_real t87 = t85 * t86;
+        const zhao2000_links_real t88 = t7 * t87;
+        const zhao2000_links_real t89 = t67 - t88;
+        const zhao2000_links_real t90 = t26 * r1;
+        const zhao2000_links_real t91 = t39 * t78;
+        const zhao2000_links_real t92 = t90 - t91;
+        const zhao2000_links_real t93 = t92 * t86;
+        const zhao2000_links_real t94 = t28 * t93;
+        const zhao2000_links_real t95 = t89 + t94;
+        const zhao2000_links_real t96 = t9 * t95;
+        const zhao2000_links_real t97 = t16 * t87;
+        const zhao2000_links_real t98 = t71 - t97;
+        const zhao2000_links_real t99 = t32 * t93;
+        const zhao2000_links_real t100 = t98 + t99;
+        const zhao2000_links_real t101 = t0 * t100;
+        const zhao2000_links_real t102 = t96 + t101;
+        const zhao2000_links_real t103 = t24 * t87;
+        const zhao2000_links_real t104 = t76 - t103;
+        const zhao2000_links_real t105 = t37 * t93;
+        const zhao2000_links_real t106 = t104 + t105;
+        const zhao2000_links_real t107 = t4 * t106;
+        const zhao2000_links_real t108 = t102 + t107;
+        const zhao2000_links_real t109 = t108 * t47;
+        const zhao2000_links_real t110 = t11 * t95;
+        const zhao2000_links_real t111 = t3 * t100;
+        const zhao2000_links_real t112 = t110 + t111;
+        const zhao2000_links_real t113 = t1 * t106;
+        const zhao2000_links_real t114 = t112 + t113;
+        const zhao2000_links_real t115 = t52 * t114;
+        const zhao2000_links_real t116 = t109 - t115;
+        const zhao2000_links_real t117 = 1.0f / t65;
+        const zhao2000_links_real t118 = t116 * t117;
+        const zhao2000_links_real t119 = t118 * t118;
+        const zhao2000_links_real t120 = t63 * t114;
+        const zhao2000_links_real t121 = t108 * t57;
+        const zhao2000_links_real t122 = t120 - t121;
+        const zhao2000_links_real t123 = t122 * t117;
+        const zhao2000_links_real t124 = t123 * t123;
+        const zhao2000_links_real t125 = t119 + t124;
+        const zhao2000_links_real t126 = w->u[6] * w->u[6];
+        const zhao2000_links_real t127 = t125 - t126;
+        const zhao2000_links_real t128 = -t127;
+        const zhao2000_links_real d2 = t128; /* above 0 where pose.z has two values */
+        const zhao2000_links_real r2 = w->sign[1] * sqrtf((d2 > 0.0f) ? d2 : 0.0f);
+        const zhao2000_links_real t131 = 0.01423018f * r2;
+        const zhao2000_links_real t132 = t118 + 138.56407f;
+        const zhao2000_links_real t133 = 69.282036f * t87;
+        const zhao2000_links_real t134 = t132 + t133;
+        const zhao2000_links_real t135 = w->u[1] * t134;
+        const zhao2000_links_real t136 = 69.282036f * t93;
+        const zhao2000_links_real t137 = t123 + t136;
+        const zhao2000_links_real t138 = w->u[0] * t137;
+        const zhao2000_links_real t139 = t135 + t138;
+        const zhao2000_links_real t140 = -0.0012584238f * t139;
+        const zhao2000_links_real t141 = t131 - t140;
+        const zhao2000_links_real t142 = -1.0204082f * t141;
+        const zhao2000_links_real t143 = -0.01423018f * t139;
+        const zhao2000_links_real t144 = -0.0012584238f * r2;
+        const zhao2000_links_real t145 = t143 - t144;
+        const zhao2000_links_real t146 = 1.7201067f * t145;
+        const zhao2000_links_real t147 = t142 + t146;
+        const zhao2000_links_real t148 = t147 * t147;
+        const zhao2000_links_real t149 = -1.7201067f * t141;
+        const zhao2000_links_real t150 = -1.0204082f * t145;
+        const zhao2000_links_real t151 = t149 + t150;
+        const zhao2000_links_real t152 = t151 * t151;
+        const zhao2000_links_real t153 = t148 + t152;
+        const zhao2000_links_real t154 = t141 * t141;
+        const zhao2000_links_real t155 = t154 + 0.7396918f;
+        const zhao2000_links_real t156 = t145 * t145;
+        const zhao2000_links_real t157 = t156 + 0.2603082f;
+        const zhao2000_links_real t158 = t155 + t157;
+        const zhao2000_links_real t159 = t158 - 1.0f;
+        const zhao2000_links_real t160 = t159 * t159;
+        const zhao2000_links_real t161 = t153 - t160;
+        const zhao2000_links_real d3 = t161; /* above 0 where elbow1 has two values */
+        const zhao2000_links_real r3 = w->sign[2] * sqrtf((d3 > 0.0f) ? d3 : 0.0f);
+        const zhao2000_links_real t164 = t118 - 69.282036f;
+        const zhao2000_links_real t165 = 34.641018f * t87;
+        const zhao2000_links_real t166 = t164 - t165;
+        const zhao2000_links_real t167 = 60.0f * t93;
+        const zhao2000_links_real t168 = t166 + t167;
+        const zhao2000_links_real t169 = w->u[3] * t168;
+        const zhao2000_links_real t170 = t123 - 120.0f;
+        const zhao2000_links_real t171 = 60.0f * t87;
+        const zhao2000_links_real t172 = t170 - t171;
+        const zhao2000_links_real t173 = -34.641018f * t93;
+        const zhao2000_links_real t174 = t172 + t173;
+        const zhao2000_links_real t175 = w->u[2] * t174;
+        const zhao2000_links_real t176 = t169 + t175;
+        const zhao2000_links_real t177 = -0.0012584238f * t176;
+        const zhao2000_links_real t178 = t131 - t177;
+        const zhao2000_links_real t179 = -1.7201067f * t178;
+        const zhao2000_links_real t180 = -0.01423018f * t176;
+        const zhao2000_links_real t181 = -0.0012584238f * r2;
+        const zhao2000_links_real t182 = t180 - t181;
+        const zhao2000_links_real t183 = -1.0204082f * t182;
+        const zhao2000_links_real t184 = t179 + t183;
+        const zhao2000_links_real t185 = t184 * t184;
+        const zhao2000_links_real t186 = -1.0204082f * t178;
+        const zhao2000_links_real t187 = 1.7201067f * t182;
+        const zhao2000_links_real t188 = t186 + t187;
+        const zhao2000_links_real t189 = t188 * t188;
+        const zhao2000_links_real t190 = t185 + t189;
+        const zhao2000_links_real t191 = t182 * t182;
+        const zhao2000_links_real t192 = t178 * t178;
+        const zhao2000_links_real t193 = t191 + t192;
+        const zhao2000_links_real t194 = t193 * t193;
+        const zhao2000_links_real t195 = t190 - t194;
+        const zhao2000_links_real d4 = t195; /* above 0 where elbow2 has two values */
+        const zhao2000_links_real r4 = w->sign[3] * sqrtf((d4 > 0.0f) ? d4 : 0.0f);
+        const zhao2000_links_real t198 = -60.0f * t93;
+        const zhao2000_links_real t199 = t166 + t198;
+        const zhao2000_links_real t200 = w->u[5] * t199;
+        const zhao2000_links_real t201 = t123 + 120.0f;
+        const zhao2000_links_real t202 = t201 + t171;
+        const zhao2000_links_real t203 = t202 + t173;
+        const zhao2000_links_real t204 = w->u[4] * t203;
+        const zhao2000_links_real t205 = t200 + t204;
+        const zhao2000_links_real t206 = -0.0012584238f * t205;
+        const zhao2000_links_real t207 = t131 - t206;
+        const zhao2000_links_real t208 = -1.7201067f * t207;
+        const zhao2000_links_real t209 = -0.01423018f * t205;
+        const zhao2000_links_real t210 = t209 - t181;
+        const zhao2000_links_real t211 = -1.0204082f * t210;
+        const zhao2000_links_real t212 = t208 + t211;
+        const zhao2000_links_real t213 = t212 * t212;
+        const zhao2000_links_real t214 = -1.0204082f * t207;
+        const zhao2000_links_real t215 = 1.7201067f * t210;
+        const zhao2000_links_real t216 = t214 + t215;
+        const zhao2000_links_real t217 = t216 * t216;
+        const zhao2000_links_real t218 = t213 + t217;
+        const zhao2000_links_real t219 = t210 * t210;
+        const zhao2000_links_real t220 = t207 * t207;
+        const zhao2000_links_real t221 = t219 + t220;
+        const zhao2000_links_real t222 = t221 * t221;
+        const zhao2000_links_real t223 = t218 - t222;
+        const zhao2000_links_real d5 = t223; /* above 0 where elbow3 has two values */
+        const zhao2000_links_real r5 = w->sign[4] * sqrtf((d5 > 0.0f) ? d5 : 0.0f);
+        w->guard[0] = t80;
+        const zhao2000_links_real t227 = t41 * t41;
+        const zhao2000_links_real t228 = t227 * t127;
+        const zhao2000_links_real t229 = -t228;
+        w->guard[1] = t229;
+        const zhao2000_links_real t231 = 16.0f - t153;
+        const zhao2000_links_real t232 = t227 * t231;
+        w->guard[2] = t232;
+        const zhao2000_links_real t234 = 16.0f - t190;
+        const zhao2000_links_real t235 = t227 * t234;
+        w->guard[3] = t235;
+        const zhao2000_links_real t237 = 16.0f - t218;
+        const zhao2000_links_real t238 = t227 * t237;
+        w->guard[4] = t238;
+        const zhao2000_links_real t240 = t147 * r3;
+        const zhao2000_links_real t241 = t151 * t159;
+        const zhao2000_links_real t242 = t240 - t241;
+        const zhao2000_links_real t243 = 1.0f / t153;
+        const zhao2000_links_real t244 = t242 * t243;
+        const zhao2000_links_real t245 = -63.115757f * t244;
+        const zhao2000_links_real t246 = t147 * t159;
+        const zhao2000_links_real t247 = t151 * r3;
+        const zhao2000_links_real t248 = t246 + t247;
+        const zhao2000_links_real t249 = t248 * t243;
+        const zhao2000_links_real t250 = 30.272121f * t249;
+        const zhao2000_links_real t251 = t245 + t250;
+        const zhao2000_links_real t252 = t251 + r2;
+        const zhao2000_links_real t253 = 69.727875f * t252;
+        const zhao2000_links_real t254 = -63.115757f * t249;
+        const zhao2000_links_real t255 = t139 - t254;
+        const zhao2000_links_real t256 = 30.272121f * t244;
+        const zhao2000_links_real t257 = t255 + t256;
+        const zhao2000_links_real t258 = -6.1662765f * t257;
+        const zhao2000_links_real t259 = t253 - t258;
+        const zhao2000_links_real t260 = t259 * 0.00020408163f;
+        w->y[0] = t260;
+        const zhao2000_links_real t262 = -69.727875f * t257;
+        const zhao2000_links_real t263 = -6.1662765f * t252;
+        const zhao2000_links_real t264 = t262 - t263;
+        const zhao2000_links_real t265 = t264 * 0.00020408163f;
+        w->y[1] = t265;
+        const zhao2000_links_real t267 = t244 * t265;
+        const zhao2000_links_real t268 = t249 * t260;
+        const zhao2000_links_real t269 = t267 - t268;
+        w->y[2] = t269;
+        const zhao2000_links_real t271 = t244 * t260;
+        const zhao2000_links_real t272 = t249 * t265;
+        const zhao2000_links_real t273 = t271 + t272;
+        w->y[3] = t273;
+        const zhao2000_links_real t275 = -t249;
+        w->y[4] = t275;
+        const zhao2000_links_real t277 = -t244;
+        w->y[5] = t277;
+        const zhao2000_links_real t279 = t188 * r4;
+        const zhao2000_links_real t280 = t184 * t193;
+        const zhao2000_links_real t281 = t279 - t280;
+        const zhao2000_links_real t282 = 1.0f / t190;
+        const zhao2000_links_real t283 = t281 * t282;
+        const zhao2000_links_real t284 = -63.115757f * t283;
+        const zhao2000_links_real t285 = t188 * t193;
+        const zhao2000_links_real t286 = t184 * r4;
+        const zhao2000_links_real t287 = t285 + t286;
+        const zhao2000_links_real t288 = t287 * t282;
+        const zhao2000_links_real t289 = 30.272121f * t288;
+        const zhao2000_links_real t290 = t284 + t289;
+        const zhao2000_links_real t291 = t290 + r2;
+        const zhao2000_links_real t292 = 69.727875f * t291;
+        const zhao2000_links_real t293 = -63.115757f * t288;
+        const zhao2000_links_real t294 = t176 - t293;
+        const zhao2000_links_real t295 = 30.272121f * t283;
+        const zhao2000_links_real t296 = t294 + t295;
+        const zhao2000_links_real t297 = -6.1662765f * t296;
+        const zhao2000_links_real t298 = t292 - t297;
+        const zhao2000_links_real t299 = t298 * 0.00020408163f;
+        w->y[6] = t299;
+        const zhao2000_links_real t301 = -69.727875f * t296;
+        const zhao2000_links_real t302 = -6.1662765f * t291;
+        const zhao2000_links_real t303 = t301 - t302;
+        const zhao2000_links_real t304 = t303 * 0.00020408163f;
+        w->y[7] = t304;
+        const zhao2000_links_real t306 = t283 * t304;
+        const zhao2000_links_real t307 = t288 * t299;
+        const zhao2000_links_real t308 = t306 - t307;
+        w->y[8] = t308;
+        const zhao2000_links_real t310 = t283 * t299;
+        const zhao2000_links_real t311 = t288 * t304;
+        const zhao2000_links_real t312 = t310 + t311;
+        w->y[9] = t312;
+        const zhao2000_links_real t314 = -t288;
+        w->y[10] = t314;
+        const zhao2000_links_real t316 = -t283;
+        w->y[11] = t316;
+        const zhao2000_links_real t318 = t216 * r5;
+        const zhao2000_links_real t319 = t212 * t221;
+        const zhao2000_links_real t320 = t318 - t319;
+        const zhao2000_links_real t321 = 1.0f / t218;
+        const zhao2000_links_real t322 = t320 * t321;
+        const zhao2000_links_real t323 = -63.115757f * t322;
+        const zhao2000_links_real t324 = t216 * t221;
+        const zhao2000_links_real t325 = t212 * r5;
+        const zhao2000_links_real t326 = t324 + t325;
+        const zhao2000_links_real t327 = t326 * t321;
+        const zhao2000_links_real t328 = 30.272121f * t327;
+        const zhao2000_links_real t329 = t323 + t328;
+        const zhao2000_links_real t330 = t329 + r2;
+        const zhao2000_links_real t331 = 69.727875f * t330;
+        const zhao2000_links_real t332 = -63.115757f * t327;
+        const zhao2000_links_real t333 = t205 - t332;
+        const zhao2000_links_real t334 = 30.272121f * t322;
+        const zhao2000_links_real t335 = t333 + t334;
+        const zhao2000_links_real t336 = -6.1662765f * t335;
+        const zhao2000_links_real t337 = t331 - t336;
+        const zhao2000_links_real t338 = t337 * 0.00020408163f;
+        w->y[12] = t338;
+        const zhao2000_links_real t340 = -69.727875f * t335;
+        const zhao2000_links_real t341 = -6.1662765f * t330;
+        const zhao2000_links_real t342 = t340 - t341;
+        const zhao2000_links_real t343 = t342 * 0.00020408163f;
+        w->y[13] = t343;
+        const zhao2000_links_real t345 = t322 * t343;
+        const zhao2000_links_real t346 = t327 * t338;
+        const zhao2000_links_real t347 = t345 - t346;
+        w->y[14] = t347;
+        const zhao2000_links_real t349 = t322 * t338;
+        const zhao2000_links_real t350 = t327 * t343;
+        const zhao2000_links_real t351 = t349 + t350;
+        w->y[15] = t351;
+        const zhao2000_links_real t353 = -t327;
+        w->y[16] = t353;
+        const zhao2000_links_real t355 = -t322;
+        w->y[17] = t355;
+        w->y[18] = t123;
+        w->y[19] = t118;
+        w->y[20] = r2;
+        const zhao2000_links_real t360 = -t87;
+        w->y[21] = t360;
+        w->y[22] = t93;
+        w->share = fabsf(r1) * 0.016240384f;
+        const zhao2000_links_real share2 = fabsf(r2) * 0.010639758f;
+        w->share = (share2 < w->share) ? share2 : w->share;
+        const zhao2000_links_real share3 = fabsf(r3) * 0.5651167f;
+        w->share = (share3 < w->share) ? share3 : w->share;
+        const zhao2000_links_real share4 = fabsf(r4) * 0.55544156f;
+        w->share = (share4 < w->share) ? share4 : w->share;
+        const zhao2000_links_real share5 = fabsf(r5) * 0.54983133f;
+        w->share = (share5 < w->share) ? share5 : w->share;
+    } else {
+        /* what formulas divide by vanishes: no guard is above zero */
+        w->guard[0] = 0.0f;
+        w->guard[1] = 0.0f;
+        w->guard[2] = 0.0f;
+        w->guard[3] = 0.0f;
+        w->guard[4] = 0.0f;
+        w->share = 0.0f;
+    }
 }
 
-zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
-    const zhao2000_links_real joints[4], const zhao2000_links_pose *guess,
-    zhao2000_links_pose *pose, zhao2000_links_info *info)
+/* Sets w->u to joint values. */
+static void zhao2000_links_direct_set(zhao2000_links_direct_work *w,
+    const zhao2000_links_real joints[4])
+{
+    zhao2000_links_cosine_and_sine(joints[0], &w->u[0]);
+    zhao2000_links_cosine_and_sine(joints[1], &w->u[2]);
+    zhao2000_links_cosine_and_sine(joints[2], &w->u[4]);
+    w->u[6] = joints[3];
+}
+
+/* Whether no guard can reach zero between the values w->left and w->guard, on a line of which
+ * `change` are the squares of the joints' changes: a guard bends by no more than its weights times
+ * these allow (README.md). */
+static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
+    const zhao2000_links_real change[4])
+{
+    bool kept = true;
+    /* pose.gamma */
+    const zhao2000_links_real a0 = w->left[0] - 0.0463f;
+    const zhao2000_links_real b0 = w->guard[0] - 0.0463f;
+    const zhao2000_links_real lesser0 = (a0 < b0) ? a0 : b0;
+    const zhao2000_links_real sum0 = change[0] + change[1] + change[2];
+    const zhao2000_links_real bend0 = 27000.0f * sum0;
+    const zhao2000_links_real most0 = a0 + b0 + lesser0 + lesser0;
+    if (!((lesser0 > 0.0f) && (bend0 < most0))) {
+        w->over = (kept && (lesser0 > 0.0f)) ? (bend0 / most0) : w->over;
+        kept = false;
+    }
+    const zhao2000_links_real least0 = lesser0 - 0.25f * bend0;
+    kept = kept && (least0 > 0.0f);
+    const zhao2000_links_real under0 = (least0 > 0.0f) ? least0 : 1.0f;
+    /* pose.z */
+    const zhao2000_links_real a1 = w->left[1] - 2.33e+07f;
+    const zhao2000_links_real b1 = w->guard[1] - 2.33e+07f;
+    const zhao2000_links_real lesser1 = (a1 < b1) ? a1 : b1;
+    static const zhao2000_links_real plain1_0[3] = { 3.35e+12f, 5.45e+12f, 2.48e+13f };
+    static const zhao2000_links_real plain1_3[3] = { 8.9e+09f, 1.52e+10f, 4.01e+10f };
+    const zhao2000_links_real per1 = 1.0f / sqrtf(under0);
+    const zhao2000_links_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
+        + per1 * (1.24e+14f * sum0 + per1 * per1 * (1.64e+17f * sum0));
+    const zhao2000_links_real most1 = a1 + b1 + lesser1 + lesser1;
+    if (!((lesser1 > 0.0f) && (bend1 < most1))) {
+        w->over = (kept && (lesser1 > 0.0f)) ? (bend1 / most1) : w->over;
+        kept = false;
+    }
+    /* reach of elbow1 */
+    const zhao2000_links_real a2 = w->left[2] - 20300.0f;
+    const zhao2000_links_real b2 = w->guard[2] - 20300.0f;
+    const zhao2000_links_real lesser2 = (a2 < b2) ? a2 : b2;
+    static const zhao2000_links_real plain2_0[3] = { 3.78e+09f, 4.97e+09f, 2.07e+10f };
+    const zhao2000_links_real sum1 = change[1] + change[2];
+    static const zhao2000_links_real plain2_1[3] = { 4.74e+09f, 6.03e+09f, 2.17e+10f };
+    static const zhao2000_links_real plain2_3[3] = { 7.27e+06f, 1.24e+07f, 3.28e+07f };
+    const zhao2000_links_real per2 = 1.0f / sqrtf(under0);
+    const zhao2000_links_real bend2 = plain2_0[w->reach] * change[0] + plain2_1[w->reach] * sum1
+        + plain2_3[w->reach] * change[3] + per2 * (2.03e+11f * change[0] + 2.19e+11f * sum1
+        + per2 * per2 * (3e+14f * sum0));
+    const zhao2000_links_real most2 = a2 + b2 + lesser2 + lesser2;
+    if (!((lesser2 > 0.0f) && (bend2 < most2))) {
+        w->over = (kept && (lesser2 > 0.0f)) ? (bend2 / most2) : w->over;
+        kept = false;
+    }
+    /* reach of elbow2 */
+    const zhao2000_links_real a3 = w->left[3] - 20300.0f;
+    const zhao2000_links_real b3 = w->guard[3] - 20300.0f;
+    const zhao2000_links_real lesser3 = (a3 < b3) ? a3 : b3;
+    const zhao2000_links_real sum2 = change[0] + change[2];
+    static const zhao2000_links_real plain3_0[3] = { 4.74e+09f, 6.03e+09f, 2.17e+10f };
+    static const zhao2000_links_real plain3_1[3] = { 3.78e+09f, 4.97e+09f, 2.07e+10f };
+    static const zhao2000_links_real plain3_3[3] = { 7.27e+06f, 1.24e+07f, 3.28e+07f };
+    const zhao2000_links_real per3 = 1.0f / sqrtf(under0);
+    const zhao2000_links_real bend3 = plain3_0[w->reach] * sum2 + plain3_1[w->reach] * change[1]
+        + plain3_3[w->reach] * change[3] + per3 * (2.19e+11f * sum2 + 2.03e+11f * change[1]
+        + per3 * per3 * (3e+14f * sum0));
+    const zhao2000_links_real most3 = a3 + b3 + lesser3 + lesser3;
+    if (!((lesser3 > 0.0f) && (bend3 < most3))) {
+        w->over = (kept && (lesser3 > 0.0f)) ? (bend3 / most3) : w->over;
+        kept = false;
+    }
+    /* reach of elbow3 */
+    const zhao2000_links_real a4 = w->left[4] - 20300.0f;
+    const zhao2000_links_real b4 = w->guard[4] - 20300.0f;
+    const zhao2000_links_real lesser4 = (a4 < b4) ? a4 : b4;
+    const zhao2000_links_real sum3 = change[0] + change[1];
+    static const zhao2000_links_real plain4_0[3] = { 4.74e+09f, 6.03e+09f, 2.17e+10f };
+    static const zhao2000_links_real plain4_2[3] = { 3.78e+09f, 4.97e+09f, 2.07e+10f };
+    static const zhao2000_links_real plain4_3[3] = { 7.27e+06f, 1.24e+07f, 3.28e+07f };
+    const zhao2000_links_real per4 = 1.0f / sqrtf(under0);
+    const zhao2000_links_real bend4 = plain4_0[w->reach] * sum3 + plain4_2[w->reach] * change[2]
+        + plain4_3[w->reach] * change[3] + per4 * (2.19e+11f * sum3 + 2.03e+11f * change[2]
+        + per4 * per4 * (3e+14f * sum0));
+    const zhao2000_links_real most4 = a4 + b4 + lesser4 + lesser4;
+    if (!((lesser4 > 0.0f) && (bend4 < most4))) {
+        w->over = (kept && (lesser4 > 0.0f)) ? (bend4 / most4) : w->over;
+        kept = false;
+    }
+    /* divisor 1 */
+    const zhao2000_links_real a5 = w->left[5] - 0.0154f;
+    const zhao2000_links_real b5 = w->guard[5] - 0.0154f;
+    const zhao2000_links_real lesser5 = (a5 < b5) ? a5 : b5;
+    const zhao2000_links_real bend5 = 7200.0f * sum0;
+    const zhao2000_links_real most5 = a5 + b5 + lesser5 + lesser5;
+    if (!((lesser5 > 0.0f) && (bend5 < most5))) {
+        w->over = (kept && (lesser5 > 0.0f)) ? (bend5 / most5) : w->over;
+        kept = false;
+    }
+    /* divisor 2 */
+    const zhao2000_links_real a6 = w->left[6] - 2.86e-06f;
+    const zhao2000_links_real b6 = w->guard[6] - 2.86e-06f;
+    const zhao2000_links_real lesser6 = (a6 < b6) ? a6 : b6;
+    const zhao2000_links_real bend6 = 1.0f * sum0;
+    const zhao2000_links_real most6 = a6 + b6 + lesser6 + lesser6;
+    if (!((lesser6 > 0.0f) && (bend6 < most6))) {
+        w->over = (kept && (lesser6 > 0.0f)) ? (bend6 / most6) : w->over;
+        kept = false;
+    }
+    return kept;
+}
+
+/* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
+ * least error for atan up to 1. */
+static zhao2000_links_real zhao2000_links_angle(zhao2000_links_real s, zhao2000_links_real c)
+{
+    const zhao2000_links_real x = fabsf(c);
+    const zhao2000_links_real y = fabsf(s);
+    const bool steep = y > x;
+    const zhao2000_links_real ratio = steep ? (x / y) : (y / x);
+    const zhao2000_links_real square = ratio * ratio;
+    zhao2000_links_real angle = ratio * (0.99999934f + square * (-0.3332986f
+        + square * (0.19946563f + square * (-0.13908619f + square * (0.096421696f
+        + square * (-0.05591193f + square * (0.02186267f + square * -0.004054485f)))))));
+    if (steep) {
+        angle = 1.5707964f - angle;
+    }
+    if (c < 0.0f) {
+        angle = 3.1415927f - angle;
+    }
+    return (s < 0.0f) ? -angle : angle;
+}
+
+/* Follows the line from the guess's joint values to the given ones in parts that are kept, and are
+ * cut where they are not. */
+static ZHAO2000_LINKS_COLD zhao2000_links_status zhao2000_links_direct_walk(
+    zhao2000_links_direct_work *w, const zhao2000_links_real joints[4], unsigned int most,
+    unsigned int *count)
+{
+    zhao2000_links_real at[4];
+    zhao2000_links_real given[4];
+    zhao2000_links_real change[4];
+    zhao2000_links_real done = 0.0f;
+    zhao2000_links_real part = 0.5f;
+    bool refused = true;
+    zhao2000_links_status status = ZHAO2000_LINKS_MAX_ITERATIONS;
+    zhao2000_links_real at_end[4];
+    at[0] = zhao2000_links_angle(w->at[1], w->at[0]);
+    at[1] = zhao2000_links_angle(w->at[3], w->at[2]);
+    at[2] = zhao2000_links_angle(w->at[5], w->at[4]);
+    at[3] = w->at[6];
+    zhao2000_links_unwrap_joints(at, joints, given);
+    while ((status == ZHAO2000_LINKS_MAX_ITERATIONS) && (*count < most)) {
+        const zhao2000_links_real end = (done + part < 0.9999f) ? (done + part) : 1.0f;
+        bool above = true;
+        for (int i = 0; i < 4; ++i) {
+            const zhao2000_links_real way = given[i] - at[i];
+            change[i] = ((end - done) * way) * ((end - done) * way);
+            at_end[i] = (end < 1.0f) ? (at[i] + end * way) : given[i];
+        }
+        zhao2000_links_direct_set(w, at_end);
+        zhao2000_links_direct_formulas(w);
+        ++*count;
+        w->over = 4.0f;
+        for (int j = 0; j < 7; ++j) {
+            above = above && (w->guard[j] > 0.0f);
+        }
+        if (!above) {
+            /* a point of the line without a configuration, or a singular one */
+            status = ZHAO2000_LINKS_WRONG_BRANCH;
+        } else if (zhao2000_links_line_keeps(w, change)) {
+            for (int j = 0; j < 7; ++j) {
+                w->left[j] = w->guard[j];
+            }
+            done = end;
+            part = refused ? part : (2.0f * part);
+            refused = false;
+            if (done >= 1.0f) {
+                status = ZHAO2000_LINKS_OK;
+            }
+        } else {
+            /* what is too long by its square is cut to nine tenths of what would do */
+            part = (end - done) * ((w->over < 80.0f) ? (0.9f / sqrtf(w->over)) : 0.1f);
+            refused = true;
+            if (part < 0.00024414062f) {
+                status = ZHAO2000_LINKS_WRONG_BRANCH;
+            }
+        }
+    }
+    return status;
+}
+
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
+ * its pose. */
+static zhao2000_links_status zhao2000_links_direct_answer(const zhao2000_links_direct_work *w,
+    zhao2000_links_real tolerance, zhao2000_links_pose *pose, zhao2000_links_real *residual)
+{
+    zhao2000_links_status status = ZHAO2000_LINKS_OK;
+    zhao2000_links_real h[2];
+    /* half the turn, by the larger of its cosine and sine */
+    const zhao2000_links_real larger = sqrtf(0.5f + 0.5f * fabsf(w->y[21]));
+    const zhao2000_links_real lesser = 0.5f * w->y[22] / larger;
+    if (w->y[21] >= 0.0f) {
+        h[0] = larger;
+        h[1] = lesser;
+    } else {
+        h[0] = fabsf(lesser);
+        h[1] = (lesser < 0.0f) ? -larger : larger;
+    }
+    const zhao2000_links_real t0 = 138.56407f * h[1];
+    const zhao2000_links_real t1 = h[0] * t0;
+    const zhao2000_links_real t2 = t1 + w->y[18];
+    const zhao2000_links_real t3 = 30.272121f * w->y[3];
+    const zhao2000_links_real t4 = 6.1662765f - t3;
+    const zhao2000_links_real t5 = 63.115757f * w->y[2];
+    const zhao2000_links_real t6 = t4 + t5;
+    const zhao2000_links_real t7 = w->y[0] * t6;
+    const zhao2000_links_real t8 = 63.115757f * w->y[3];
+    const zhao2000_links_real t9 = t8 + 69.727875f;
+    const zhao2000_links_real t10 = 30.272121f * w->y[2];
+    const zhao2000_links_real t11 = t9 + t10;
+    const zhao2000_links_real t12 = w->y[1] * t11;
+    const zhao2000_links_real t13 = t7 - t12;
+    const zhao2000_links_real t14 = w->u[0] * t13;
+    const zhao2000_links_real t15 = t2 - t14;
+    const zhao2000_links_real t16 = h[1] * t0;
+    const zhao2000_links_real t17 = t16 - 69.282036f;
+    const zhao2000_links_real t18 = t17 + w->y[19];
+    const zhao2000_links_real t19 = w->u[1] * t13;
+    const zhao2000_links_real t20 = t19 - 138.56407f;
+    const zhao2000_links_real t21 = t18 - t20;
+    const zhao2000_links_real t22 = w->y[0] * t11;
+    const zhao2000_links_real t23 = w->y[1] * t6;
+    const zhao2000_links_real t24 = t22 + t23;
+    const zhao2000_links_real t25 = w->u[1] * t24;
+    const zhao2000_links_real t26 = 1.0f - w->u[1];
+    const zhao2000_links_real t27 = t26 * t24;
+    const zhao2000_links_real t28 = t25 + t27;
+    const zhao2000_links_real t29 = w->y[20] - t28;
+    const zhao2000_links_real t30 = w->y[3] * w->y[4];
+    const zhao2000_links_real t31 = w->y[2] * w->y[5];
+    const zhao2000_links_real t32 = t30 + t31;
+    const zhao2000_links_real t33 = w->y[0] * t32;
+    const zhao2000_links_real t34 = w->y[2] * w->y[4];
+    const zhao2000_links_real t35 = w->y[3] * w->y[5];
+    const zhao2000_links_real t36 = t34 - t35;
+    const zhao2000_links_real t37 = w->y[1] * t36;
+    const zhao2000_links_real t38 = t33 + t37;
+    const zhao2000_links_real t39 = w->u[0] * t38;
+    const zhao2000_links_real t40 = 244.81978f * t39;
+    const zhao2000_links_real t41 = w->u[1] * t38;
+    const zhao2000_links_real t42 = 244.81978f * t41;
+    const zhao2000_links_real t43 = w->y[0] * t36;
+    const zhao2000_links_real t44 = w->y[1] * t32;
+    const zhao2000_links_real t45 = t43 - t44;
+    const zhao2000_links_real t46 = w->u[1] * t45;
+    const zhao2000_links_real t47 = t26 * t45;
+    const zhao2000_links_real t48 = t46 + t47;
+    const zhao2000_links_real t49 = 1.0f - t48;
+    const zhao2000_links_real t50 = 244.81978f * t49;
+    const zhao2000_links_real t51 = 34.641018f * h[1];
+    const zhao2000_links_real t52 = h[0] * t51;
+    const zhao2000_links_real t53 = 60.0f * h[1];
+    const zhao2000_links_real t54 = h[1] * t53;
+    const zhao2000_links_real t55 = t52 + t54;
+    const zhao2000_links_real t56 = -t55;
+    const zhao2000_links_real t57 = t56 + t56;
+    const zhao2000_links_real t58 = t57 + 60.0f;
+    const zhao2000_links_real t59 = w->y[18] + t58;
+    const zhao2000_links_real t60 = -0.5f * w->u[3];
+    const zhao2000_links_real t61 = 0.8660254f * w->u[2];
+    const zhao2000_links_real t62 = t60 - t61;
+    const zhao2000_links_real t63 = 26.216427f * w->y[9];
+    const zhao2000_links_real t64 = t63 - 5.340152f;
+    const zhao2000_links_real t65 = 54.659847f * w->y[8];
+    const zhao2000_links_real t66 = t64 - t65;
+    const zhao2000_links_real t67 = w->y[6] * t66;
+    const zhao2000_links_real t68 = 63.115757f * w->y[9];
+    const zhao2000_links_real t69 = t68 + 69.727875f;
+    const zhao2000_links_real t70 = 30.272121f * w->y[8];
+    const zhao2000_links_real t71 = t69 + t70;
+    const zhao2000_links_real t72 = 0.8660254f * t71;
+    const zhao2000_links_real t73 = w->y[7] * t72;
+    const zhao2000_links_real t74 = t67 + t73;
+    const zhao2000_links_real t75 = t62 * t74;
+    const zhao2000_links_real t76 = -0.8660254f * w->u[3];
+    const zhao2000_links_real t77 = 0.5f * w->u[2];
+    const zhao2000_links_real t78 = t76 + t77;
+    const zhao2000_links_real t79 = 15.136061f * w->y[9];
+    const zhao2000_links_real t80 = t79 - 3.0831382f;
+    const zhao2000_links_real t81 = 31.557878f * w->y[8];
+    const zhao2000_links_real t82 = t80 - t81;
+    const zhao2000_links_real t83 = w->y[6] * t82;
+    const zhao2000_links_real t84 = -0.5f * t71;
+    const zhao2000_links_real t85 = w->y[7] * t84;
+    const zhao2000_links_real t86 = t83 - t85;
+    const zhao2000_links_real t87 = t78 * t86;
+    const zhao2000_links_real t88 = t75 - t87;
+    const zhao2000_links_real t89 = t88 + 120.0f;
+    const zhao2000_links_real t90 = t59 - t89;
+    const zhao2000_links_real t91 = h[0] * t53;
+    const zhao2000_links_real t92 = h[1] * t51;
+    const zhao2000_links_real t93 = t91 - t92;
+    const zhao2000_links_real t94 = t93 + t93;
+    const zhao2000_links_real t95 = t94 + 34.641018f;
+    const zhao2000_links_real t96 = w->y[19] + t95;
+    const zhao2000_links_real t97 = t62 * t86;
+    const zhao2000_links_real t98 = t78 * t74;
+    const zhao2000_links_real t99 = t97 + t98;
+    const zhao2000_links_real t100 = t99 + 69.282036f;
+    const zhao2000_links_real t101 = t96 - t100;
+    const zhao2000_links_real t102 = w->y[6] * t71;
+    const zhao2000_links_real t103 = -0.5f * t82;
+    const zhao2000_links_real t104 = 0.8660254f * t66;
+    const zhao2000_links_real t105 = t103 - t104;
+    const zhao2000_links_real t106 = w->y[7] * t105;
+    const zhao2000_links_real t107 = t102 + t106;
+    const zhao2000_links_real t108 = t62 * t107;
+    const zhao2000_links_real t109 = 1.0f - t62;
+    const zhao2000_links_real t110 = t109 * t107;
+    const zhao2000_links_real t111 = t108 + t110;
+    const zhao2000_links_real t112 = w->y[20] - t111;
+    const zhao2000_links_real t113 = -0.8660254f * w->y[11];
+    const zhao2000_links_real t114 = w->y[9] * t113;
+    const zhao2000_links_real t115 = 0.8660254f * w->y[10];
+    const zhao2000_links_real t116 = w->y[8] * t115;
+    const zhao2000_links_real t117 = t114 + t116;
+    const zhao2000_links_real t118 = w->y[7] * t117;
+    const zhao2000_links_real t119 = w->y[9] * t115;
+    const zhao2000_links_real t120 = 0.8660254f * w->y[11];
+    const zhao2000_links_real t121 = w->y[8] * t120;
+    const zhao2000_links_real t122 = t119 + t121;
+    const zhao2000_links_real t123 = w->y[6] * t122;
+    const zhao2000_links_real t124 = t118 + t123;
+    const zhao2000_links_real t125 = t62 * t124;
+    const zhao2000_links_real t126 = 0.5f * w->y[10];
+    const zhao2000_links_real t127 = w->y[9] * t126;
+    const zhao2000_links_real t128 = 0.5f * w->y[11];
+    const zhao2000_links_real t129 = w->y[8] * t128;
+    const zhao2000_links_real t130 = t127 + t129;
+    const zhao2000_links_real t131 = w->y[6] * t130;
+    const zhao2000_links_real t132 = w->y[8] * w->y[10];
+    const zhao2000_links_real t133 = w->y[9] * w->y[11];
+    const zhao2000_links_real t134 = t132 - t133;
+    const zhao2000_links_real t135 = -0.5f * t134;
+    const zhao2000_links_real t136 = w->y[7] * t135;
+    const zhao2000_links_real t137 = t131 - t136;
+    const zhao2000_links_real t138 = t78 * t137;
+    const zhao2000_links_real t139 = t125 - t138;
+    const zhao2000_links_real t140 = 244.81978f * t139;
+    const zhao2000_links_real t141 = -t140;
+    const zhao2000_links_real t142 = t62 * t137;
+    const zhao2000_links_real t143 = t78 * t124;
+    const zhao2000_links_real t144 = t142 + t143;
+    const zhao2000_links_real t145 = 244.81978f * t144;
+    const zhao2000_links_real t146 = -t145;
+    const zhao2000_links_real t147 = w->y[6] * t134;
+    const zhao2000_links_real t148 = w->y[9] * w->y[10];
+    const zhao2000_links_real t149 = w->y[8] * w->y[11];
+    const zhao2000_links_real t150 = t148 + t149;
+    const zhao2000_links_real t151 = w->y[7] * t150;
+    const zhao2000_links_real t152 = t147 - t151;
+    const zhao2000_links_real t153 = t62 * t152;
+    const zhao2000_links_real t154 = t109 * t152;
+    const zhao2000_links_real t155 = t153 + t154;
+    const zhao2000_links_real t156 = 1.0f - t155;
+    const zhao2000_links_real t157 = 244.81978f * t156;
+    const zhao2000_links_real t158 = -60.0f * h[1];
+    const zhao2000_links_real t159 = h[1] * t158;
+    const zhao2000_links_real t160 = t52 + t159;
+    const zhao2000_links_real t161 = -t160;
+    const zhao2000_links_real t162 = t161 + t161;
+    const zhao2000_links_real t163 = t162 - 60.0f;
+    const zhao2000_links_real t164 = w->y[18] + t163;
+    const zhao2000_links_real t165 = -0.5f * w->u[5];
+    const zhao2000_links_real t166 = 0.8660254f * w->u[4];
+    const zhao2000_links_real t167 = t165 + t166;
+    const zhao2000_links_real t168 = 26.216427f * w->y[15];
+    const zhao2000_links_real t169 = 5.340152f - t168;
+    const zhao2000_links_real t170 = 54.659847f * w->y[14];
+    const zhao2000_links_real t171 = t169 + t170;
+    const zhao2000_links_real t172 = w->y[12] * t171;
+    const zhao2000_links_real t173 = 63.115757f * w->y[15];
+    const zhao2000_links_real t174 = t173 + 69.727875f;
+    const zhao2000_links_real t175 = 30.272121f * w->y[14];
+    const zhao2000_links_real t176 = t174 + t175;
+    const zhao2000_links_real t177 = -0.8660254f * t176;
+    const zhao2000_links_real t178 = w->y[13] * t177;
+    const zhao2000_links_real t179 = t172 + t178;
+    const zhao2000_links_real t180 = t167 * t179;
+    const zhao2000_links_real t181 = 0.8660254f * w->u[5];
+    const zhao2000_links_real t182 = 0.5f * w->u[4];
+    const zhao2000_links_real t183 = t181 + t182;
+    const zhao2000_links_real t184 = 15.136061f * w->y[15];
+    const zhao2000_links_real t185 = t184 - 3.0831382f;
+    const zhao2000_links_real t186 = 31.557878f * w->y[14];
+    const zhao2000_links_real t187 = t185 - t186;
+    const zhao2000_links_real t188 = w->y[12] * t187;
+    const zhao2000_links_real t189 = -0.5f * t176;
+    const zhao2000_links_real t190 = w->y[13] * t189;
+    const zhao2000_links_real t191 = t188 - t190;
+    const zhao2000_links_real t192 = t183 * t191;
+    const zhao2000_links_real t193 = t180 - t192;
+    const zhao2000_links_real t194 = t193 - 120.0f;
+    const zhao2000_links_real t195 = t164 - t194;
+    const zhao2000_links_real t196 = h[0] * t158;
+    const zhao2000_links_real t197 = t196 - t92;
+    const zhao2000_links_real t198 = t197 + t197;
+    const zhao2000_links_real t199 = t198 + 34.641018f;
+    const zhao2000_links_real t200 = w->y[19] + t199;
+    const zhao2000_links_real t201 = t167 * t191;
+    const zhao2000_links_real t202 = t183 * t179;
+    const zhao2000_links_real t203 = t201 + t202;
+    const zhao2000_links_real t204 = t203 + 69.282036f;
+    const zhao2000_links_real t205 = t200 - t204;
+    const zhao2000_links_real t206 = w->y[12] * t176;
+    const zhao2000_links_real t207 = -0.5f * t187;
+    const zhao2000_links_real t208 = -0.8660254f * t171;
+    const zhao2000_links_real t209 = t207 - t208;
+    const zhao2000_links_real t210 = w->y[13] * t209;
+    const zhao2000_links_real t211 = t206 + t210;
+    const zhao2000_links_real t212 = t167 * t211;
+    const zhao2000_links_real t213 = 1.0f - t167;
+    const zhao2000_links_real t214 = t213 * t211;
+    const zhao2000_links_real t215 = t212 + t214;
+    const zhao2000_links_real t216 = w->y[20] - t215;
+    const zhao2000_links_real t217 = 0.8660254f * w->y[17];
+    const zhao2000_links_real t218 = w->y[15] * t217;
+    const zhao2000_links_real t219 = -0.8660254f * w->y[16];
+    const zhao2000_links_real t220 = w->y[14] * t219;
+    const zhao2000_links_real t221 = t218 + t220;
+    const zhao2000_links_real t222 = w->y[13] * t221;
+    const zhao2000_links_real t223 = w->y[15] * t219;
+    const zhao2000_links_real t224 = -0.8660254f * w->y[17];
+    const zhao2000_links_real t225 = w->y[14] * t224;
+    const zhao2000_links_real t226 = t223 + t225;
+    const zhao2000_links_real t227 = w->y[12] * t226;
+    const zhao2000_links_real t228 = t222 + t227;
+    const zhao2000_links_real t229 = t167 * t228;
+    const zhao2000_links_real t230 = 0.5f * w->y[16];
+    const zhao2000_links_real t231 = w->y[15] * t230;
+    const zhao2000_links_real t232 = 0.5f * w->y[17];
+    const zhao2000_links_real t233 = w->y[14] * t232;
+    const zhao2000_links_real t234 = t231 + t233;
+    const zhao2000_links_real t235 = w->y[12] * t234;
+    const zhao2000_links_real t236 = w->y[14] * w->y[16];
+    const zhao2000_links_real t237 = w->y[15] * w->y[17];
+    const zhao2000_links_real t238 = t236 - t237;
+    const zhao2000_links_real t239 = -0.5f * t238;
+    const zhao2000_links_real t240 = w->y[13] * t239;
+    const zhao2000_links_real t241 = t235 - t240;
+    const zhao2000_links_real t242 = t183 * t241;
+    const zhao2000_links_real t243 = t229 - t242;
+    const zhao2000_links_real t244 = 244.81978f * t243;
+    const zhao2000_links_real t245 = -t244;
+    const zhao2000_links_real t246 = t167 * t241;
+    const zhao2000_links_real t247 = t183 * t228;
+    const zhao2000_links_real t248 = t246 + t247;
+    const zhao2000_links_real t249 = 244.81978f * t248;
+    const zhao2000_links_real t250 = -t249;
+    const zhao2000_links_real t251 = w->y[12] * t238;
+    const zhao2000_links_real t252 = w->y[15] * w->y[16];
+    const zhao2000_links_real t253 = w->y[14] * w->y[17];
+    const zhao2000_links_real t254 = t252 + t253;
+    const zhao2000_links_real t255 = w->y[13] * t254;
+    const zhao2000_links_real t256 = t251 - t255;
+    const zhao2000_links_real t257 = t167 * t256;
+    const zhao2000_links_real t258 = t213 * t256;
+    const zhao2000_links_real t259 = t257 + t258;
+    const zhao2000_links_real t260 = 1.0f - t259;
+    const zhao2000_links_real t261 = 244.81978f * t260;
+    const zhao2000_links_real t262 = w->y[18] * w->y[18];
+    const zhao2000_links_real t263 = w->y[19] * w->y[19];
+    const zhao2000_links_real t264 = t262 + t263;
+    const zhao2000_links_real t265 = w->y[20] * w->y[20];
+    const zhao2000_links_real t266 = t264 + t265;
+    const zhao2000_links_real t267 = sqrtf(t266);
+    const zhao2000_links_real t268 = t267 - w->u[6];
+    *residual = sqrtf(t15 * t15 + t21 * t21 + t29 * t29 + t40 * t40 + t42 * t42 + t50 * t50
+        + t90 * t90 + t101 * t101 + t112 * t112 + t141 * t141 + t146 * t146 + t157 * t157
+        + t195 * t195 + t205 * t205 + t216 * t216 + t245 * t245 + t250 * t250 + t261 * t261
+        + t268 * t268);
+    if (!(*residual <= tolerance + 0.000934f)) {
+        status = ZHAO2000_LINKS_SINGULAR;
+    }
+    const zhao2000_links_real t270 = 69.727875f * w->y[1];
+    const zhao2000_links_real t271 = 6.1662765f * w->y[0];
+    const zhao2000_links_real t272 = t270 - t271;
+    const zhao2000_links_real t273 = w->y[0] * w->y[2];
+    const zhao2000_links_real t274 = w->y[1] * w->y[3];
+    const zhao2000_links_real t275 = t273 - t274;
+    const zhao2000_links_real t276 = -63.115757f * t275;
+    const zhao2000_links_real t277 = t272 + t276;
+    const zhao2000_links_real t278 = w->y[1] * w->y[2];
+    const zhao2000_links_real t279 = w->y[0] * w->y[3];
+    const zhao2000_links_real t280 = t278 + t279;
+    const zhao2000_links_real t281 = 30.272121f * t280;
+    const zhao2000_links_real t282 = t277 + t281;
+    const zhao2000_links_real t283 = -t282;
+    const zhao2000_links_real t284 = 0.0012584238f * w->y[20];
+    const zhao2000_links_real t285 = 0.01423018f * t282;
+    const zhao2000_links_real t286 = t284 + t285;
+    const zhao2000_links_real t287 = 1.7201067f * t286;
+    const zhao2000_links_real t288 = -0.01423018f * w->y[20];
+    const zhao2000_links_real t289 = 0.0012584238f * t282;
+    const zhao2000_links_real t290 = t288 + t289;
+    const zhao2000_links_real t291 = -1.0204082f * t290;
+    const zhao2000_links_real t292 = t287 - t291;
+    const zhao2000_links_real t293 = t292 * t280;
+    const zhao2000_links_real t294 = -1.0204082f * t286;
+    const zhao2000_links_real t295 = -1.7201067f * t290;
+    const zhao2000_links_real t296 = t294 - t295;
+    const zhao2000_links_real t297 = t296 * t275;
+    const zhao2000_links_real t298 = t293 - t297;
+    const zhao2000_links_real t299 = 69.727875f * w->y[7];
+    const zhao2000_links_real t300 = 6.1662765f * w->y[6];
+    const zhao2000_links_real t301 = t299 - t300;
+    const zhao2000_links_real t302 = w->y[6] * w->y[8];
+    const zhao2000_links_real t303 = w->y[7] * w->y[9];
+    const zhao2000_links_real t304 = t302 - t303;
+    const zhao2000_links_real t305 = -63.115757f * t304;
+    const zhao2000_links_real t306 = t301 + t305;
+    const zhao2000_links_real t307 = w->y[7] * w->y[8];
+    const zhao2000_links_real t308 = w->y[6] * w->y[9];
+    const zhao2000_links_real t309 = t307 + t308;
+    const zhao2000_links_real t310 = 30.272121f * t309;
+    const zhao2000_links_real t311 = t306 + t310;
+    const zhao2000_links_real t312 = -t311;
+    const zhao2000_links_real t313 = 0.0012584238f * w->y[20];
+    const zhao2000_links_real t314 = 0.01423018f * t311;
+    const zhao2000_links_real t315 = t313 + t314;
+    const zhao2000_links_real t316 = 1.7201067f * t315;
+    const zhao2000_links_real t317 = 0.0012584238f * t311;
+    const zhao2000_links_real t318 = t288 + t317;
+    const zhao2000_links_real t319 = -1.0204082f * t318;
+    const zhao2000_links_real t320 = t316 - t319;
+    const zhao2000_links_real t321 = t320 * t309;
+    const zhao2000_links_real t322 = -1.0204082f * t315;
+    const zhao2000_links_real t323 = -1.7201067f * t318;
+    const zhao2000_links_real t324 = t322 - t323;
+    const zhao2000_links_real t325 = t324 * t304;
+    const zhao2000_links_real t326 = t321 - t325;
+    const zhao2000_links_real t327 = 69.727875f * w->y[13];
+    const zhao2000_links_real t328 = 6.1662765f * w->y[12];
+    const zhao2000_links_real t329 = t327 - t328;
+    const zhao2000_links_real t330 = w->y[12] * w->y[14];
+    const zhao2000_links_real t331 = w->y[13] * w->y[15];
+    const zhao2000_links_real t332 = t330 - t331;
+    const zhao2000_links_real t333 = -63.115757f * t332;
+    const zhao2000_links_real t334 = t329 + t333;
+    const zhao2000_links_real t335 = w->y[13] * w->y[14];
+    const zhao2000_links_real t336 = w->y[12] * w->y[15];
+    const zhao2000_links_real t337 = t335 + t336;
+    const zhao2000_links_real t338 = 30.272121f * t337;
+    const zhao2000_links_real t339 = t334 + t338;
+    const zhao2000_links_real t340 = -t339;
+    const zhao2000_links_real t341 = 0.01423018f * t339;
+    const zhao2000_links_real t342 = t313 + t341;
+    const zhao2000_links_real t343 = 1.7201067f * t342;
+    const zhao2000_links_real t344 = 0.0012584238f * t339;
+    const zhao2000_links_real t345 = t288 + t344;
+    const zhao2000_links_real t346 = -1.0204082f * t345;
+    const zhao2000_links_real t347 = t343 - t346;
+    const zhao2000_links_real t348 = t347 * t337;
+    const zhao2000_links_real t349 = -1.0204082f * t342;
+    const zhao2000_links_real t350 = -1.7201067f * t345;
+    const zhao2000_links_real t351 = t349 - t350;
+    const zhao2000_links_real t352 = t351 * t332;
+    const zhao2000_links_real t353 = t348 - t352;
+    if (!(t283 >= -0.07f)) { /* theta1_side */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(t298 >= -0.00173f)) { /* elbow1 */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(t312 >= -0.0676f)) { /* theta2_side */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(t326 >= -0.00176f)) { /* elbow2 */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(t340 >= -0.0696f)) { /* theta3_side */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (!(t353 >= -0.00178f)) { /* elbow3 */
+        status = ZHAO2000_LINKS_WRONG_BRANCH;
+    }
+    if (status == ZHAO2000_LINKS_OK) {
+        pose->position[0] = w->y[18];
+        pose->position[1] = w->y[19];
+        pose->position[2] = w->y[20];
+        pose->quaternion[0] = h[0];
+        pose->quaternion[1] = 0.0f;
+        pose->quaternion[2] = 0.0f;
+        pose->quaternion[3] = h[1];
+    }
+    return status;
+}
+
+/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
+ * them. */
+static zhao2000_links_status zhao2000_links_direct_reach(const zhao2000_links_real joints[4],
+    const zhao2000_links_pose *guess, zhao2000_links_pose *pose,
+    const zhao2000_links_config *config, zhao2000_links_info *info)
 {
     static const zhao2000_links_config usual = { ZHAO2000_LINKS_TOLERANCE,
         ZHAO2000_LINKS_MAX_STEPS, ZHAO2000_LINKS_MAX_STEP };
     zhao2000_links_direct_work w;
-    zhao2000_links_status status = zhao2000_links_read_guess(&w, joints, guess);
-    if (config != NULL) {
+    unsigned int count = 0U;
+    zhao2000_links_real residual = HUGE_VALF;
+    zhao2000_links_status status = zhao2000_links_read_guess(&w, guess);
+    const zhao2000_links_status limits = zhao2000_links_check_limits(joints);
+    w.share = 0.0f;
+    w.over = 4.0f;
+    w.reach = 0U;
+    /* NaN or infinity anywhere comes first */
+    if ((status == ZHAO2000_LINKS_OK) || (limits == ZHAO2000_LINKS_NONFINITE)) {
+        status = limits;
+    }
+    if (config == NULL) {
+        config = &usual;
+    } else {
         status = zhao2000_links_check_config(config, status);
     }
     if (status == ZHAO2000_LINKS_OK) {
-        zhao2000_links_real given[4];
-        zhao2000_links_unwrap_joints(w.at, joints, given);
-        status = zhao2000_links_direct_newton(&w, given, (config != NULL) ? config : &usual, info);
-        if (status == ZHAO2000_LINKS_OK) {
-            status = zhao2000_links_check_branch(w.x, given);
+        /* which part of the slides' ranges holds both ends of the line */
+        zhao2000_links_real excursion = 0.0020423187f * fabsf(w.at[6] - 100.0f);
+        {
+            const zhao2000_links_real other = 0.0020423187f * fabsf(joints[3] - 100.0f);
+            excursion = (other > excursion) ? other : excursion;
+        }
+        w.reach += (excursion > 0.0625f) ? 1U : 0U;
+        w.reach += (excursion > 0.25f) ? 1U : 0U;
+        if (!(excursion <= 1.0f)) {
+            status = ZHAO2000_LINKS_WRONG_BRANCH;
+        }
+    }
+    if (status == ZHAO2000_LINKS_OK) {
+        const unsigned int most = config->max_iterations;
+        zhao2000_links_real change[4];
+        bool kept = false;
+        if (most > 0U) {
+            zhao2000_links_direct_set(&w, joints);
+            zhao2000_links_direct_formulas(&w);
+            count = 1U;
+            /* squares of changes, of an angle by its chord's, up to a right angle */
+            kept = true;
+            const zhao2000_links_real move0 = w.u[0] - w.at[0];
+            const zhao2000_links_real move1 = w.u[1] - w.at[1];
+            const zhao2000_links_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0f);
+            change[0] = chord0 + 0.117f * chord0 * chord0;
+            const zhao2000_links_real move2 = w.u[2] - w.at[2];
+            const zhao2000_links_real move3 = w.u[3] - w.at[3];
+            const zhao2000_links_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0f);
+            change[1] = chord1 + 0.117f * chord1 * chord1;
+            const zhao2000_links_real move4 = w.u[4] - w.at[4];
+            const zhao2000_links_real move5 = w.u[5] - w.at[5];
+            const zhao2000_links_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0f);
+            change[2] = chord2 + 0.117f * chord2 * chord2;
+            const zhao2000_links_real move6 = w.u[6] - w.at[6];
+            change[3] = move6 * move6;
+            kept = kept && zhao2000_links_line_keeps(&w, change);
+        }
+        if (!kept) {
+            status = zhao2000_links_direct_walk(&w, joints, most, &count);
         }
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_write_pose(&w, pose);
+            status = zhao2000_links_direct_answer(&w, config->tolerance, pose, &residual);
+        }
+    }
+    if (count > 0U) {
+        if (info != NULL) {
+            info->iterations = (uint8_t)count;
+            info->residual = (residual >= 0.0f) ? residual : HUGE_VALF;
+            info->step = 0.0f;
+            info->min_pivot = (w.share >= 0.0f) ? w.share : 0.0f;
+            info->joint = 4U;
         }
     } else {
         zhao2000_links_write_no_step(info, joints);
@@ -5388,43 +3258,29 @@ zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
     return status;
 }
 
+zhao2000_links_status zhao2000_links_direct(const zhao2000_links_config *config,
+    const zhao2000_links_real joints[4], const zhao2000_links_pose *guess,
+    zhao2000_links_pose *pose, zhao2000_links_info *info)
+{
+    return zhao2000_links_direct_reach(joints, guess, pose, config, info);
+}
+
 zhao2000_links_status zhao2000_links_track(const zhao2000_links_real joints[4],
     zhao2000_links_pose *pose, zhao2000_links_info *info)
 {
-    zhao2000_links_direct_work w;
-    zhao2000_links_status status = zhao2000_links_read_guess(&w, joints, pose);
-    bool stepped = false;
-    if (status == ZHAO2000_LINKS_OK) {
-        zhao2000_links_real given[4];
-        zhao2000_links_unwrap_joints(w.at, joints, given);
-        /* one step of Newton's method from the last pose */
-        zhao2000_links_direct_set_target(&w, given, 1.0f);
-        zhao2000_links_direct_rows(&w);
-        if (zhao2000_links_direct_factor(&w) == 0) {
-            status = ZHAO2000_LINKS_SINGULAR;
-        } else {
-            stepped = true;
-            zhao2000_links_direct_solve(&w);
-            const zhao2000_links_real size = zhao2000_links_direct_apply_step(&w);
-            zhao2000_links_write_info(info, 1U, 0.0186f * size, size, w.spread);
-            if (size <= 104.056816f) {
-                zhao2000_links_write_pose(&w, pose);
-            } else {
-                status = ZHAO2000_LINKS_WRONG_BRANCH;
-            }
-        }
-    }
-    if (!stepped) {
-        zhao2000_links_write_no_step(info, joints);
-    }
-    return status;
+    /* one evaluation */
+    static const zhao2000_links_config once = { ZHAO2000_LINKS_TOLERANCE, 1U,
+        ZHAO2000_LINKS_MAX_STEP };
+    const zhao2000_links_status status = zhao2000_links_direct_reach(joints, pose, pose, &once,
+        info);
+    return (status == ZHAO2000_LINKS_MAX_ITERATIONS) ? ZHAO2000_LINKS_WRONG_BRANCH : status;
 }
 
 /* Joint values of a pose, limb by limb. */
 zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose,
     zhao2000_links_real joints[4])
 {
-    zhao2000_links_real c[7];
+    zhao2000_links_real c[4];
     zhao2000_links_real q[4] = { 0.0f };
     zhao2000_links_real passive[9] = { 0.0f };
     zhao2000_links_status status = zhao2000_links_pose_coordinates(pose, c);
@@ -5450,159 +3306,36 @@ zhao2000_links_status zhao2000_links_inverse(const zhao2000_links_pose *pose,
 zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose,
     zhao2000_links_real rates[4 * 6])
 {
-    zhao2000_links_real c[7];
+    zhao2000_links_real c[4];
     zhao2000_links_real jacobian[4 * 6] = { 0.0f };
     zhao2000_links_status status = zhao2000_links_pose_coordinates(pose, c);
     if (status == ZHAO2000_LINKS_OK) {
         /* theta1, hip1, elbow1, wrist1 */
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_limb1_work w;
-            zhao2000_links_real sides[30];
-            status = zhao2000_links_limb1_joints(c, w.x);
-            w.k[0] = c[0];
-            w.k[1] = c[1];
-            w.k[2] = c[2];
-            w.k[3] = c[3];
-            w.k[4] = c[4];
-            w.k[5] = c[5];
-            w.k[6] = c[6];
-            if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb1_twist_columns(&w, sides);
-                if (zhao2000_links_limb1_factor(&w) == 0) {
-                    status = ZHAO2000_LINKS_SINGULAR;
-                } else {
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[0] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 1];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[1] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 2];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[2] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 3];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[3] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 4];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[4] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 5];
-                    }
-                    zhao2000_links_limb1_solve(&w);
-                    jacobian[5] = w.f[0] * 0.0040846374f;
-                }
-            }
+            zhao2000_links_real of_limb[4];
+            status = zhao2000_links_limb1_rates(c, of_limb);
+            jacobian[0] = of_limb[0];
+            jacobian[1] = of_limb[1];
+            jacobian[2] = of_limb[2];
+            jacobian[5] = of_limb[3];
         }
         /* theta2, hip2, elbow2, wrist2 */
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_limb2_work w;
-            zhao2000_links_real sides[30];
-            status = zhao2000_links_limb2_joints(c, w.x);
-            w.k[0] = c[0];
-            w.k[1] = c[1];
-            w.k[2] = c[2];
-            w.k[3] = c[3];
-            w.k[4] = c[4];
-            w.k[5] = c[5];
-            w.k[6] = c[6];
-            if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb2_twist_columns(&w, sides);
-                if (zhao2000_links_limb2_factor(&w) == 0) {
-                    status = ZHAO2000_LINKS_SINGULAR;
-                } else {
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[6] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 1];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[7] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 2];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[8] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 3];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[9] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 4];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[10] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 5];
-                    }
-                    zhao2000_links_limb2_solve(&w);
-                    jacobian[11] = w.f[0] * 0.0040846374f;
-                }
-            }
+            zhao2000_links_real of_limb[4];
+            status = zhao2000_links_limb2_rates(c, of_limb);
+            jacobian[6] = of_limb[0];
+            jacobian[7] = of_limb[1];
+            jacobian[8] = of_limb[2];
+            jacobian[11] = of_limb[3];
         }
         /* theta3, hip3, elbow3, wrist3 */
         if (status == ZHAO2000_LINKS_OK) {
-            zhao2000_links_limb3_work w;
-            zhao2000_links_real sides[30];
-            status = zhao2000_links_limb3_joints(c, w.x);
-            w.k[0] = c[0];
-            w.k[1] = c[1];
-            w.k[2] = c[2];
-            w.k[3] = c[3];
-            w.k[4] = c[4];
-            w.k[5] = c[5];
-            w.k[6] = c[6];
-            if (status == ZHAO2000_LINKS_OK) {
-                zhao2000_links_limb3_twist_columns(&w, sides);
-                if (zhao2000_links_limb3_factor(&w) == 0) {
-                    status = ZHAO2000_LINKS_SINGULAR;
-                } else {
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[12] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 1];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[13] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 2];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[14] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 3];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[15] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 4];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[16] = w.f[0] * 0.0040846374f;
-                    for (int i = 0; i < 5; ++i) {
-                        w.f[i] = sides[6 * i + 5];
-                    }
-                    zhao2000_links_limb3_solve(&w);
-                    jacobian[17] = w.f[0] * 0.0040846374f;
-                }
-            }
+            zhao2000_links_real of_limb[4];
+            status = zhao2000_links_limb3_rates(c, of_limb);
+            jacobian[12] = of_limb[0];
+            jacobian[13] = of_limb[1];
+            jacobian[14] = of_limb[2];
+            jacobian[17] = of_limb[3];
         }
         /* op */
         const zhao2000_links_real op_0 = c[0] * c[0];
@@ -5619,8 +3352,6 @@ zhao2000_links_status zhao2000_links_jacobian(const zhao2000_links_pose *pose,
             jacobian[18] = op_7;
             jacobian[19] = op_8;
             jacobian[20] = op_9;
-            jacobian[21] = 0.0f;
-            jacobian[22] = 0.0f;
             jacobian[23] = 0.0f;
         } else {
             status = ZHAO2000_LINKS_SINGULAR;
@@ -5700,410 +3431,55 @@ zhao2000_links_status zhao2000_links_feed(const zhao2000_links_pose *pose,
     return status;
 }
 
-/* The twist of joint rates: the closure's linear system at the pose. */
+/* The twist of joint rates: the Jacobian's linear system, lengths and angles times the size, by
+ * elimination with row exchanges. */
 zhao2000_links_status zhao2000_links_twist(const zhao2000_links_pose *pose,
     const zhao2000_links_real rates[4], zhao2000_links_real twist[6])
 {
-    zhao2000_links_direct_work work;
-    zhao2000_links_direct_work *const w = &work;
-    zhao2000_links_real c[7];
-    zhao2000_links_real passive[9] = { 0.0f };
-    zhao2000_links_status status = zhao2000_links_pose_coordinates(pose, c);
+    static const zhao2000_links_real row_scale[4] = { 244.81978f, 244.81978f, 244.81978f, 1.0f };
+    static const zhao2000_links_real column_scale[4] = { 1.0f, 1.0f, 1.0f, 0.0040846374f };
+    static const uint8_t column[4] = { 0U, 1U, 2U, 5U };
+    zhao2000_links_real jacobian[4 * 6];
+    zhao2000_links_real a[4][4 + 1];
+    zhao2000_links_status status = zhao2000_links_check_speeds(rates, 4,
+        zhao2000_links_jacobian(pose, jacobian));
     if (status == ZHAO2000_LINKS_OK) {
-        status = (zhao2000_links_solve_limbs(c, w->k,
-            passive) == ZHAO2000_LINKS_OK) ? ZHAO2000_LINKS_OK : ZHAO2000_LINKS_OUT_OF_RANGE;
-    }
-    status = zhao2000_links_check_speeds(rates, 4, status);
-    if (status == ZHAO2000_LINKS_OK) {
-        for (int i = 0; i < 9; ++i) {
-            w->x[i] = passive[i];
+        for (int i = 0; i < 4; ++i) {
+            for (int j = 0; j < 4; ++j) {
+                a[i][j] = jacobian[6 * i + (int)column[j]] * row_scale[i] * column_scale[j];
+            }
+            a[i][4] = rates[i] * row_scale[i];
         }
-        w->x[9] = c[0];
-        w->x[10] = c[1];
-        w->x[11] = c[2];
-        w->x[12] = c[3];
-        w->x[13] = c[4];
-        w->x[14] = c[5];
-        w->x[15] = c[6];
-        if (zhao2000_links_direct_factor(w) == 0) {
-            status = ZHAO2000_LINKS_SINGULAR;
-        } else {
-            const zhao2000_links_real t0 = cosf(w->x[0]);
-            const zhao2000_links_real t1 = cosf(w->x[1]);
-            const zhao2000_links_real t2 = 63.115757f * t1;
-            const zhao2000_links_real t3 = sinf(w->x[1]);
-            const zhao2000_links_real t4 = -30.272121f * t3;
-            const zhao2000_links_real t5 = t2 + t4;
-            const zhao2000_links_real t6 = t5 + 6.1662765f;
-            const zhao2000_links_real t7 = t0 * t6;
-            const zhao2000_links_real t8 = sinf(w->x[0]);
-            const zhao2000_links_real t9 = 30.272121f * t1;
-            const zhao2000_links_real t10 = 63.115757f * t3;
-            const zhao2000_links_real t11 = t9 + t10;
-            const zhao2000_links_real t12 = t11 + 69.727875f;
-            const zhao2000_links_real t13 = t8 * t12;
-            const zhao2000_links_real t14 = t7 - t13;
-            const zhao2000_links_real t15 = w->k[0] - 1.5707964f;
-            const zhao2000_links_real t16 = cosf(t15);
-            const zhao2000_links_real t17 = t16 * rates[0];
-            const zhao2000_links_real t18 = t14 * t17;
-            const zhao2000_links_real t19 = -t18;
-            const zhao2000_links_real t20 = sinf(t15);
-            const zhao2000_links_real t21 = t20 * rates[0];
-            const zhao2000_links_real t22 = t14 * t21;
-            const zhao2000_links_real t23 = -t22;
-            const zhao2000_links_real t24 = 0.5f * w->x[2];
-            const zhao2000_links_real t25 = cosf(t24);
-            const zhao2000_links_real t26 = 0.5f * w->x[1];
-            const zhao2000_links_real t27 = sinf(t26);
-            const zhao2000_links_real t28 = 0.5f * w->x[0];
-            const zhao2000_links_real t29 = sinf(t28);
-            const zhao2000_links_real t30 = 0.5f * t15;
-            const zhao2000_links_real t31 = sinf(t30);
-            const zhao2000_links_real t32 = 0.5f * rates[0];
-            const zhao2000_links_real t33 = t31 * t32;
-            const zhao2000_links_real t34 = t29 * t33;
-            const zhao2000_links_real t35 = t27 * t34;
-            const zhao2000_links_real t36 = cosf(t26);
-            const zhao2000_links_real t37 = cosf(t28);
-            const zhao2000_links_real t38 = t37 * t33;
-            const zhao2000_links_real t39 = t36 * t38;
-            const zhao2000_links_real t40 = t35 - t39;
-            const zhao2000_links_real t41 = t25 * t40;
-            const zhao2000_links_real t42 = sinf(t24);
-            const zhao2000_links_real t43 = t27 * t38;
-            const zhao2000_links_real t44 = t36 * t34;
-            const zhao2000_links_real t45 = t43 + t44;
-            const zhao2000_links_real t46 = t42 * t45;
-            const zhao2000_links_real t47 = t41 + t46;
-            const zhao2000_links_real t48 = w->x[14] * t47;
-            const zhao2000_links_real t49 = t42 * t40;
-            const zhao2000_links_real t50 = t25 * t45;
-            const zhao2000_links_real t51 = t49 - t50;
-            const zhao2000_links_real t52 = w->x[15] * t51;
-            const zhao2000_links_real t53 = t48 + t52;
-            const zhao2000_links_real t54 = cosf(t30);
-            const zhao2000_links_real t55 = t54 * t32;
-            const zhao2000_links_real t56 = t29 * t55;
-            const zhao2000_links_real t57 = t36 * t56;
-            const zhao2000_links_real t58 = t37 * t55;
-            const zhao2000_links_real t59 = t27 * t58;
-            const zhao2000_links_real t60 = t57 + t59;
-            const zhao2000_links_real t61 = t25 * t60;
-            const zhao2000_links_real t62 = t36 * t58;
-            const zhao2000_links_real t63 = t27 * t56;
-            const zhao2000_links_real t64 = t62 - t63;
-            const zhao2000_links_real t65 = t42 * t64;
-            const zhao2000_links_real t66 = t61 + t65;
-            const zhao2000_links_real t67 = w->x[12] * t66;
-            const zhao2000_links_real t68 = t53 - t67;
-            const zhao2000_links_real t69 = t25 * t64;
-            const zhao2000_links_real t70 = t42 * t60;
-            const zhao2000_links_real t71 = t69 - t70;
-            const zhao2000_links_real t72 = w->x[13] * t71;
-            const zhao2000_links_real t73 = t68 - t72;
-            const zhao2000_links_real t74 = 489.63956f * t73;
-            const zhao2000_links_real t75 = w->x[13] * t47;
-            const zhao2000_links_real t76 = w->x[12] * t51;
-            const zhao2000_links_real t77 = t75 - t76;
-            const zhao2000_links_real t78 = w->x[15] * t66;
-            const zhao2000_links_real t79 = t77 - t78;
-            const zhao2000_links_real t80 = w->x[14] * t71;
-            const zhao2000_links_real t81 = t79 + t80;
-            const zhao2000_links_real t82 = 489.63956f * t81;
-            const zhao2000_links_real t83 = -t82;
-            const zhao2000_links_real t84 = cosf(w->x[3]);
-            const zhao2000_links_real t85 = cosf(w->x[4]);
-            const zhao2000_links_real t86 = -54.659847f * t85;
-            const zhao2000_links_real t87 = sinf(w->x[4]);
-            const zhao2000_links_real t88 = 26.216427f * t87;
-            const zhao2000_links_real t89 = t86 + t88;
-            const zhao2000_links_real t90 = t89 - 5.340152f;
-            const zhao2000_links_real t91 = t84 * t90;
-            const zhao2000_links_real t92 = sinf(w->x[3]);
-            const zhao2000_links_real t93 = 30.272121f * t85;
-            const zhao2000_links_real t94 = 63.115757f * t87;
-            const zhao2000_links_real t95 = t93 + t94;
-            const zhao2000_links_real t96 = t95 + 69.727875f;
-            const zhao2000_links_real t97 = 0.8660254f * t96;
-            const zhao2000_links_real t98 = t92 * t97;
-            const zhao2000_links_real t99 = t91 + t98;
-            const zhao2000_links_real t100 = 1.0f - t84;
-            const zhao2000_links_real t101 = -0.5f * t90;
-            const zhao2000_links_real t102 = -31.557878f * t85;
-            const zhao2000_links_real t103 = 15.136061f * t87;
-            const zhao2000_links_real t104 = t102 + t103;
-            const zhao2000_links_real t105 = t104 - 3.0831382f;
-            const zhao2000_links_real t106 = 0.8660254f * t105;
-            const zhao2000_links_real t107 = t101 + t106;
-            const zhao2000_links_real t108 = t100 * t107;
-            const zhao2000_links_real t109 = -0.5f * t108;
-            const zhao2000_links_real t110 = t99 + t109;
-            const zhao2000_links_real t111 = w->k[1] - 3.6651914f;
-            const zhao2000_links_real t112 = sinf(t111);
-            const zhao2000_links_real t113 = t112 * rates[1];
-            const zhao2000_links_real t114 = t110 * t113;
-            const zhao2000_links_real t115 = t84 * t105;
-            const zhao2000_links_real t116 = -0.5f * t96;
-            const zhao2000_links_real t117 = t92 * t116;
-            const zhao2000_links_real t118 = t115 - t117;
-            const zhao2000_links_real t119 = 0.8660254f * t108;
-            const zhao2000_links_real t120 = t118 + t119;
-            const zhao2000_links_real t121 = cosf(t111);
-            const zhao2000_links_real t122 = t121 * rates[1];
-            const zhao2000_links_real t123 = t120 * t122;
-            const zhao2000_links_real t124 = t114 + t123;
-            const zhao2000_links_real t125 = -t124;
-            const zhao2000_links_real t126 = t110 * t122;
-            const zhao2000_links_real t127 = t120 * t113;
-            const zhao2000_links_real t128 = t126 - t127;
-            const zhao2000_links_real t129 = 0.5f * w->x[5];
-            const zhao2000_links_real t130 = cosf(t129);
-            const zhao2000_links_real t131 = 0.5f * w->x[4];
-            const zhao2000_links_real t132 = sinf(t131);
-            const zhao2000_links_real t133 = -0.5f * t132;
-            const zhao2000_links_real t134 = 0.5f * w->x[3];
-            const zhao2000_links_real t135 = sinf(t134);
-            const zhao2000_links_real t136 = -0.5f * t135;
-            const zhao2000_links_real t137 = 0.5f * t111;
-            const zhao2000_links_real t138 = sinf(t137);
-            const zhao2000_links_real t139 = 0.5f * rates[1];
-            const zhao2000_links_real t140 = t138 * t139;
-            const zhao2000_links_real t141 = t136 * t140;
-            const zhao2000_links_real t142 = 0.8660254f * t135;
-            const zhao2000_links_real t143 = cosf(t137);
-            const zhao2000_links_real t144 = t143 * t139;
-            const zhao2000_links_real t145 = t142 * t144;
-            const zhao2000_links_real t146 = t141 + t145;
-            const zhao2000_links_real t147 = t133 * t146;
-            const zhao2000_links_real t148 = cosf(t131);
-            const zhao2000_links_real t149 = cosf(t134);
-            const zhao2000_links_real t150 = t149 * t140;
-            const zhao2000_links_real t151 = t148 * t150;
-            const zhao2000_links_real t152 = t147 - t151;
-            const zhao2000_links_real t153 = 0.8660254f * t132;
-            const zhao2000_links_real t154 = t136 * t144;
-            const zhao2000_links_real t155 = t142 * t140;
-            const zhao2000_links_real t156 = t154 - t155;
-            const zhao2000_links_real t157 = t153 * t156;
-            const zhao2000_links_real t158 = t152 - t157;
-            const zhao2000_links_real t159 = t130 * t158;
-            const zhao2000_links_real t160 = sinf(t129);
-            const zhao2000_links_real t161 = -0.5f * t160;
-            const zhao2000_links_real t162 = t133 * t150;
-            const zhao2000_links_real t163 = t148 * t146;
-            const zhao2000_links_real t164 = t162 + t163;
-            const zhao2000_links_real t165 = t149 * t144;
-            const zhao2000_links_real t166 = t153 * t165;
-            const zhao2000_links_real t167 = t164 + t166;
-            const zhao2000_links_real t168 = t161 * t167;
-            const zhao2000_links_real t169 = t159 + t168;
-            const zhao2000_links_real t170 = 0.8660254f * t160;
-            const zhao2000_links_real t171 = t148 * t156;
-            const zhao2000_links_real t172 = t153 * t150;
-            const zhao2000_links_real t173 = t171 - t172;
-            const zhao2000_links_real t174 = t133 * t165;
-            const zhao2000_links_real t175 = t173 + t174;
-            const zhao2000_links_real t176 = t170 * t175;
-            const zhao2000_links_real t177 = t169 - t176;
-            const zhao2000_links_real t178 = w->x[14] * t177;
-            const zhao2000_links_real t179 = t161 * t158;
-            const zhao2000_links_real t180 = t130 * t167;
-            const zhao2000_links_real t181 = t179 - t180;
-            const zhao2000_links_real t182 = t148 * t165;
-            const zhao2000_links_real t183 = t153 * t146;
-            const zhao2000_links_real t184 = t133 * t156;
-            const zhao2000_links_real t185 = t183 + t184;
-            const zhao2000_links_real t186 = t182 - t185;
-            const zhao2000_links_real t187 = t170 * t186;
-            const zhao2000_links_real t188 = t181 - t187;
-            const zhao2000_links_real t189 = w->x[15] * t188;
-            const zhao2000_links_real t190 = t178 + t189;
-            const zhao2000_links_real t191 = t170 * t158;
-            const zhao2000_links_real t192 = t130 * t175;
-            const zhao2000_links_real t193 = t191 + t192;
-            const zhao2000_links_real t194 = t161 * t186;
-            const zhao2000_links_real t195 = t193 + t194;
-            const zhao2000_links_real t196 = w->x[12] * t195;
-            const zhao2000_links_real t197 = t190 - t196;
-            const zhao2000_links_real t198 = t130 * t186;
-            const zhao2000_links_real t199 = t170 * t167;
-            const zhao2000_links_real t200 = t161 * t175;
-            const zhao2000_links_real t201 = t199 + t200;
-            const zhao2000_links_real t202 = t198 - t201;
-            const zhao2000_links_real t203 = w->x[13] * t202;
-            const zhao2000_links_real t204 = t197 - t203;
-            const zhao2000_links_real t205 = 489.63956f * t204;
-            const zhao2000_links_real t206 = w->x[13] * t177;
-            const zhao2000_links_real t207 = w->x[12] * t188;
-            const zhao2000_links_real t208 = t206 - t207;
-            const zhao2000_links_real t209 = w->x[15] * t195;
-            const zhao2000_links_real t210 = t208 - t209;
-            const zhao2000_links_real t211 = w->x[14] * t202;
-            const zhao2000_links_real t212 = t210 + t211;
-            const zhao2000_links_real t213 = 489.63956f * t212;
-            const zhao2000_links_real t214 = -t213;
-            const zhao2000_links_real t215 = cosf(w->x[6]);
-            const zhao2000_links_real t216 = cosf(w->x[7]);
-            const zhao2000_links_real t217 = 54.659847f * t216;
-            const zhao2000_links_real t218 = sinf(w->x[7]);
-            const zhao2000_links_real t219 = -26.216427f * t218;
-            const zhao2000_links_real t220 = t217 + t219;
-            const zhao2000_links_real t221 = t220 + 5.340152f;
-            const zhao2000_links_real t222 = t215 * t221;
-            const zhao2000_links_real t223 = sinf(w->x[6]);
-            const zhao2000_links_real t224 = 30.272121f * t216;
-            const zhao2000_links_real t225 = 63.115757f * t218;
-            const zhao2000_links_real t226 = t224 + t225;
-            const zhao2000_links_real t227 = t226 + 69.727875f;
-            const zhao2000_links_real t228 = -0.8660254f * t227;
-            const zhao2000_links_real t229 = t223 * t228;
-            const zhao2000_links_real t230 = t222 + t229;
-            const zhao2000_links_real t231 = 1.0f - t215;
-            const zhao2000_links_real t232 = -0.5f * t221;
-            const zhao2000_links_real t233 = -31.557878f * t216;
-            const zhao2000_links_real t234 = 15.136061f * t218;
-            const zhao2000_links_real t235 = t233 + t234;
-            const zhao2000_links_real t236 = t235 - 3.0831382f;
-            const zhao2000_links_real t237 = -0.8660254f * t236;
-            const zhao2000_links_real t238 = t232 + t237;
-            const zhao2000_links_real t239 = t231 * t238;
-            const zhao2000_links_real t240 = -0.5f * t239;
-            const zhao2000_links_real t241 = t230 + t240;
-            const zhao2000_links_real t242 = w->k[2] - 5.7595863f;
-            const zhao2000_links_real t243 = sinf(t242);
-            const zhao2000_links_real t244 = t243 * rates[2];
-            const zhao2000_links_real t245 = t241 * t244;
-            const zhao2000_links_real t246 = t215 * t236;
-            const zhao2000_links_real t247 = -0.5f * t227;
-            const zhao2000_links_real t248 = t223 * t247;
-            const zhao2000_links_real t249 = t246 - t248;
-            const zhao2000_links_real t250 = -0.8660254f * t239;
-            const zhao2000_links_real t251 = t249 + t250;
-            const zhao2000_links_real t252 = cosf(t242);
-            const zhao2000_links_real t253 = t252 * rates[2];
-            const zhao2000_links_real t254 = t251 * t253;
-            const zhao2000_links_real t255 = t245 + t254;
-            const zhao2000_links_real t256 = -t255;
-            const zhao2000_links_real t257 = t241 * t253;
-            const zhao2000_links_real t258 = t251 * t244;
-            const zhao2000_links_real t259 = t257 - t258;
-            const zhao2000_links_real t260 = 0.5f * w->x[8];
-            const zhao2000_links_real t261 = cosf(t260);
-            const zhao2000_links_real t262 = 0.5f * w->x[7];
-            const zhao2000_links_real t263 = sinf(t262);
-            const zhao2000_links_real t264 = -0.5f * t263;
-            const zhao2000_links_real t265 = 0.5f * w->x[6];
-            const zhao2000_links_real t266 = sinf(t265);
-            const zhao2000_links_real t267 = -0.5f * t266;
-            const zhao2000_links_real t268 = 0.5f * t242;
-            const zhao2000_links_real t269 = sinf(t268);
-            const zhao2000_links_real t270 = 0.5f * rates[2];
-            const zhao2000_links_real t271 = t269 * t270;
-            const zhao2000_links_real t272 = t267 * t271;
-            const zhao2000_links_real t273 = -0.8660254f * t266;
-            const zhao2000_links_real t274 = cosf(t268);
-            const zhao2000_links_real t275 = t274 * t270;
-            const zhao2000_links_real t276 = t273 * t275;
-            const zhao2000_links_real t277 = t272 + t276;
-            const zhao2000_links_real t278 = t264 * t277;
-            const zhao2000_links_real t279 = cosf(t262);
-            const zhao2000_links_real t280 = cosf(t265);
-            const zhao2000_links_real t281 = t280 * t271;
-            const zhao2000_links_real t282 = t279 * t281;
-            const zhao2000_links_real t283 = t278 - t282;
-            const zhao2000_links_real t284 = -0.8660254f * t263;
-            const zhao2000_links_real t285 = t267 * t275;
-            const zhao2000_links_real t286 = t273 * t271;
-            const zhao2000_links_real t287 = t285 - t286;
-            const zhao2000_links_real t288 = t284 * t287;
-            const zhao2000_links_real t289 = t283 - t288;
-            const zhao2000_links_real t290 = t261 * t289;
-            const zhao2000_links_real t291 = sinf(t260);
-            const zhao2000_links_real t292 = -0.5f * t291;
-            const zhao2000_links_real t293 = t264 * t281;
-            const zhao2000_links_real t294 = t279 * t277;
-            const zhao2000_links_real t295 = t293 + t294;
-            const zhao2000_links_real t296 = t280 * t275;
-            const zhao2000_links_real t297 = t284 * t296;
-            const zhao2000_links_real t298 = t295 + t297;
-            const zhao2000_links_real t299 = t292 * t298;
-            const zhao2000_links_real t300 = t290 + t299;
-            const zhao2000_links_real t301 = -0.8660254f * t291;
-            const zhao2000_links_real t302 = t279 * t287;
-            const zhao2000_links_real t303 = t284 * t281;
-            const zhao2000_links_real t304 = t302 - t303;
-            const zhao2000_links_real t305 = t264 * t296;
-            const zhao2000_links_real t306 = t304 + t305;
-            const zhao2000_links_real t307 = t301 * t306;
-            const zhao2000_links_real t308 = t300 - t307;
-            const zhao2000_links_real t309 = w->x[14] * t308;
-            const zhao2000_links_real t310 = t292 * t289;
-            const zhao2000_links_real t311 = t261 * t298;
-            const zhao2000_links_real t312 = t310 - t311;
-            const zhao2000_links_real t313 = t279 * t296;
-            const zhao2000_links_real t314 = t284 * t277;
-            const zhao2000_links_real t315 = t264 * t287;
-            const zhao2000_links_real t316 = t314 + t315;
-            const zhao2000_links_real t317 = t313 - t316;
-            const zhao2000_links_real t318 = t301 * t317;
-            const zhao2000_links_real t319 = t312 - t318;
-            const zhao2000_links_real t320 = w->x[15] * t319;
-            const zhao2000_links_real t321 = t309 + t320;
-            const zhao2000_links_real t322 = t301 * t289;
-            const zhao2000_links_real t323 = t261 * t306;
-            const zhao2000_links_real t324 = t322 + t323;
-            const zhao2000_links_real t325 = t292 * t317;
-            const zhao2000_links_real t326 = t324 + t325;
-            const zhao2000_links_real t327 = w->x[12] * t326;
-            const zhao2000_links_real t328 = t321 - t327;
-            const zhao2000_links_real t329 = t261 * t317;
-            const zhao2000_links_real t330 = t301 * t298;
-            const zhao2000_links_real t331 = t292 * t306;
-            const zhao2000_links_real t332 = t330 + t331;
-            const zhao2000_links_real t333 = t329 - t332;
-            const zhao2000_links_real t334 = w->x[13] * t333;
-            const zhao2000_links_real t335 = t328 - t334;
-            const zhao2000_links_real t336 = 489.63956f * t335;
-            const zhao2000_links_real t337 = w->x[13] * t308;
-            const zhao2000_links_real t338 = w->x[12] * t319;
-            const zhao2000_links_real t339 = t337 - t338;
-            const zhao2000_links_real t340 = w->x[15] * t326;
-            const zhao2000_links_real t341 = t339 - t340;
-            const zhao2000_links_real t342 = w->x[14] * t333;
-            const zhao2000_links_real t343 = t341 + t342;
-            const zhao2000_links_real t344 = 489.63956f * t343;
-            const zhao2000_links_real t345 = -t344;
-            const zhao2000_links_real t346 = w->k[3] + w->k[3];
-            const zhao2000_links_real t347 = t346 * rates[3];
-            const zhao2000_links_real t348 = 0.0020423187f * t347;
-            w->f[0] = t19;
-            w->f[1] = t23;
-            w->f[2] = 0.0f;
-            w->f[3] = t74;
-            w->f[4] = t83;
-            w->f[5] = t125;
-            w->f[6] = t128;
-            w->f[7] = 0.0f;
-            w->f[8] = t205;
-            w->f[9] = t214;
-            w->f[10] = t256;
-            w->f[11] = t259;
-            w->f[12] = 0.0f;
-            w->f[13] = t336;
-            w->f[14] = t345;
-            w->f[15] = t348;
-            zhao2000_links_direct_solve(w);
-            status = zhao2000_links_check_finite(w->f, 15, ZHAO2000_LINKS_OK);
+        for (int c = 0; (c < 4) && (status == ZHAO2000_LINKS_OK); ++c) {
+            /* the largest entry of the column becomes the pivot */
+            int best = c;
+            for (int i = c + 1; i < 4; ++i) {
+                best = (fabsf(a[i][c]) > fabsf(a[best][c])) ? i : best;
+            }
+            if (!(fabsf(a[best][c]) > 1.9073486e-06f)) {
+                status = ZHAO2000_LINKS_SINGULAR;
+            } else {
+                for (int j = c; j <= 4; ++j) {
+                    const zhao2000_links_real t = a[c][j];
+                    a[c][j] = a[best][j];
+                    a[best][j] = t;
+                }
+                /* clear the column in all other rows */
+                for (int i = 0; i < 4; ++i) {
+                    const zhao2000_links_real factor = a[i][c] / a[c][c];
+                    for (int j = c; (i != c) && (j <= 4); ++j) {
+                        a[i][j] -= factor * a[c][j];
+                    }
+                }
+            }
         }
     }
     if (status == ZHAO2000_LINKS_OK) {
-        twist[0] = w->f[9];
-        twist[1] = w->f[10];
-        twist[2] = w->f[11];
-        twist[3] = w->f[12] * 0.0040846374f;
-        twist[4] = w->f[13] * 0.0040846374f;
-        twist[5] = w->f[14] * 0.0040846374f;
+        twist[3] = 0.0f;
+        twist[4] = 0.0f;
+        for (int i = 0; i < 4; ++i) {
+            twist[column[i]] = a[i][4] / a[i][i] * column_scale[i];
+        }
     }
     return status;
 }

@@ -15,10 +15,12 @@ from math import prod
 import casadi as ca
 import numpy as np
 
+from symkin.codegen.limbwise import LimbwiseForm, limbwise_form
 from symkin.codegen.line_bounds import Bend, Span, bend_of
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
 from symkin.model.joint import Coordinate
+from symkin.numeric.system import System
 from symkin.position.problem import Problem
 
 _COMPARED = 4
@@ -29,7 +31,7 @@ _POWERS = 3
 """How often a divisor may multiply a discriminant, less one."""
 _NOISE = 1e-9
 """Share of the largest weight below which another is rounding."""
-_REACHES = (1.0 / 16, 1.0 / 4, 1.0)
+_PARTS = (1.0 / 16, 1.0 / 4, 1.0)
 """Parts of a slide's range for which bounds are made: a line takes those of the first that holds it."""
 _FREE_RANGE = 2.0
 """How far a slide without limits is looked at, in sizes about the reference."""
@@ -47,21 +49,29 @@ class Weights:
 
 @dataclass(frozen=True)
 class Guard:
-    """A function of the given values that has to stay above zero: discriminant `choice` (None: no discriminant) times divisors to some
-    `powers`, times `sign`. `size` bounds it; `weights` are one for each part of the slides' ranges; `root` is the guard whose root it
-    holds (None: it is a polynomial)."""
+    """A function of the given values that has to stay above zero: discriminant `choice`, or `reach` of a limb (both None: a divisor),
+    times divisors to some `powers`, times `sign`. `size` bounds it; `weights` are one for each part of the slides' ranges; `root` is the
+    guard whose root it holds (None: it is a polynomial)."""
 
     name: str
     choice: int | None
+    reach: int | None
     powers: tuple[int, ...]
     sign: float
     root: int | None
     size: float
     weights: tuple[Weights, ...]
 
-    def of(self, discriminants: ca.SX, divisors: ca.SX) -> ca.SX:
-        """Its expression, by those of discriminants and divisors."""
+    @property
+    def is_divisor(self) -> bool:
+        """Whether the formulas divide by it."""
+        return self.choice is None and self.reach is None
+
+    def of(self, discriminants: ca.SX, reaches: ca.SX, divisors: ca.SX) -> ca.SX:
+        """Its expression, by those of discriminants, reaches and divisors."""
         whole = _times(divisors, self.powers) * self.sign
+        if self.reach is not None:
+            return whole * reaches[self.reach]
         return whole if self.choice is None else whole * discriminants[self.choice]
 
 
@@ -71,32 +81,39 @@ def _times(divisors: ca.SX, powers: Sequence[int]) -> ca.SX:
 
 @dataclass(frozen=True, eq=False)
 class DirectFormulas:
-    """The closed form of a direct problem with its guards, and how large roots are at sampled configurations. `reaches` are the parts of
-    the slides' ranges `spans` for which guards have weights."""
+    """The closed form of a direct problem, the limbs' bounds among its conditions, its guards, and how large roots are at sampled
+    configurations. `parts` are the parts of the slides' ranges `spans` for which guards have weights."""
 
-    formulas: ClosedForm
+    whole: LimbwiseForm
     spans: tuple[Span, ...]
-    reaches: tuple[float, ...]
+    parts: tuple[float, ...]
     guards: tuple[Guard, ...]
     usual_roots: np.ndarray
 
+    @property
+    def formulas(self) -> ClosedForm:
+        return self.whole.form
 
-def direct_formulas(problem: Problem, samples: Sequence[Configuration]) -> DirectFormulas | None:
-    """The formulas of the direct problem with all its rows; None where none are found, or none that can be guarded."""
+
+def direct_formulas(problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration]) -> DirectFormulas | None:
+    """The formulas of the direct problem with all its rows, all rows together or else limb by limb; None where none are found, or none
+    that can be guarded."""
     joints = problem.known_coordinates
     if len(samples) < _COMPARED or len(joints) > _MOST_GIVEN or any(c.width != 1 for c in joints):
         return None
     given = np.array([sample.known for sample in samples])
-    found = closed_form(problem.system, given[:_COMPARED])
-    if found is None:
+    form = closed_form(problem.system, given[:_COMPARED])
+    whole = limbwise_form(problem, limbs, samples) if form is None else LimbwiseForm(form, int(form.signs.shape[0]), ())
+    if whole is None:
         return None
     spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
-    reaches = (1.0,) if all(span.angular for span in spans) else _REACHES
-    guards = _Guarding(found, spans, reaches, given).guards()
+    parts = (1.0,) if all(span.angular for span in spans) else _PARTS
+    guards = _Guarding(whole, spans, parts, given).guards()
     if guards is None:
         return None
-    usual = np.sqrt(np.median(np.abs(found.discriminants_at(given, found.signs_at(samples[0].unknown, given[0]))), axis=0))
-    return DirectFormulas(found, spans, reaches, guards, usual)
+    signs = whole.form.signs_at(samples[0].unknown, given[0])
+    usual = np.sqrt(np.median(np.abs(whole.form.discriminants_at(given, signs)), axis=0))
+    return DirectFormulas(whole, spans, parts, guards, usual)
 
 
 def _span(coordinate: Coordinate, size: float) -> Span:
@@ -113,21 +130,26 @@ def _span(coordinate: Coordinate, size: float) -> Span:
 class _Guarding:
     """How guards of a closed form are found."""
 
-    found: ClosedForm
+    whole: LimbwiseForm
     spans: Sequence[Span]
-    reaches: Sequence[float]
+    parts: Sequence[float]
     given: np.ndarray
 
+    @property
+    def found(self) -> ClosedForm:
+        return self.whole.form
+
     def guards(self) -> tuple[Guard, ...] | None:
-        """A guard for each discriminant, and for each divisor that is no multiple of another; None where one has no bounds."""
+        """A guard for each discriminant of the pose, for each bound of a limb, and for each divisor that is no multiple of another; None
+        where one has no bounds."""
         found, roots = self.found, self.found.roots
         divisors = [found.divisors[j] for j in range(int(found.divisors.shape[0]))]
         discriminants = ca.substitute(found.discriminants, found.signs, ca.SX.ones(*found.signs.shape))
         if ca.depends_on(found.divisors, roots):
             return None
         guards: list[Guard] = []
-        for k, name in enumerate(found.names):
-            guard = self._of_discriminant(name, k, discriminants, guards)
+        for name, place, value in self._values_above_zero(discriminants):
+            guard = self._condition(name, place, value, discriminants, guards)
             if guard is None:
                 return None
             guards.append(guard)
@@ -141,17 +163,30 @@ class _Guarding:
             powers = tuple(int(i == j) for i in range(len(divisors)))
             kept.append(divisor)
             sign = float(np.sign(np.median(self._values(divisor)(self.given))))
-            guards.append(Guard(f"divisor {j + 1}", None, powers, sign, None, bends[-1].size, tuple(map(_plain, bends))))
+            guards.append(Guard(f"divisor {j + 1}", None, None, powers, sign, None, bends[-1].size, tuple(map(_plain, bends))))
         return tuple(guards)
 
-    def _of_discriminant(self, name: str, k: int, discriminants: ca.SX, before: Sequence[Guard]) -> Guard | None:
-        """The guard of a discriminant by the least powers of divisors that make it a polynomial P, or P + Q root."""
+    def _values_above_zero(self, discriminants: ca.SX) -> list[tuple[str, tuple[int | None, int | None], ca.SX]]:
+        """Name, (choice, reach) and value of the pose's discriminants and of the limbs' bounds."""
+        found, count = self.found, self.whole.pose_choices
+        values: list[tuple[str, tuple[int | None, int | None], ca.SX]] = []
+        values += [(found.names[k], (k, None), discriminants[k]) for k in range(count)]
+        for j, reach in enumerate(self.whole.reaches):
+            value = ca.substitute(reach.of_known, found.signs, ca.SX.ones(*found.signs.shape))
+            values.append((f"reach of {reach.name}", (None, j), self._without_squares(value, discriminants[:count])))
+        return values
+
+    def _condition(
+        self, name: str, place: tuple[int | None, int | None], value: ca.SX, discriminants: ca.SX, before: Sequence[Guard]
+    ) -> Guard | None:
+        """The guard of a discriminant or a limb's bound, (choice, reach), by the least powers of divisors that make its value a polynomial
+        P, or P + Q root."""
         roots, count = self.found.roots, int(self.found.divisors.shape[0])
-        read = [j for j in range(k) if ca.depends_on(discriminants[k], roots[j])]
+        read = [j for j in range(int(roots.shape[0])) if ca.depends_on(value, roots[j])]
         if len(read) > 1 or any(any(before[j].powers) or before[j].root is not None for j in read):
             return None
         root = read[0] if read else None
-        parts = [discriminants[k]] if root is None else _by_root(discriminants[k], roots[root], discriminants[root])
+        parts = [value] if root is None else _by_root(value, roots[root], discriminants[root])
         for powers in sorted(product(range(_POWERS), repeat=count), key=sum):
             factor = _times(self.found.divisors, powers)
             bends = [self._bends(part * factor) for part in parts]
@@ -159,19 +194,36 @@ class _Guarding:
                 continue
             plain = [bend for bend in bends if bend is not None]
             if root is None:
-                return Guard(name, k, powers, 1.0, None, plain[0][-1].size, tuple(map(_plain, plain[0])))
+                return Guard(name, *place, powers, 1.0, None, plain[0][-1].size, tuple(map(_plain, plain[0])))
             inner = self._bends(discriminants[root])
             assert inner is not None  # noqa: S101 - its own guard was found
             weights = tuple(_with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True))
             size = plain[0][-1].size + plain[1][-1].size * float(np.sqrt(inner[-1].size))
-            return Guard(name, k, powers, 1.0, root, size, weights)
+            return Guard(name, *place, powers, 1.0, root, size, weights)
         return None
+
+    def _without_squares(self, value: ca.SX, discriminants: ca.SX) -> ca.SX:
+        """A value in which roots that it holds by their squares alone are put in."""
+        for j in reversed(range(int(discriminants.shape[0]))):
+            root = self.found.roots[j]
+            if ca.depends_on(value, root):
+                even, odd = _by_root(value, root, discriminants[j])
+                ones = ca.SX.ones(*self.found.roots.shape)
+                by_one = [ca.substitute(part, self.found.roots, ones) for part in (even, odd)]
+                sizes = [float(np.max(np.abs(self._values(part)(self.given)))) for part in by_one]
+                value = even if sizes[1] * float(np.sqrt(self._size(discriminants[j]))) <= _NOISE * sizes[0] else value
+        return value
+
+    def _size(self, discriminant: ca.SX) -> float:
+        """The largest value of a discriminant at the samples, roots of others as ones."""
+        ones = ca.SX.ones(*self.found.roots.shape)
+        return float(np.max(np.abs(self._values(ca.substitute(discriminant, self.found.roots, ones))(self.given))))
 
     def _bends(self, expression: ca.SX) -> list[Bend] | None:
         """Bounds of an expression over each part of the slides' ranges; None where it is no polynomial."""
         values, found = self._values(expression), list[Bend]()
-        for reach in reversed(self.reaches):
-            spans = [span if span.angular else Span(False, span.middle, reach * span.half) for span in self.spans]
+        for part in reversed(self.parts):
+            spans = [span if span.angular else Span(False, span.middle, part * span.half) for span in self.spans]
             bend = bend_of(values, spans)
             if bend is None:
                 return None

@@ -133,7 +133,7 @@ class LimbPlatform:
         """The closed form of the direct problem, where the geometry is constant and all limbs have one too."""
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
-        return direct_formulas(self.direct, self.samples)
+        return direct_formulas(self.direct, [block.system for block in self._closure_blocks], self.samples)
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symkin.codegen.direct_formulas import DirectFormulas, Guard
+from symkin.codegen.direct_readme import direct_by_formulas
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_readme import map_branch, map_chapter
 from symkin.codegen.latex import equations
@@ -71,7 +71,8 @@ path without a singularity and the answer is its end.
    = c$ from $x_0$, $\theta = |c - x_0^2| / 4 x_0^2$, which is $\tfrac14$ at $c = 0$, where the two roots meet.
 3. $\theta$ sees the curvature in the step's direction. What it leaves, $\bar s_1$, lies mostly where the matrix is nearly singular,
    and the next ratio $|\bar s_2| / |\bar s_1|$ sees that direction. For $x^2 = c$ it is $h + h^2 / 4$ with $\theta = h / 2$: 9/16
-   at $h = \tfrac12$, where the roots meet, and 3/8, the limit here, at $h = 0.345$.
+   at $h = \tfrac12$, where the roots meet, and 3/8, the limit here, at $h = 0.345$. After new factors the step is
+   $\tfrac{h}{2 - 2h}$ of the one before and $h_1 = \tfrac12 (\tfrac{h}{1 - h})^2$; at $h = 0.345$ the next one is 2/25, the limit there.
 4. For rods, whose rows hold squared lengths, $s_0(\lambda) = \lambda s_0 - \lambda (1 - \lambda) J_0^{-1} (\Delta L_i^2)$: on
    the way the steps are longer than $|s_0|$ by at most $\tfrac14 |J_0^{-1} (\Delta L_i^2)|$, a term of second order. For rows
    linear in $\lambda$ they are $\lambda s_0$.
@@ -99,11 +100,11 @@ _REDUNDANT_ARM = r"""**Measured, not proved.** The matrix has more columns than 
 matrix at the pose aimed at, and $\theta$ compares successive shortest steps. No theorem is claimed."""
 
 _RULE = r"""The rule is therefore: the whole line is tried (a part of it where given values turn far) and accepted at $\theta \le \tfrac14$, when
-each later step is at most three eighths of the one before; elsewhere it is cut into pieces, each accepted after three steps
-by the same rule, after four where the first step is far and the third is above a fifth of the second. A first step is far where its
-square times $1 / p$ ($p$: the least pivot) is above the size's: $\theta \le \tfrac16$ is then asked, and four times as far both steps
-after it are taken with $J_0$, at the end of the line too; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch
-rests on random goals compared with fine continuation.@@
+each later step is at most three eighths of the one before, two twenty-fifths where that one had new factors; elsewhere it is cut
+into pieces, each accepted after three steps by the same rule, after four where the first step is far and the third is above a fifth
+of the second. A first step is far where its square times $1 / p$ ($p$: the least pivot) is above the size's: $\theta \le \tfrac16$
+is then asked; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another
+branch rests on random goals compared with fine continuation.@@
 
 The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
 evaluated once more and must vanish to the tolerance plus 8 roundings of the size; where they do not, one more step with new factors
@@ -122,48 +123,6 @@ form a sign tells that: it is taken at the answer and the given joint values, an
 an error of four square roots of the tolerance over the size), the status is `WRONG_BRANCH`. The inverse of an answer
 called OK is what was given, and the next call can begin there."""
 
-_DIRECT_BY_FORMULAS = r"""## Direct problem in closed form
-
-Given $q$, all rows together are solved for pose and passive joints by the formulas below; of two values the one on the guess's side
-is taken."""
-
-_LINE = r"""## Which answer is OK
-
-`OK` says that the answer is the one which is reached from the guess along a straight line of the given values without meeting
-a singularity: every point of that line has a real configuration and is regular.
-
-The guess's joint values come from its pose by the limbs' formulas, and its side of each choice is the sign of what tells it (sign
-times root). With these signs the formulas give one configuration for each point of the line, which changes continuously as long as
-no discriminant $D$ reaches zero, where two configurations meet, and no divisor $v$. Each of these, discriminants times powers of
-divisors so that nothing is divided, is a polynomial $g$ in the given lengths and in cosines and sines of the given angles: a finite
-sum of waves in the angles and of Chebyshev polynomials in the lengths over their ranges, with amplitudes $a$. On a part of the line,
-$t$ from 0 to 1, given values change by $d_i$, and at all its points
-
-$$|g''(t)| \le \sum_a |a| \Big(\sum_i k_i |d_i|\Big)^2 \le \sum_i W_i \, d_i^2 =: 2 K,$$
-
-$k_i$ the order of the wave (of a Chebyshev polynomial its largest derivatives). So $g(t) \ge (1 - t) g_0 + t g_1 - K t (1 - t)$, which
-is above zero for all $t$ where $K < (\sqrt{g_0} + \sqrt{g_1})^2$. **Proved**: the part is accepted where $K < g_0 + g_1 + 2 \min(g_0, g_1)$,
-which is not more; the whole line is tried first, what is refused is cut to nine tenths of what $K$ lets pass. A point at which some $g$ is not above its rounding is a point
-without a configuration or a singular one, and parts shorter than 1/4096 pass too near to one: the status is then `WRONG_BRANCH`.
-(Of an angle up to a right one with the chord $c$ the square is at most $c^2 + 0.117 c^4$: no angle is formed before a line has to
-be cut.) Slides without limits are looked at within two sizes of the machine about the reference; beyond them nothing is assured. Lines within
-a sixteenth or a quarter of the slides' ranges have bounds of their own, which are smaller.
-
-A discriminant that holds the root $r$ of another one, $D$, is $P + Q r$ with polynomials $P$ and $Q$; where $D \ge m$ on a part of the
-line, $r' = D' / (2 r)$ and $r'' = D'' / (2 r) - D'^2 / (4 r^3)$ give
-
-$$|(P + Q r)''| \le |P''| + |Q''| \, r + |Q'| \, |D'| \, m^{-1/2} + |Q| \, (\tfrac12 |D''| \, m^{-1/2} + \tfrac14 D'^2 \, m^{-3/2}),$$
-
-each by its amplitudes; $m$ is the bound of $D$ from below by its own $K$, $\min(g_0, g_1) - K / 4$.
-
-The amplitudes are those of exact trigonometric interpolation of $g$, compared with it at points of their own when the code was
-generated. Values of $g$ below 64 roundings of the sum of its amplitudes count as zero."""
-
-_LINE_SIDE = r"""A limb's dead centre leaves the direct problem regular, but a pose does not say on which side of it the limb stands: its sign is
-taken at the answer, and where it is not the reference's (but for an error of four square roots of the tolerance over the size),
-the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was given, and the next call can begin there. Last, the rows of the
-closure must vanish at the answer, to the tolerance and rounding; else the formulas have lost their digits (`SINGULAR`)."""
-
 _FORMULAS = r"""## Limbs in closed form
 
 Given the pose, the rows of these limbs are solved by formulas; of two values the one on the reference's side is taken, and
@@ -176,23 +135,6 @@ r = \sqrt{A^2 + B^2 - C^2}$$
 
 Two rows that are linear in $\cos t$ and $\sin t$ give both by Cramer's rule. Joint rates are the derivatives of the
 formulas, with $\mathrm{d} \sqrt{D} = \mathrm{d} D / (2 \sqrt{D})$; `jacobian` is `SINGULAR` where a root is a thousandth of its usual size."""
-
-
-def _guard_row(guard: Guard) -> str:
-    """A guard's line in the table: its bound of K over the widest ranges, and that of itself."""
-    last = guard.weights[-1]
-    parts = [(last.plain, ""), (last.by_root, r" m^{-1/2}"), (last.by_cube, r" m^{-3/2}")]
-    sums = [" + ".join(f"{v[i]:.3g}{factor}" for v, factor in parts if v[i] > 0) or "0" for i in range(len(last.plain))]
-    return f"| {guard.name} | {', '.join(f'${text}$' for text in sums)} | {guard.size:.3g} |"
-
-
-def _by_formulas(kind: LimbPlatform, found: DirectFormulas) -> list[str]:
-    """The sections on a direct problem that formulas solve: derivation, and what is proved of the line."""
-    steps = "\n".join(f"{k}. {step}." for k, step in enumerate(found.formulas.steps, start=1))
-    joints = ", ".join(f"`{c.name}`" for c in kind.actuated)
-    rows = [_guard_row(guard) for guard in found.guards]
-    table = "\n".join([f"| $g$ of | $W / 2$ for {joints} | sum of amplitudes |", "|---|---|---|", *rows])
-    return [_DIRECT_BY_FORMULAS, steps, _LINE, table, _LINE_SIDE]
 
 
 def _formulas(program: Program) -> list[str]:
@@ -223,7 +165,9 @@ def _branch(program: Program) -> str:
     """The section on which answer is OK, as far as it holds for the kernel."""
     kernel, kind = program.main.kernel, program.kind
     if isinstance(kind, LimbPlatform) and kind.direct_formulas is not None:
-        return "\n\n".join(_by_formulas(kind, kind.direct_formulas))
+        return "\n\n".join(
+            direct_by_formulas(kind, kind.direct_formulas, implied=kind.mechanism.motion != program.described.motion)
+        )
     if isinstance(kind, SerialArm) and kind.follows_closed_form:
         return _CLOSED_LINE
     pieces = _RULE.split("@@")
@@ -320,6 +264,8 @@ on every machine{_LIBM if program.main.operations.get("sin") else ""}. Source: {
 
 {"One evaluation of formulas for each part of the line" if is_closed(program.kind) else f"One step: {counts}"}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.length_unit}.
 
+{program.worst.chapter()}
+
 ## Equations
 
 {chapters}
@@ -330,5 +276,5 @@ on every machine{_LIBM if program.main.operations.get("sin") else ""}. Source: {
 {closure}
 ```
 
-Model SHA-256: `{mechanism.digest}`
+Model SHA-256: `{program.described.digest}`
 """

@@ -171,7 +171,8 @@ class Workspace:
         return self.tidied(Polynomial(terms))
 
     def without_repeats(self) -> None:
-        """Leave out rows that are multiples of others: of two, keep the later one where the first comes nearer to zero by half."""
+        """Leave out rows that are multiples of others: of two parts of a turned one, put that together; else keep the later one where the
+        first comes nearer to zero by half."""
         kept: list[Polynomial] = []
         for row in self.rows:
             if not self.ring.held(row):
@@ -179,6 +180,8 @@ class Workspace:
             alike = next((i for i, other in enumerate(kept) if self._repeats(row, other)), None)
             if alike is None:
                 kept.append(row)
+            elif (whole := self._put_together(row, kept[alike])) is not None:
+                kept[alike] = whole
             elif self._least(row) > 2.0 * self._least(kept[alike]):
                 kept[alike] = row
         self.rows = kept
@@ -189,6 +192,20 @@ class Workspace:
         return sorted(other.terms) == monomials and self.is_parallel(
             [row.terms[m] for m in monomials], [other.terms[m] for m in monomials]
         )
+
+    def _put_together(self, row: Polynomial, other: Polynomial) -> Polynomial | None:
+        """Of rows a F and b F with known a and b, of which a^2 + b^2 = c^2 is constant, and neither a nor b, the row c F, which is there
+        wherever F is; None where they are no such rows."""
+        held = [m for m in other.terms if m != self.ring.one]
+        monomial = held[int(np.argmax(np.max(np.abs(self.numbers([other.terms[m] for m in held])), axis=0)))]
+        a, b = row.terms[monomial], other.terms[monomial]
+        if a.is_constant() or b.is_constant() or self.multiple(a, b) is not None:
+            return None
+        (square,) = self.tidied(Polynomial({monomial: a * a + b * b})).terms.values()
+        if not square.is_constant():
+            return None
+        length = snap(float(np.sqrt(float(square))))
+        return self.tidied(row.times(a / length).plus(other, b / length))
 
     def _least(self, row: Polynomial) -> float:
         """The smallest length of a row's coefficients among the samples."""

@@ -2,7 +2,7 @@
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. @{first_try}.
  * Where the second step is longer than a quarter of the first (of a far one, a sixth), or a later one than three eighths of
- * the one before, the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
+ * the one before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
  * is proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
@@ -29,7 +29,6 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     @{quick_variable}
     bool kept = false; /* whether the factors are those of the part that is done */
     bool far = false; /* whether the first step is long beside the way to a singularity, as the least pivot tells it */
-    bool very_far = false; /* four times as long: the second and third step keep the factors, whose ratio judges it */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
@@ -70,18 +69,17 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             sign = turn;
 @{noise}
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or 1/6, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or 1/6, later 3/8, or 2/25 after new factors (README.md) */
         @{k}_solve(w);
         const @{real} before = size;
         size = @{k}_apply_step(@{ga}w);
         if (taken == 0U) {
             limit = longest2;
             far = (size * w->spread > @{size2});
-            very_far = (size * w->spread > @{sixteen} * @{size2});
         } else if (taken == 1U) {
             limit = (far ? @{far2} : @{contraction2}) * before;
         } else {
-            limit = @{later2} * before;
+            limit = (was_fresh ? @{later_fresh2} : @{later2}) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
@@ -100,8 +98,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2)) || @{still};
                 was_fresh = fresh;
-                fresh = (gain2 * error2 > tolerance2)
-                    && ((taken > 0U) ? !(very_far && (taken == 1U)) : ((gain2 < @{chord2}) && !very_far));
+                fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
                 ++taken;
             } else if ((taken == 0U) || ((size > @{still2})
                 && ((taken == 1U) || (far && (taken == 2U) && (size * @{sure} > before))))) {

@@ -1,0 +1,126 @@
+"""Write the C of the answer of a direct problem in closed form: residual, sides of the limbs, pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.c_emitter import Emitter, indent, indexed
+from symkin.codegen.closed_limb import LimbFormulas
+from symkin.codegen.direct_values import DirectValues
+from symkin.codegen.gathered import gathered
+from symkin.codegen.lifted import Generators, NotLiftedError, lifted
+from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.newton_source import tuning_of
+from symkin.computed_once import cached_property
+from symkin.text import c_comment
+
+
+@dataclass(frozen=True, eq=False)
+class AnswerText:
+    """How the answer of one platform is checked and written."""
+
+    values: DirectValues
+
+    @cached_property
+    def _answer(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Rows, sides of the limbs' choices and numbers of the pose, over u, y and the half turn."""
+        made, formulas = self.values.made, self.values.found.formulas
+        generators = dict(self.values.generators)
+        for c in made.closure.role("pose"):
+            if c.is_angular:
+                generators[c.name] = Generators((self.values.half[0], self.values.half[1]), is_half=True)
+        none = ca.SX(0, 1)
+        places = self.values.places(formulas.system)
+        try:
+            rows = lifted(formulas.system.rows, places, generators, none)
+        except NotLiftedError:
+            # these hold whole angles only
+            rows = lifted(formulas.system.errors, places, generators, none)
+        sides = [none]
+        for block in made.blocks:
+            if block.formulas is None:
+                continue
+            limb = LimbFormulas(made, block, block.formulas)
+            sides.append(lifted(block.formulas.sides(limb.signs), self.values.places(block.system), generators, none))
+        pose_symbols = [(made.closure.variables[made.closure.slices[c.name]], c.name) for c in made.closure.role("pose")]
+        pose = made.geometry.of(ca.vertcat(made.closure.pose.position, made.closure.pose.quaternion))
+        return self._distinct(rows), ca.vertcat(*sides), lifted(pose, pose_symbols, generators, none)
+
+    def _distinct(self, rows: ca.SX) -> ca.SX:
+        """Rows without those that equal another one."""
+        symbols = ca.vertcat(self.values.u, self.values.y, self.values.half)
+        function = ca.Function("rows", [symbols], [rows])
+        rng = np.random.default_rng(2)
+        values = np.array([np.asarray(function(rng.normal(size=int(symbols.shape[0])))).ravel() for _ in range(3)])
+        kept: list[int] = []
+        for k in range(values.shape[1]):
+            if not any(np.allclose(values[:, k], s * values[:, j], rtol=1e-9, atol=1e-9) for j in kept for s in (1, -1)):
+                kept.append(k)
+        return ca.vertcat(ca.SX(0, 1), *(rows[k] for k in kept))
+
+    @cached_property
+    def needed(self) -> set[int]:
+        """Places of `y` that the answer reads."""
+        function = ca.Function("answer", [self.values.y, self.values.u, self.values.half], [ca.vertcat(*self._answer)])
+        turns = {i for c in self.values.made.closure.role("pose") if c.is_angular for i in self.values.unknown_places[c.name]}
+        return turns | {
+            i
+            for i, reads in enumerate(
+                ca.which_depends(function(self.values.y, self.values.u, self.values.half), self.values.y, 1, False)
+            )
+            if reads
+        }
+
+    @property
+    def lines(self) -> dict[str, str]:
+        real, name = self.values.real, self.values.made.name.upper()
+        rows, sides, pose = self._answer
+        symbols = [self.values.u, self.values.y, self.values.half]
+        outputs = gathered([rows, sides, pose], symbols, self.values.turns)
+        function = ca.Function("answer", symbols, outputs, {"cse": True})
+        names = [indexed("w->u", self.values.count), indexed("w->y", int(self.values.y.shape[0])), indexed("h", 2)]
+        emitter = Emitter(function, names, real)
+        texts = [emitter.value(0, k) for k in range(int(rows.shape[0]))]
+        squares = " + ".join(f"{t} * {t}" for t in texts)
+        emitter.lines.append(f"*residual = {real.call('sqrt')}({squares});")
+        residual = list(emitter.lines)
+        tests, k = [], 0
+        for block in self.values.made.blocks:
+            if block.formulas is None:
+                continue
+            limb = LimbFormulas(self.values.made, block, block.formulas)
+            for root, what in zip(limb.usual_roots, block.formulas.names, strict=True):
+                near = -rounded(float(4.0 * np.sqrt(self._tolerance / block.system.characteristic_length) * root))
+                tests += [f"if (!({emitter.value(1, k)} >= {real.literal(near)})) {{ /* {c_comment(what)} */",
+                          f"    status = {name}_WRONG_BRANCH;", "}"]  # fmt: skip
+                k += 1
+        side = [*emitter.lines[len(residual) :], *tests]
+        begin = len(emitter.lines)
+        targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
+        values = [emitter.value(2, i) for i in range(7)]
+        stores = [*emitter.lines[begin:], *(f"{target} = {text};" for target, text in zip(targets, values, strict=True))]
+        return {"residual_lines": indent(residual), "side_lines": indent(side), "pose_lines": indent(stores, 2)}
+
+    @property
+    def half_lines(self) -> list[str]:
+        """Statements of cosine and sine of half the pose's turn, by the larger one."""
+        real = self.values.real
+        for c in self.values.made.closure.role("pose"):
+            if c.is_angular:
+                cosine, sine = (f"w->y[{i}]" for i in self.values.unknown_places[c.name])
+                half, zero, sqrt = real.literal(0.5), real.literal(0.0), real.call("sqrt")
+                return [
+                    f"{real.type} h[2];", "/* half the turn, by the larger of its cosine and sine */",
+                    f"const {real.type} larger = {sqrt}({half} + {half} * {real.call('fabs')}({cosine}));",
+                    f"const {real.type} lesser = {half} * {sine} / larger;",
+                    f"if ({cosine} >= {zero}) {{", "    h[0] = larger;", "    h[1] = lesser;", "} else {",
+                    f"    h[0] = {real.call('fabs')}(lesser);", f"    h[1] = (lesser < {zero}) ? -larger : larger;", "}",
+                ]  # fmt: skip
+        return []
+
+    @property
+    def _tolerance(self) -> float:
+        return tuning_of(self.values.made.direct_kernel, self.values.real, 1.0).tolerance

@@ -1,0 +1,89 @@
+"""Take a platform as one of a declared motion where its joints leave it that motion and formulas watch that they do.
+
+The wrenches by which limbs keep a platform in its motion, couples for a platform that stays level, must not lose rank along a line: there
+the platform could leave the motion, though no formula of the motion's own rows were singular. Their volumes, determinants of as many of
+them as there are freedoms to hold, are not all zero where a divisor of the formulas is a sum of multiples of their squares and is not
+zero; and divisors are guards of the line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.c_emitter import Real
+from symkin.codegen.direct_formulas import DirectFormulas
+from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.options import Options
+from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.model.mechanism import Mechanism
+from symkin.numeric.linear_algebra import null_space
+from symkin.numeric.tolerances import RANK_TOLERANCE
+from symkin.position.limb_screws import limb_screws
+from symkin.position.platform_motion import implied_motion
+
+CONFIGURATIONS = 20
+"""Configurations at which volumes are compared with divisors."""
+_MOST_SETS = 10
+"""Sets of limbs of which volumes are taken: fewer than configurations, so that a sum of their multiples says something."""
+_SAME = 1e-8
+"""Share by which a sum may miss a divisor, of numbers from configurations that close to rounding."""
+_AXES_ALONE = ("translation", "schoenflies", "planar")
+"""Motions whose twists are axes of the base, wherever the platform is."""
+
+
+def limb_platform(mechanism: Mechanism, options: Options, real: Real) -> LimbPlatform:
+    """The platform to write code for: of its implied motion where that is watched, else as described."""
+    described = LimbPlatform(mechanism, options, real)
+    if options.geometry == "struct":
+        return described
+    motion = implied_motion(mechanism)
+    if motion not in _AXES_ALONE:
+        return described
+    declared = LimbPlatform(replace(mechanism, motion=motion), options, real)
+    found = declared.direct_formulas
+    return declared if found is not None and keeps_motion(declared, found) else described
+
+
+def keeps_motion(made: LimbPlatform, found: DirectFormulas) -> bool:
+    """Whether the limbs hold the platform in its motion wherever no guard of its formulas is zero."""
+    samples = made.samples[:CONFIGURATIONS]
+    held = [c for c in range(6) if c not in COLUMNS[made.mechanism.motion]]
+    wrenches = [_holding(made, sample.values, held) for sample in samples]
+    counts = [len(w) for w in wrenches[0]]
+    if any([len(w) for w in other] != counts for other in wrenches):
+        return False
+    divisors = ca.Function("divisors", [found.formulas.system.known], [found.formulas.divisors])
+    numbers = np.array([np.asarray(divisors(sample.known)).ravel() for sample in samples]).reshape(len(samples), -1)
+    sets = _sets_of(counts, len(held))[:_MOST_SETS]
+    if not sets:
+        return False
+    squares = np.array([[np.linalg.det(np.vstack([w[i] for i in limbs])) ** 2 for limbs in sets] for w in wrenches])
+    # a sum that is one is never zero
+    told = np.hstack([np.ones((len(samples), 1)), numbers, numbers**2])
+    left = squares @ np.linalg.lstsq(squares, told, rcond=None)[0] - told
+    return bool(np.any(np.max(np.abs(left), axis=0) <= _SAME * np.max(np.abs(told), axis=0)))
+
+
+def _sets_of(counts: Sequence[int], whole: int) -> list[tuple[int, ...]]:
+    """Sets of limbs that hold so many freedoms together, each one by all its wrenches."""
+    bearing = [i for i, count in enumerate(counts) if count]
+    sets = [limbs for k in range(1, len(bearing) + 1) for limbs in combinations(bearing, k)]
+    return [limbs for limbs in sets if sum(counts[i] for i in limbs) == whole]
+
+
+def _holding(made: LimbPlatform, values: np.ndarray, held: Sequence[int]) -> list[np.ndarray]:
+    """Of each limb the wrenches that do no work on the motion, as orthonormal rows over the freedoms that they hold."""
+    found, size = [], made.closure.characteristic_length
+    free = [c for c in range(6) if c not in held]
+    scale = np.array([1.0, 1.0, 1.0, 1.0 / size, 1.0 / size, 1.0 / size])
+    for limb in limb_screws(made.closure, values):
+        scaled = limb.locked * scale
+        kept = null_space(scaled[:, free].T, RANK_TOLERANCE, relative=True) @ scaled
+        _, sizes, rows = np.linalg.svd(kept[:, held], full_matrices=False)
+        found.append(rows[sizes > RANK_TOLERANCE])
+    return found

@@ -1,0 +1,170 @@
+"""C of a platform whose joints imply a motion: solved as if that were declared, by formulas, and honest about its limbs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers import firmware_tools as tools
+from helpers.moved_points import three_upu
+from symkin.closure.closure import build_closure
+from symkin.codegen.c_emitter import Real
+from symkin.codegen.implied_platform import keeps_motion, limb_platform
+from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.limbwise import limbwise_form
+from symkin.codegen.options import Options
+from symkin.codegen.program import build_program
+from symkin.position.passive import fit_passive
+from symkin.position.problem import build_problem
+
+pytestmark = pytest.mark.slow
+
+LINK = 70.0
+"""Length (mm) of both links of each limb."""
+
+HOME = np.array([[0.0, 0.0, 100.0, 1.0, 0.0, 0.0, 0.0]])
+
+
+@pytest.fixture(scope="module")
+def links():
+    return symkin.load("zhao2000_links")
+
+
+@pytest.fixture(scope="module")
+def declared(links):
+    """The same with its motion declared, as it is generated."""
+    return limb_platform(links, Options("double"), Real("double", "x"))
+
+
+@pytest.fixture(scope="module")
+def asked(links):
+    tools.compiler("gcc")
+    return tools.bench_module("asked").Asked(links, Options("double"))
+
+
+def level_poses(count: int, seed: int = 3) -> np.ndarray:
+    """Poses (count, 7) about the reference, turned about the vertical."""
+    rng = np.random.default_rng(seed)
+    half = 0.5 * rng.uniform(-0.2, 0.2, count)
+    zeros = np.zeros(count)
+    position = np.array([0.0, 0.0, 100.0]) + rng.uniform(-8, 8, (count, 3))
+    return np.column_stack([position, np.cos(half), zeros, zeros, np.sin(half)])
+
+
+def test_the_code_is_of_the_implied_motion_and_the_model_that_of_the_file(links):
+    program = build_program(links, Options("float"))
+    assert (links.motion, program.kind.mechanism.motion) == ("spatial", "schoenflies")
+    assert isinstance(program.kind, LimbPlatform)
+    assert program.kind.direct_formulas is not None
+    assert links.digest in program.header
+    assert "_direct_newton(" not in program.source
+
+
+def test_direct_of_inverse_is_the_pose_and_closes_every_row(links, asked):
+    """Also the rows that the implied motion makes redundant, those of the platform's tilt."""
+    poses = level_poses(40)
+    status, joints = asked.back(poses)
+    assert not status.any()
+    found = asked.answers(joints, np.tile(HOME, (len(poses), 1)))
+    assert not found.status.any()
+    np.testing.assert_allclose(found.found, poses, atol=1e-8)
+    closure, problem = build_closure(links), build_problem(links, "direct")
+    for pose, q in zip(found.found[:6], joints, strict=False):
+        values = closure.reference.copy()
+        for c, value in zip(closure.role("actuated"), q, strict=True):
+            values[closure.slices[c.name]] = value
+        values[closure.slices["pose.x"].start :][:7] = pose
+        values = fit_passive(links, values)
+        known = problem.select_values(values, problem.known_coordinates)
+        assert problem.system.residual(problem.select_values(values, problem.system.unknowns), known) < 1e-6
+
+
+def test_a_tilted_guess_is_refused(asked):
+    tilted = np.array([[0.0, 0.0, 100.0, np.cos(0.05), np.sin(0.05), 0.0, 0.0]])
+    _, joints = asked.back(level_poses(1))
+    assert asked.answers(joints, tilted).status[0] == tools.bench_module("asked").STATUSES.index("OUT_OF_RANGE")
+
+
+def test_lines_on_which_a_limb_is_stretched_are_refused(declared, asked):
+    """Where a limb's ends are further apart than its links: by the planes and the rod alone, which know nothing of reach, in many
+    points of the line; also where both ends of the line are within reach."""
+    twin = symkin.load("zhao2000")
+    platform = LimbPlatform(twin, Options("double"), Real("double", "x"))
+    form = platform.direct_formulas.formulas
+    rng, home = np.random.default_rng(8), HOME
+    status, begin = asked.back(home)
+    assert not status.any()
+    goals = begin + rng.uniform(-1, 1, (5000, 4)) * [0.9, 0.9, 0.9, 60.0]
+    answers = asked.answers(goals, np.tile(home, (len(goals), 1)))
+    problem = platform.direct
+    start = problem.select_values(platform.home_values, problem.system.unknowns)
+    known = problem.select_values(platform.home_values, problem.known_coordinates)
+    signs = form.signs_at(start, known)
+    names = [c.name for c in form.system.unknowns]
+    number = form.choices.tolist().index(signs.tolist())
+    least, at_end = np.full(len(goals), np.inf), np.zeros(len(goals))
+    for part in np.linspace(0.0, 1.0, 61):
+        at = begin + part * (goals - begin)
+        found = form.solutions(at)
+        values = np.where(found.real[:, number, None], found.values[:, number], np.nan)
+        reached = np.array(
+            [values[:, names.index(f"radial{k}")] ** 2 + values[:, names.index(f"height{k}")] ** 2 for k in (1, 2, 3)]
+        )
+        slack = 4 * LINK**2 - np.max(reached, axis=0)
+        least = np.minimum(least, np.where(np.isfinite(slack), slack, -np.inf))
+        at_end = slack
+    within = least > 1.0
+    stretched = (least < -1.0) & np.isfinite(least) & (at_end > 1.0)
+    assert within.sum() > 300
+    assert stretched.any()
+    assert np.sum((least < -1.0) & np.isfinite(least)) > 100
+    assert np.mean(answers.status[within] == 0) > 0.9
+    assert not np.any(answers.status[least < -1.0] == 0)
+    assert declared.mechanism.motion == twin.motion
+
+
+def test_lines_on_which_the_couples_lose_rank_are_refused(asked):
+    """Half way all three limbs stand in parallel planes, so that their couples are one."""
+    home = HOME
+    _, begin = asked.back(home)
+    middle = np.array([np.pi / 2, 3 * np.pi / 2, 3 * np.pi / 2, begin[0, 3]])
+    for beyond in (1.2, 1.6, 2.0):
+        goal = begin + beyond * (middle - begin)
+        assert asked.answers(goal, home).status[0] != 0
+
+
+def test_couples_that_no_divisor_watches_leave_the_motion_as_described():
+    """The couples of a 3-UPU lose rank where its spheres do not: its motion is not taken."""
+    made = limb_platform(three_upu(), Options("double"), Real("double", "x"))
+    assert made.mechanism.motion == "spatial"
+
+
+def test_volumes_are_compared_with_divisors(declared):
+    """The couples of the three limbs are watched; without the divisors they are not."""
+    found = declared.direct_formulas
+    assert keeps_motion(declared, found)
+    form = replace(found.formulas, divisors=found.formulas.divisors[:0])
+    assert not keeps_motion(declared, replace(found, whole=replace(found.whole, form=form)))
+
+
+def test_a_struct_of_geometry_keeps_the_described_motion(links):
+    made = limb_platform(links, Options("double", geometry="struct"), Real("double", "x"))
+    assert made.mechanism.motion == "spatial"
+
+
+def test_formulas_limb_by_limb_hold_in_every_direction_of_a_limb(declared):
+    """No plane of a limb is special, as one along an axis would be if rows were divided by a cosine."""
+    samples, limbs = declared.samples, [block.system for block in declared._closure_blocks]
+    whole = limbwise_form(declared.direct, limbs, samples)
+    assert whole is not None
+    assert [reach.name for reach in whole.reaches] == ["elbow1", "elbow2", "elbow3"]
+    home = declared.direct.reference_known
+    for angle in (0.0, 0.5 * np.pi, np.pi):
+        turned = home.copy()
+        turned[0] = angle
+        if angle == 0.5 * np.pi:
+            assert whole.form.closes(turned[None])
+        assert np.isfinite(whole.form.discriminants_at(turned[None], np.ones(5))).all()
