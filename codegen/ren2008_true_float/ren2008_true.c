@@ -1357,6 +1357,173 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose,
     return status;
 }
 
+
+/* Whether all coefficients are at least 0: the polynomial is, then. */
+static bool ren2008_true_all_above(const ren2008_true_real c[7])
+{
+    bool above = true;
+    for (int i = 0; i < 7; ++i) {
+        above = above && (c[i] >= 0.0f);
+    }
+    return above;
+}
+
+/* Whether a polynomial of degree 6 stays at or above 0 from 0 to 1, by its Bernstein coefficients
+ * there: it lies between the least and the largest of them. Parts are cut off the beginning while
+ * that does not decide. */
+static ren2008_true_status ren2008_true_stays_above(ren2008_true_real c[7], unsigned int most,
+    unsigned int *count)
+{
+    ren2008_true_status status = ((c[0] >= 0.0f) && (c[6] >= 0.0f))
+        ? REN2008_TRUE_OK : REN2008_TRUE_OUT_OF_RANGE;
+    ren2008_true_real part = 0.5f;
+    bool above = ren2008_true_all_above(c);
+    while ((*count < most) && (status == REN2008_TRUE_OK) && !above) {
+        ren2008_true_real left[7];
+        ren2008_true_real right[7];
+        ++*count;
+        for (int i = 0; i < 7; ++i) {
+            right[i] = c[i];
+        }
+        /* de Casteljau */
+        for (int k = 0; k < 7; ++k) {
+            left[k] = right[0];
+            for (int i = 0; i < 6 - k; ++i) {
+                right[i] += part * (right[i + 1] - right[i]);
+            }
+        }
+        if (right[0] < 0.0f) {
+            status = REN2008_TRUE_OUT_OF_RANGE;
+        } else if (ren2008_true_all_above(left)) {
+            for (int i = 0; i < 7; ++i) {
+                c[i] = right[i];
+            }
+            part = 0.5f;
+            above = ren2008_true_all_above(c);
+        } else {
+            part *= 0.5f;
+            if (part < 0.0009765625f) {
+                status = REN2008_TRUE_OUT_OF_RANGE;
+            }
+        }
+    }
+    if ((status == REN2008_TRUE_OK) && !above) {
+        status = REN2008_TRUE_MAX_ITERATIONS;
+    }
+    return status;
+}
+
+/* Adds the square of a cubic, by its Bernstein coefficients, times a factor. */
+static void ren2008_true_add_square(const ren2008_true_real b[4], ren2008_true_real factor,
+    ren2008_true_real c[7])
+{
+    c[0] += factor * (b[0] * b[0]);
+    c[1] += factor * (b[0] * b[1]);
+    c[2] += factor * (0.4f * (b[0] * b[2]) + 0.6f * (b[1] * b[1]));
+    c[3] += factor * (0.1f * (b[0] * b[3]) + 0.9f * (b[1] * b[2]));
+    c[4] += factor * (0.4f * (b[1] * b[3]) + 0.6f * (b[2] * b[2]));
+    c[5] += factor * (b[2] * b[3]);
+    c[6] += factor * (b[3] * b[3]);
+}
+
+/* Joint limits along the line of poses. With the quaternion q0 + t (q1 - q0), whose squared length
+ * is n, the vector n d of a rod is a cubic in t, by its values at both ends and at the middle pose,
+ * and n^2 (|d|^2 - L^2) is of degree 6. */
+ren2008_true_status ren2008_true_line(const ren2008_true_config *config,
+    const ren2008_true_pose *from, const ren2008_true_pose *to, ren2008_true_info *info)
+{
+    static const ren2008_true_real low[6] = { -1.6174699e-06f, -1.6174699e-06f, -1.6174699e-06f,
+        -1.6174699e-06f, -1.6174699e-06f, -1.6174699e-06f };
+    static const ren2008_true_real high[6] = { 0.5500016f, 0.5500016f, 0.5500016f, 0.5500016f,
+        0.5500016f, 0.5500016f };
+    const unsigned int most = (config != NULL) ? (unsigned int)config->max_iterations
+        : REN2008_TRUE_MAX_STEPS;
+    const ren2008_true_real third = 0.33333334f;
+    ren2008_true_direct_work w;
+    ren2008_true_real ends[2][7];
+    ren2008_true_real rods[3][18]; /* at the beginning, in the middle and at the end */
+    ren2008_true_real offset[6];
+    uint8_t joint = 6U;
+    unsigned int count = 1U;
+    const ren2008_true_status last = ren2008_true_normalise_pose(to, ends[1]);
+    ren2008_true_status status = ren2008_true_normalise_pose(from, ends[0]);
+    status = ((status == REN2008_TRUE_OK) || (last == REN2008_TRUE_NONFINITE)) ? last : status;
+    if (config != NULL) {
+        status = ren2008_true_check_config(config, status);
+    }
+    if ((status == REN2008_TRUE_OK) && (most == 0U)) {
+        status = REN2008_TRUE_MAX_ITERATIONS;
+        count = 0U;
+    }
+    for (int e = 0; (e < 2) && (status == REN2008_TRUE_OK); ++e) {
+        for (int i = 0; i < 7; ++i) {
+            w.x[i] = ends[e][i];
+        }
+        ren2008_true_rod_values(&w);
+        status = ren2008_true_check_limits(w.k);
+        joint = ren2008_true_first_beyond(w.k);
+        for (int i = 0; i < 18; ++i) {
+            rods[2 * e][i] = w.d[i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            const ren2008_true_real *const d = &w.d[3 * i];
+            offset[i] = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - w.k[i];
+        }
+    }
+    if (status == REN2008_TRUE_OK) {
+        const ren2008_true_real *const a = &ends[0][3];
+        const ren2008_true_real *const b = &ends[1][3];
+        const ren2008_true_real product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        /* of q and -q, one rotation, the one that is nearer */
+        const ren2008_true_real side = (product < 0.0f) ? -1.0f : 1.0f;
+        const ren2008_true_real cosine = (side * product < 1.0f) ? (side * product) : 1.0f;
+        const ren2008_true_real both = 2.0f * (1.0f + cosine);
+        const ren2008_true_real inverse = 1.0f / sqrtf(both);
+        const ren2008_true_real square[4] = { 1.0f, third * (1.0f + 2.0f * cosine),
+            third * (1.0f + 2.0f * cosine), 1.0f };
+        for (int i = 0; i < 3; ++i) {
+            w.x[i] = 0.5f * (ends[0][i] + ends[1][i]);
+        }
+        for (int i = 0; i < 4; ++i) {
+            w.x[3 + i] = inverse * (a[i] + side * b[i]);
+        }
+        ren2008_true_direct_rows(&w);
+        for (int i = 0; i < 18; ++i) {
+            rods[1][i] = w.d[i];
+        }
+        for (int i = 0; (i < 6) && (status == REN2008_TRUE_OK); ++i) {
+            const ren2008_true_real least = low[i] + offset[i];
+            const ren2008_true_real longest = high[i] + offset[i];
+            ren2008_true_real above[7] = { 0.0f };
+            ren2008_true_real below[7] = { 0.0f };
+            for (int k = 0; k < 3; ++k) {
+                const ren2008_true_real first = rods[0][3 * i + k];
+                const ren2008_true_real middle = both * rods[1][3 * i + k];
+                const ren2008_true_real end = rods[2][3 * i + k];
+                const ren2008_true_real way = (1.0f - cosine) * (ends[1][k] - ends[0][k]);
+                const ren2008_true_real cubic[4] = { first, third * (middle - end + way),
+                    third * (middle - first - way), end };
+                ren2008_true_add_square(cubic, 1.0f, above);
+            }
+            for (int k = 0; k < 7; ++k) {
+                below[k] = -above[k];
+            }
+            ren2008_true_add_square(square, -(least * fabsf(least)), above);
+            ren2008_true_add_square(square, longest * fabsf(longest), below);
+            status = ren2008_true_stays_above(above, most, &count);
+            if (status == REN2008_TRUE_OK) {
+                status = ren2008_true_stays_above(below, most, &count);
+            }
+            joint = (status == REN2008_TRUE_OUT_OF_RANGE) ? (uint8_t)i : joint;
+        }
+    }
+    ren2008_true_write_info(info, count, (status == REN2008_TRUE_OK) ? 0.0f : HUGE_VALF, 0.0f,
+        0.0f);
+    if (info != NULL) {
+        info->joint = joint;
+    }
+    return status;
+}
 /* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
  * overflow. */
 static ren2008_true_status ren2008_true_check_speeds(const ren2008_true_real speeds[], int count,

@@ -529,6 +529,186 @@ scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real gues
     return status;
 }
 
+/* Whether a joint may come to a limit from which it is `spare` away at the nearer of two points
+ * (over the size of a slide), by a way that is no longer than the root of twice way2. */
+static bool scara_may_reach(scara_real spare, scara_real way2)
+{
+    return 4.0f * spare * spare < way2;
+}
+
+/* Whether a function keeps its sign between two points: it bends away from its chord by no more
+ * than the second derivative allows. */
+static bool scara_keeps_sign(scara_real a, scara_real b, scara_real bend)
+{
+    const scara_real first = fabsf(a);
+    const scara_real second = fabsf(b);
+    const scara_real lesser = (first < second) ? first : second;
+    return ((a > 0.0f) == (b > 0.0f)) && (bend < 2.0f * (first + second) + 4.0f * lesser);
+}
+
+/* Of each limit a function that is zero where a solution of the joint's step has that value, and
+ * one that is negative where it is the other solution (README.md). */
+static void scara_limit_values(const scara_real joints[4], scara_real at[12])
+{
+    scara_real u[8];
+    scara_real x[7];
+    scara_half_turns(joints, u);
+    scara_pose_of_turns(u, x);
+    const scara_real t0 = 350.0f * u[2];
+    const scara_real t1 = u[2] * t0;
+    const scara_real t2 = t1 + 50.0f;
+    const scara_real t3 = x[5] * x[6];
+    const scara_real t4 = x[3] * x[4];
+    const scara_real t5 = t3 - t4;
+    const scara_real t6 = t5 + t5;
+    const scara_real t7 = t6 * u[6];
+    const scara_real t8 = x[1] - t7;
+    const scara_real t9 = t2 * t8;
+    const scara_real t10 = u[3] + u[3];
+    const scara_real t11 = u[2] * t10;
+    const scara_real t12 = 175.0f * t11;
+    const scara_real t13 = x[4] * x[6];
+    const scara_real t14 = x[3] * x[5];
+    const scara_real t15 = t13 + t14;
+    const scara_real t16 = t15 + t15;
+    const scara_real t17 = t16 * u[6];
+    const scara_real t18 = x[0] - t17;
+    const scara_real t19 = t12 * t18;
+    const scara_real t20 = t9 - t19;
+    const scara_real t21 = -0.66913134f * t20;
+    const scara_real t22 = t2 * t18;
+    const scara_real t23 = t12 * t8;
+    const scara_real t24 = t22 + t23;
+    const scara_real t25 = -0.7431442f * t24;
+    const scara_real t26 = t21 - t25;
+    const scara_real t27 = t26 * 6.25e-06f;
+    const scara_real t28 = -0.66913134f * t24;
+    const scara_real t29 = -0.7431442f * t20;
+    const scara_real t30 = t28 + t29;
+    const scara_real t31 = t30 * 6.25e-06f;
+    const scara_real t32 = 0.7431442f * t24;
+    const scara_real t33 = t21 - t32;
+    const scara_real t34 = t33 * 6.25e-06f;
+    const scara_real t35 = 0.7431442f * t20;
+    const scara_real t36 = t28 + t35;
+    const scara_real t37 = t36 * 6.25e-06f;
+    const scara_real t38 = t18 * t18;
+    const scara_real t39 = t8 * t8;
+    const scara_real t40 = t38 + t39;
+    const scara_real t41 = x[5] * x[5];
+    const scara_real t42 = x[4] * x[4];
+    const scara_real t43 = t41 + t42;
+    const scara_real t44 = t43 + t43;
+    const scara_real t45 = 1.0f - t44;
+    const scara_real t46 = t45 * u[6];
+    const scara_real t47 = x[2] - t46;
+    const scara_real t48 = t47 * t47;
+    const scara_real t49 = t40 + t48;
+    const scara_real t50 = t49 - 81250.0f;
+    const scara_real t51 = 0.5f * t50;
+    const scara_real t52 = -30600.146f - t51;
+    const scara_real t53 = t52 * 6.25e-06f;
+    const scara_real t54 = t13 - t14;
+    const scara_real t55 = -800.0f * t54;
+    const scara_real t56 = t55 + x[2];
+    const scara_real t57 = -150.00038f - t56;
+    const scara_real t58 = t57 * 0.0025f;
+    const scara_real t59 = 0.00038146973f - t56;
+    const scara_real t60 = t59 * 0.0025f;
+    const scara_real t61 = 39375.0f * t11;
+    at[0] = t27;
+    at[1] = t31;
+    at[2] = t34;
+    at[3] = t37;
+    at[4] = t53;
+    at[5] = ((t61 < 0.0f) ? -1.0f : 1.0f) * -0.15487163f;
+    at[6] = t53;
+    at[7] = ((t61 < 0.0f) ? -1.0f : 1.0f) * 0.15487163f;
+    at[8] = t58;
+    at[9] = 1.0f;
+    at[10] = t60;
+    at[11] = 1.0f;
+}
+
+/* The first joint, from 0, that is not proved to keep its limits between two points a and b of the
+ * line; the number of joints where all are. */
+static uint8_t scara_first_leaving(const scara_real a[4], const scara_real b[4], scara_real place,
+    scara_real turn, const scara_real moved[4], scara_real way2)
+{
+    static const scara_real low[4] = { -2.3038356f, -2.460915f, -1000.0f, -150.00038f };
+    static const scara_real high[4] = { 2.3038356f, 2.460915f, 1000.0f, 0.00038146973f };
+    static const scara_real per_length[4] = { 1.0f, 1.0f, 1.0f, 0.0025f };
+    static const bool limited[4] = { true, true, false, true };
+    scara_real below[4] = { 0.0f };
+    scara_real above[4] = { 0.0f };
+    bool near = false;
+    uint8_t joint = 4U;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    for (int i = 3; i >= 0; --i) {
+        if (limited[i]) {
+            const bool rises = (a[i] < b[i]);
+            below[i] = ((rises ? a[i] : b[i]) - low[i]) * per_length[i];
+            above[i] = (high[i] - (rises ? b[i] : a[i])) * per_length[i];
+            const scara_real spare = (below[i] < above[i]) ? below[i] : above[i];
+            near = near || scara_may_reach(spare, way2);
+            joint = (spare < 0.0f) ? (uint8_t)i : joint;
+        }
+    }
+    if (near && (joint == 4U)) {
+        scara_real at_a[12];
+        scara_real at_b[12];
+        scara_limit_values(a, at_a);
+        scara_limit_values(b, at_b);
+        /* shoulder, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[0], way2)
+    && !scara_keeps_sign(at_a[0], at_b[0], 1.09f * place + 4.74f * turn + 3.17f * moved[1]
+        + 2.5f * moved[3])
+    && !((at_a[1] < 0.0f) && scara_keeps_sign(at_a[1], at_b[1],
+        1.09f * place + 4.74f * turn + 3.22f * moved[1] + 2.5f * moved[3]))) {
+            joint = 0U;
+        }
+        /* shoulder, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[0], way2)
+    && !scara_keeps_sign(at_a[2], at_b[2], 1.09f * place + 4.74f * turn + 3.19f * moved[1]
+        + 2.5f * moved[3])
+    && !((at_a[3] < 0.0f) && scara_keeps_sign(at_a[3], at_b[3],
+        1.09f * place + 4.74f * turn + 3.04f * moved[1] + 2.5f * moved[3]))) {
+            joint = 0U;
+        }
+        /* elbow, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[1], way2)
+    && !scara_keeps_sign(at_a[4], at_b[4], 4.97f * place + 5.4f * turn + 5.0f * moved[3])
+    && !((at_a[5] < 0.0f) && scara_keeps_sign(at_a[5], at_b[5], 0.0f))) {
+            joint = 1U;
+        }
+        /* elbow, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[1], way2)
+    && !scara_keeps_sign(at_a[6], at_b[6], 4.97f * place + 5.4f * turn + 5.0f * moved[3])
+    && !((at_a[7] < 0.0f) && scara_keeps_sign(at_a[7], at_b[7], 0.0f))) {
+            joint = 1U;
+        }
+        /* slide, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[3], way2)
+    && !scara_keeps_sign(at_a[8], at_b[8], 1.25f * turn)) {
+            joint = 3U;
+        }
+        /* slide, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[3], way2)
+    && !scara_keeps_sign(at_a[10], at_b[10], 1.25f * turn)) {
+            joint = 3U;
+        }
+    }
+    return joint;
+}
+
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7],
@@ -663,6 +843,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     scara_real way2 = 0.0f;
     scara_real least = 1.0f;
     unsigned int count = 0U;
+    uint8_t blamed = scara_first_beyond(joints); /* the joint that leaves its limits */
     const unsigned int wanted = scara_read_joints(joints, at, left);
     /* of q and -q, one rotation, the one on the guess's side */
     const scara_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
@@ -677,6 +858,9 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
         if (!(left[k] > 1.5258789e-05f)) {
             status = SCARA_SINGULAR;
         }
+    }
+    if (blamed < 4U) {
+        status = SCARA_OUT_OF_RANGE;
     }
     while ((status == SCARA_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
         const scara_real end = (done + part < 0.999f) ? (done + part) : 1.0f;
@@ -712,7 +896,15 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             }
             const scara_real share = scara_line_share(left, margin, part * part * place2,
                 part * part * turn2, moved);
-            if ((way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f)) {
+            const bool follows = (way2 <= most2) && (way2 <= 2.25f) && (share < 1.0f);
+            if (follows) {
+                blamed = scara_first_leaving(joints, found[0], part * part * place2,
+                    part * part * turn2, moved, way2);
+                if ((blamed < 4U) && (scara_first_beyond(found[0]) < 4U)) {
+                    status = SCARA_OUT_OF_RANGE;
+                }
+            }
+            if (follows && (blamed == 4U)) {
                 for (int i = 0; i < 4; ++i) {
                     joints[i] = found[0][i];
                 }
@@ -727,7 +919,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             } else {
                 part *= (share < 4.0f) ? 0.5f : 0.25f;
                 if (part < 0.00024414062f) {
-                    status = SCARA_WRONG_BRANCH;
+                    status = (blamed < 4U) ? SCARA_OUT_OF_RANGE : SCARA_WRONG_BRANCH;
                 }
             }
         }
@@ -737,6 +929,9 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     }
     scara_write_info(info, count, (status == SCARA_OK) ? 0.0016212463f : HUGE_VALF,
         way2 * 160000.0f, (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
+    if ((info != NULL) && (status == SCARA_OUT_OF_RANGE)) {
+        info->joint = blamed;
+    }
     return status;
 }
 

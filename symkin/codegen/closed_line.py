@@ -1,14 +1,15 @@
 """Write the C that follows an arm's closed form along the line of tool poses from a guess's to the given one.
 
-Each step of the closed form decides its joints by a function g that vanishes only where the step decides nothing or two solutions
-meet: |g| is a root of the step's discriminant or strength. As functions of the joint values these g have bounded derivatives. On
-a line that meets such a point between two regular ones the joints come from one side and leave on the other, or the step's
-discriminant bends down to zero and back while the joints of the steps before move: either takes a way of joints of at least
-(|g_a| + |g_b|) / L. Parts between points of the line whose joints are nearer than that are kept.
+Each step of the closed form decides its joints while a square D stays above zero: the step's discriminant, or the square of the length
+that is carried, as a function of the tool's pose and the joints before. Between two points a, b of the line D stays above zero where its
+second derivative is below 2 (D_a + D_b) + 4 min(D_a, D_b). That derivative is bounded by weights times the squares of the changes of place,
+turn and joints between the two points: sampled at random configurations, raised, and doubled for speeds that change on the way. Parts
+of the line for which this holds are kept, others are cut. Limits of joints are functions of the same kind (`closed_limits`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -18,7 +19,7 @@ from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.plan import Plan
 from symkin.closed.steps import Carry, Step
 from symkin.codegen.arm_motion import ArmMotion
-from symkin.codegen.c_emitter import Real, indent
+from symkin.codegen.c_emitter import Emitter, Real, indent
 from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.newton_kernel import rounded
@@ -39,6 +40,14 @@ _ROOM = 1.25
 """By which the largest sampled derivative is raised."""
 _LEAST = 256.0
 """Squares below so many roundings decide nothing."""
+
+
+@dataclass(frozen=True)
+class LimitCheck:
+    """How the line asks whether joints keep their limits: values of names in its template, and the functions that these call."""
+
+    names: dict[str, str]
+    text: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +75,7 @@ class ClosedLine:
     @cached_property
     def _guards(self) -> ca.SX:
         """Of the guarded steps g, where they have two solutions, else g^2; by the half turns and the pose that they lead to."""
-        pose = self._x
-        at = replace(Evaluation(self.plan.arm, pose[:3], pose[3:]), motions=self.motion.motions)
-        found = []
+        at, found = self.evaluated(), []
         for i in self.code.guarded:
             step = self.plan.steps[i]
             if step.branch is not None:
@@ -90,8 +97,14 @@ class ClosedLine:
 
     @cached_property
     def bends(self) -> np.ndarray:
-        """Bounds (guards, 2 + joints) of the squares g^2: |d^2 g^2 / ds^2| is at most the sum of these times the squares of the rates
-        of the tool's place (over the size) and turn, and of the joints that the step reads (angles; slides over the size). Sampled."""
+        """Bounds (guards, 2 + joints) of the squares g^2."""
+        steps = [self.plan.steps[i] for i in self.code.guarded]
+        return self.bounds(lambda at: [self._square(at, step) for step in steps])
+
+    def bounds(self, functions: Callable[[Evaluation], Sequence[ca.SX]]) -> np.ndarray:
+        """Bounds (functions, 2 + joints) of functions D of the tool's pose and of joints: |d^2 D / ds^2| is at most the sum of these times the
+        squares of the rates of the tool's place (over the size) and turn, and of the joints that D reads (angles; slides over the
+        size). Sampled."""
         screws, size = self.plan.arm.screws, self.plan.arm.size
         n = len(screws)
         q, moved = ca.SX.sym("q", n), ca.SX.sym("d", 6 + n)
@@ -103,24 +116,30 @@ class ClosedLine:
         values = [size * (q[i] + moved[6 + i]) if s.slides else q[i] + moved[6 + i] for i, s in enumerate(screws)]
         motions = {i: Motion(v) if screws[i].slides else Motion(v, ca.cos(v), ca.sin(v)) for i, v in enumerate(values)}
         at = replace(Evaluation(self.plan.arm, pose[:3] + size * moved[:3], turned), motions=motions)
-        bounds = []
+        found = []
         rng = np.random.default_rng(11)
         samples = rng.uniform(-1, 1, (_SAMPLES, n)) * np.array([1.0 if s.slides else np.pi for s in screws])
-        for i in self.code.guarded:
-            step = self.plan.steps[i]
-            square = self._square(at, step)
-            hessian = ca.substitute(ca.hessian(square, moved)[0], moved, ca.DM.zeros(6 + n))
-            found = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(samples.T)
-            matrices = np.asarray(found).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
-            bounds.append(_ROOM * _block_sums(matrices))
-        return np.array(bounds).reshape(-1, 2 + n)
+        for function in functions(at):
+            hessian = ca.substitute(ca.hessian(function, moved)[0], moved, ca.DM.zeros(6 + n))
+            values_there = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(samples.T)
+            matrices = np.asarray(values_there).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
+            found.append(_ROOM * _block_sums(matrices))
+        return np.array(found).reshape(-1, 2 + n)
+
+    def evaluated(self) -> Evaluation:
+        """The arm at the half turns and the pose that they lead to."""
+        return replace(Evaluation(self.plan.arm, self._x[:3], self._x[3:]), motions=self.motion.motions)
+
+    def emitter(self, expressions: ca.SX) -> Emitter:
+        """Emitter of functions of the half turns `u` and of the pose `x` that they lead to."""
+        return self.motion.emitter(expressions, self._x)
 
     # --- text ------------------------------------------------------------------------------------------------------------
 
     @property
     def _read_lines(self) -> list[str]:
         """Statements that set margins and bits."""
-        emitter, number, zero = self.motion.emitter(self._guards, self._x), 0, self.real.literal(0.0)
+        emitter, number, zero = self.emitter(self._guards), 0, self.real.literal(0.0)
         choices = [i for i, step in enumerate(self.plan.steps) if step.branch is not None]
         for k, i in enumerate(self.code.guarded):
             emitter.comment(self.plan.steps[i].reason)
@@ -136,14 +155,9 @@ class ClosedLine:
         """Statements that say whether each square stays above zero: `place` and `turn` are squares of the tool's way."""
         lines = []
         for k, (row, i) in enumerate(zip(WAY * self.bends, self.code.guarded, strict=True)):
-            squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
-            terms = [
-                f"{self.real.literal(rounded(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING
-            ]
-            sum_of = " + ".join(terms) or self.real.literal(0.0)
             lines += [
                 f"/* {self.plan.steps[i].reason} */",
-                f"const {self.real.type} bend{k} = {sum_of};",
+                f"const {self.real.type} bend{k} = {self.sum_of(row)};",
                 f"const {self.real.type} lesser{k} = (a[{k}] < b[{k}]) ? a[{k}] : b[{k}];",
                 f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] + b[{k}]) + {self.real.literal(4.0)} * lesser{k});",
                 f"largest = (share{k} > largest) ? share{k} : largest;",
@@ -151,17 +165,31 @@ class ClosedLine:
         return lines
 
     @property
-    def text(self) -> str:
+    def per_lengths(self) -> str:
+        """What makes joint values numbers of the order of one, joint by joint."""
+        return ", ".join(self.real.literal(1.0 / self.plan.arm.size if s.slides else 1.0) for s in self.plan.arm.screws)
+
+    @property
+    def longest2(self) -> str:
+        """The square of the longest way of a part."""
+        return self.real.literal(_LONGEST**2)
+
+    def sum_of(self, row: np.ndarray) -> str:
+        """C text of weights times the squares of the ways."""
+        squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
+        terms = [f"{self.real.literal(rounded(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING]
+        return " + ".join(terms) or self.real.literal(0.0)
+
+    def text(self, limits: LimitCheck) -> str:
         """The functions, which need those of the closed form."""
         literal, size = self.real.literal, self.plan.arm.size
         names = self.code.names | {
             "turns": 2 * len(self.plan.arm), "read": indent(self._read_lines),
-            "bends": indent(self._bend_lines), "longest2": literal(_LONGEST**2),
-            "per_lengths": ", ".join(literal(1.0 / size if s.slides else 1.0) for s in self.plan.arm.screws),
+            "bends": indent(self._bend_lines), "longest2": self.longest2, "per_lengths": self.per_lengths,
             "per_size2": literal(size**-2), "size2": literal(size**2), "least": literal(_LEAST * self.real.epsilon),
             "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "answer_rounding": literal(self.rounding), "huge": self.code.values["huge"],
         }  # fmt: skip
-        return fill("closed_line.c", names)
+        return limits.text + fill("closed_line.c", names | limits.names)
 
 
 def _block_sums(matrices: np.ndarray) -> np.ndarray:

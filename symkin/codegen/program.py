@@ -87,6 +87,7 @@ def build_program(mechanism: Mechanism, options: Options, measured: Mapping[str,
         values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
     else:
         values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
+    values["line"] = fill("platform_line.h", values) if isinstance(kind, RodPlatform) and kind.has_limits else ""
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
         described=mechanism,

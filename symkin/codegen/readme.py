@@ -168,6 +168,8 @@ def _branch(program: Program) -> str:
         return "\n\n".join(
             direct_by_formulas(kind, kind.direct_formulas, implied=kind.mechanism.motion != program.described.motion)
         )
+    if isinstance(kind, SerialArm) and kind.follows_closed_form:
+        return _CLOSED_LINE
     pieces = _RULE.split("@@")
     rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + _dead_centres(program) + pieces[2]
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
@@ -203,7 +205,9 @@ $\Delta$ the changes of place, turn and joints between them; the factor 2 on the
 measured, not proved:** the whole line is tried, and cut where this does not hold, at most down to 1/4096, and within the iterations that
 the config allows. Angles go on from part to part by less than 1.5 rad, so that whole turns are told. A point without the branch is
 `WRONG_BRANCH`, the goal without it `OUT_OF_RANGE`, and `SINGULAR` where $D$ is within 256 roundings of 0. `codegen/bench/arm_lines.c` follows lines that are OK
-in thousands of points. `info->iterations` counts points of the line, `info->min_pivot` is the least
+in thousands of points. Where joints have limits, a joint is at its limit $l$ where the equation of its step holds for $l$: the value of that equation
+there is a function like $D$, and must keep its sign by the same bound; where the step's other solution is at $l$, its branch tells. A line on which
+a joint leaves its limits is `OUT_OF_RANGE`. `info->iterations` counts points of the line, `info->min_pivot` is the least
 $\sqrt{D}$ at the answer, and `info->residual` the bound that rounding leaves to the answer's pose."""
 _NEARLY_CLOSED = """The axes of this arm are only nearly as the steps ask. They give the joints of the ideal arm, and a few steps of Newton's
 method, which must end within the tolerance, those of this one: near a double root of the steps solutions may be missing."""

@@ -39,6 +39,11 @@ class RodPlatform:
         """Nothing to refuse: `home_pose` has refused homes at which no solver could work."""
 
     @property
+    def has_limits(self) -> bool:
+        """Whether a joint has limits, which are checked along lines too."""
+        return any(c.limits is not None for c in self.mechanism.actuated)
+
+    @property
     def parameters(self) -> ca.SX:
         """Symbols of the geometry struct, limb by limb: base, platform, offset; none where the geometry is fixed."""
         return ca.SX.sym("g", 42) if self.options.geometry == "struct" else ca.SX(0, 1)

@@ -16,6 +16,7 @@ from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.platform_rates import rates_functions, square_twist
 from symkin.codegen.rod_kernel import Rods, rod_vectors
+from symkin.codegen.rod_line import rod_line
 from symkin.codegen.rod_platform import RodPlatform, sampled
 from symkin.computed_once import cached_property
 from symkin.spatial.backend import cross, dot
@@ -85,10 +86,15 @@ class RodSource:
         code, values = self.code, self.values
         retarget = fill("retarget.c", values)
         return "".join([
-            normalise_pose(values), fill("info.c", values), range_functions(_ranges(self.platform), self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
+            normalise_pose(values), fill("info.c", values), range_functions(self._ranges, self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
             code.target, code.linear.text, retarget, code.driver, fill("no_step.c", values), fill("parallel_direct.c", values), "\n", self._inverse,
+            rod_line(self._ranges, self.real, values) if self.platform.has_limits else "",
             rates_functions(self.platform.mechanism, self.real, values), square_twist(self.platform.mechanism, self.real, values),
         ])  # fmt: skip
+
+    @cached_property
+    def _ranges(self) -> list[Range]:
+        return _ranges(self.platform)
 
     @property
     def _target_lines(self) -> list[str]:

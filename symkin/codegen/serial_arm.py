@@ -19,6 +19,7 @@ from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.arm_speeds import arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
+from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
@@ -147,6 +148,11 @@ class SerialArm:
         found = plan_of(self.mechanism, NEARLY) if exact is None else exact
         return None if found is None else (found, exact is None)
 
+    @cached_property
+    def follows_closed_form(self) -> bool:
+        """Whether the inverse problem is the closed form along the line of poses; else it is Newton's method."""
+        return self.plan is not None and not self.plan[1] and self.keeps_to_lines
+
     @property
     def can_be_compact(self) -> bool:
         """Whether there is code that --compact makes shorter."""
@@ -221,7 +227,26 @@ class ArmSource:
         literal = self.arm.real.literal
         return common | {"nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
                          "farthest_joint": literal(FARTHEST * max(size, 1.0)),
-                         "closed": "" if self.closed is None else self.closed.header}  # fmt: skip
+                         "closed": "" if self.closed is None else self.closed.header, "line_words": self._line_words}  # fmt: skip
+
+    @property
+    def _line_words(self) -> str:
+        """What the line costs at most, and where limits are checked, as lines of a comment in the header."""
+        prefix = self.arm.name.upper()
+        limited = any(c.limits is not None for c in self.arm.actuated)
+        words = []
+        if self.line is None:
+            words = [
+                f" * Newton's method: the worst case is config->max_iterations steps ({prefix}_MAX_STEPS where config is NULL), whatever pose and",
+                " * guess. The answer's error is that of the last step: predicted to be within the tolerance, its rows evaluated.",
+            ]
+            words += [" * Limits are checked at the answer, not along the line."] if limited else []
+        elif limited:
+            words = [
+                " * Joints keep their limits at all points of the line, the guess included: else, and where one comes too near to be",
+                f" * decided, {prefix}_OUT_OF_RANGE, and info->joint is the joint.",
+            ]
+        return "\n".join(words)
 
     @cached_property
     def closed(self) -> ClosedCode | None:
@@ -244,7 +269,7 @@ class ArmSource:
     @cached_property
     def line(self) -> ClosedLine | None:
         """The closed form's check of lines, where it is the arm's own."""
-        if self.closed is None or self.closed.newton is not None or not self.arm.keeps_to_lines:
+        if self.closed is None or not self.arm.follows_closed_form:
             return None
         assert self.motion is not None  # noqa: S101 - a closed form is one of screws
         return ClosedLine(self.closed, self.motion, self.closed.misfit)
@@ -276,7 +301,7 @@ class ArmSource:
         })  # fmt: skip
         newton = "" if self.line is not None else self.code.text
         closed = "" if self.closed is None else self.closed.text
-        line = "" if self.line is None else self.line.text
+        line = "" if self.line is None else self.line.text(limit_check(self.line))
         return "".join([
             normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
             self._forward, newton, closed, line, functions, self._speeds,
