@@ -625,11 +625,11 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
  * values turn by at most 0.5 rad is tried first. Where the second step is longer than a quarter of
- * the first (of a far one, a sixth), or a later one than three eighths of the one before (two
- * twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to
- * the part that is done (README.md says what is proved): the state is put back and a nearer point
- * of the line is aimed at. Factors are kept for one more step where that is predicted to reach the
- * tolerance. The answer's rows are evaluated before it is called OK. */
+ * the first (of a far one, a sixth to an eighth), or a later one than three eighths of the one
+ * before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie
+ * the point to the part that is done (README.md says what is proved): the state is put back and a
+ * nearer point of the line is aimed at. Factors are kept for one more step where that is predicted
+ * to reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real to[2],
     const ankle_config *config, ankle_info *info)
 {
@@ -658,6 +658,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     /* whether the first step is long beside the way to a singularity, as the least pivot tells
      * it */
     bool far = false;
+    bool very_far = false; /* whether it is three times as long as that */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -722,18 +723,21 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
                 ? (1.5609203e-08f * w->spread) : 9.98989e-07f;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
-         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
+         * 1/8, later 3/8 to 3/10 (README.md) */
         ankle_direct_solve(w);
         const ankle_real before = size;
         size = ankle_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
             far = (size * w->spread > 68650.0f);
+            very_far = (size * w->spread > 10.0f * 68650.0f);
         } else if (taken == 1U) {
-            limit = (far ? 0.027777778f : 0.0625f) * before;
+            limit = (very_far ? 0.015625f : (far ? 0.027777778f : 0.0625f)) * before;
+        } else if (was_fresh) {
+            limit = (very_far ? 0.0009f : 0.0064f) * before;
         } else {
-            limit = (was_fresh ? 0.0064f : 0.140625f) * before;
+            limit = (very_far ? 0.09f : 0.140625f) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim

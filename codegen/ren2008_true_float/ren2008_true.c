@@ -789,12 +789,12 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
  * (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
- * first. Where the second step is longer than a quarter of the first (of a far one, a sixth), or a
- * later one than three eighths of the one before (two twenty-fifths after new factors), the theorem
- * of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is
- * proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for
- * one more step where that is predicted to reach the tolerance. The answer's rows are evaluated
- * before it is called OK. */
+ * first. Where the second step is longer than a quarter of the first (of a far one, a sixth to an
+ * eighth), or a later one than three eighths of the one before (two twenty-fifths after new
+ * factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done
+ * (README.md says what is proved): the state is put back and a nearer point of the line is aimed
+ * at. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *w,
     const ren2008_true_real to[6], const ren2008_true_config *config, ren2008_true_info *info)
 {
@@ -822,6 +822,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     /* whether the first step is long beside the way to a singularity, as the least pivot tells
      * it */
     bool far = false;
+    bool very_far = false; /* whether it is three times as long as that */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -860,18 +861,21 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
-         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
+         * 1/8, later 3/8 to 3/10 (README.md) */
         ren2008_true_direct_solve(w);
         const ren2008_true_real before = size;
         size = ren2008_true_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
             far = (size * w->spread > 2.876552f);
+            very_far = (size * w->spread > 10.0f * 2.876552f);
         } else if (taken == 1U) {
-            limit = (far ? 0.027777778f : 0.0625f) * before;
+            limit = (very_far ? 0.015625f : (far ? 0.027777778f : 0.0625f)) * before;
+        } else if (was_fresh) {
+            limit = (very_far ? 0.0009f : 0.0064f) * before;
         } else {
-            limit = (was_fresh ? 0.0064f : 0.140625f) * before;
+            limit = (very_far ? 0.09f : 0.140625f) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1859342e-11f));
         if (accepted) {

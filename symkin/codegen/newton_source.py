@@ -259,7 +259,9 @@ class NewtonCode:
         literal, tuning = self.real.literal, self.tuning
         return {
             "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "noise_of_rows": literal(tuning.noise), "floor2": literal(tuning.floor**2),
-            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "far2": literal(1.0 / 36.0), "later_fresh2": literal(0.0064 if self.on_the_way else 1.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
+            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "far2": literal(1.0 / 36.0), "very_far2": literal(1.0 / 64.0), "ten": literal(10.0),
+            "later_fresh2": literal(0.0064 if self.on_the_way else 1.0), "very_far_later2": literal(0.09 if self.on_the_way else 1.0),
+            "very_far_fresh2": literal(9e-4 if self.on_the_way else 1.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
             "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
             "singular": literal(32.0 * self.real.epsilon), "sure": literal(_SURE), "size2": literal(self.kernel.characteristic_length**2),
             "guard": literal(GUARD**-2),

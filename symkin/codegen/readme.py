@@ -102,8 +102,9 @@ matrix at the pose aimed at, and $\theta$ compares successive shortest steps. No
 _RULE = r"""The rule is therefore: the whole line is tried (a part of it where given values turn far) and accepted at $\theta \le \tfrac14$, when
 each later step is at most three eighths of the one before, two twenty-fifths where that one had new factors; elsewhere it is cut
 into pieces, each accepted after three steps by the same rule, after four where the first step is far and the third is above a fifth
-of the second. A first step is far where its square times $1 / p$ ($p$: the least pivot) is above the size's: $\theta \le \tfrac16$
-is then asked; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another
+of the second. A first step is far where its square times $1 / p$ ($p$: the least pivot) is above the size's: asked is then
+$\theta \le \tfrac16$, and ten times as far $\theta \le \tfrac18$, or $h = \tfrac14$, where later steps are at most 3/10
+($1 - \sqrt{1 - 2h}$), after new factors 3/100, of the ones before; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another
 branch rests on random goals compared with fine continuation.@@
 
 The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are

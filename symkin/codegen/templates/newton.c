@@ -1,7 +1,7 @@
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. @{first_try}.
- * Where the second step is longer than a quarter of the first (of a far one, a sixth), or a later one than three eighths of
+ * Where the second step is longer than a quarter of the first (of a far one, a sixth to an eighth), or a later one than three eighths of
  * the one before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
  * is proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
@@ -29,6 +29,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     @{quick_variable}
     bool kept = false; /* whether the factors are those of the part that is done */
     bool far = false; /* whether the first step is long beside the way to a singularity, as the least pivot tells it */
+    bool very_far = false; /* whether it is three times as long as that */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
@@ -69,17 +70,20 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             sign = turn;
 @{noise}
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to 1/8, later 3/8 to 3/10 (README.md) */
         @{k}_solve(w);
         const @{real} before = size;
         size = @{k}_apply_step(@{ga}w);
         if (taken == 0U) {
             limit = longest2;
             far = (size * w->spread > @{size2});
+            very_far = (size * w->spread > @{ten} * @{size2});
         } else if (taken == 1U) {
-            limit = (far ? @{far2} : @{contraction2}) * before;
+            limit = (very_far ? @{very_far2} : (far ? @{far2} : @{contraction2})) * before;
+        } else if (was_fresh) {
+            limit = (very_far ? @{very_far_fresh2} : @{later_fresh2}) * before;
         } else {
-            limit = (was_fresh ? @{later_fresh2} : @{later2}) * before;
+            limit = (very_far ? @{very_far_later2} : @{later2}) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
