@@ -15,7 +15,7 @@ from math import prod
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.limbwise import LimbwiseForm, limbwise_form
+from symkin.codegen.limbwise import Held, LimbwiseForm, limbwise_form
 from symkin.codegen.line_bounds import Bend, Span, bend_of
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
@@ -33,6 +33,8 @@ _NOISE = 1e-9
 """Share of the largest weight below which another is rounding."""
 _PARTS = (1.0 / 16, 1.0 / 4, 1.0)
 """Parts of a slide's range for which bounds are made: a line takes those of the first that holds it."""
+_FINER = (1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1.0)
+"""The same for machines whose limbs are watched holding the motion, of higher degree: bounds grow fast with the range."""
 _FREE_RANGE = 2.0
 """How far a slide without limits is looked at, in sizes about the reference."""
 
@@ -95,19 +97,21 @@ class DirectFormulas:
         return self.whole.form
 
 
-def direct_formulas(problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration]) -> DirectFormulas | None:
-    """The formulas of the direct problem with all its rows, all rows together or else limb by limb; None where none are found, or none
-    that can be guarded."""
+def direct_formulas(
+    problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration], held: Held | None = None
+) -> DirectFormulas | None:
+    """The formulas of the direct problem with all its rows, all rows together or else limb by limb, which it is where limbs are to be watched
+    holding the motion; None where none are found, or none that can be guarded."""
     joints = problem.known_coordinates
     if len(samples) < _COMPARED or len(joints) > _MOST_GIVEN or any(c.width != 1 for c in joints):
         return None
     given = np.array([sample.known for sample in samples])
-    form = closed_form(problem.system, given[:_COMPARED])
-    whole = limbwise_form(problem, limbs, samples) if form is None else LimbwiseForm(form, int(form.signs.shape[0]), ())
+    form = closed_form(problem.system, given[:_COMPARED]) if held is None else None
+    whole = limbwise_form(problem, limbs, samples, held) if form is None else LimbwiseForm(form, int(form.signs.shape[0]), ())
     if whole is None:
         return None
     spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
-    parts = (1.0,) if all(span.angular for span in spans) else _PARTS
+    parts = (1.0,) if all(span.angular for span in spans) else _PARTS if held is None else _FINER
     guards = _Guarding(whole, spans, parts, given).guards()
     if guards is None:
         return None
