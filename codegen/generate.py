@@ -2,12 +2,14 @@
 
     python codegen/generate.py [-o DIR]
 
-The folders are committed; the tests regenerate them and compare byte for byte.
+The folders are committed; the tests regenerate them and compare byte for byte. measured.json has what bench/worst.py measured; figures of
+another code than the one that is written are left out.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 
 from symkin.codegen.folder import write_folder
@@ -21,6 +23,8 @@ HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
 MAPS = {"ankle": (("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))}
 """Maps between joints: given and found coordinates."""
 REALS = ("float", "double")
+MEASURED = json.loads((HERE / "measured.json").read_text())
+"""Figures of each folder."""
 
 
 def variants() -> list[tuple[str, str, Options]]:
@@ -39,5 +43,5 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Write the committed folders of C.")
     parser.add_argument("-o", default=str(HERE), metavar="DIR", help="where to write (default: beside this script)")
     for folder, name, options in variants():
-        write_folder(load(name), Path(parser.parse_args().o) / folder, options)
+        write_folder(load(name), Path(parser.parse_args().o) / folder, options, MEASURED.get(folder))
         print(folder)

@@ -21,23 +21,24 @@ from symkin.errors import InputError
 CODEGEN = Path(__file__).parent.parent / "codegen"
 
 
-def _variants():
+def _generate():
     spec = importlib.util.spec_from_file_location("generate", CODEGEN / "generate.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.variants()
+    return module
 
 
-VARIANTS = _variants()
+GENERATE = _generate()
+VARIANTS = GENERATE.variants()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("folder", "name", "options"), VARIANTS, ids=[v[0] for v in VARIANTS])
 def test_committed_folders_are_what_the_generator_writes(folder, name, options):
     """The same model gives the same bytes."""
-    files = folder_files(load(name), options)
+    files = folder_files(load(name), options, GENERATE.MEASURED.get(folder))
     committed = CODEGEN / folder
     assert {path.name for path in committed.iterdir() if path.suffix != ".o"} >= set(files)
     for file, text in files.items():

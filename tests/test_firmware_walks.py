@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -124,3 +125,31 @@ def test_limited_cranks_that_turn_over_half_a_turn(limits, tmp_path):
         assert limits[0] <= back[0] <= limits[1]
         assert math.isclose(math.remainder(back[0] - angle, 2 * math.pi), 0.0, abs_tol=1e-6)
     assert answered > 10
+
+
+FAR = {
+    # the branch ends after 97.5 % of each line; the last steps of two thirds of the size shortened as if it went on
+    "zhang2009": ("double", [
+        [403.6239461417195, 684.4675414510874, 415.66697430028745, 106.20110213510607, 432.1214509853884, 241.28206012271582],
+        [522.764952891999, 368.82453372839814, 288.89240448443104, 591.7628937502355, 380.48152885510535, 184.42180516202373],
+    ]),
+    # a first step of most of the size that happened to be good let the next ones seem better than they were: off by 1.6e-3 mm
+    "three_rrr": ("float", [
+        [-0.883320689201355, 1.1981297731399536, -3.076019287109375],
+        [-0.9707484841346741, 1.246923804283142, -3.0136852264404297],
+    ]),
+}  # fmt: skip
+"""Goals from home that were answered wrongly, with the real numbers' type."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FAR)
+def test_far_goals_that_were_answered_wrongly(name):
+    """What is OK is what the fine walk of the line reaches, and no line that ends is OK."""
+    tools.compiler("gcc")
+    lines, bench = tools.bench_module("lines"), tools.bench_module("branches")
+    real, goals = FAR[name]
+    machine = Path(bench.__file__).parent / "machines" / f"{name}.toml"
+    asked = lines.Lines(symkin.load(machine if machine.exists() else name), Options(real, home=bench.HOMES.get(name)))
+    outcome = asked.run(asked.home(len(goals)), np.array(goals), np.random.default_rng(0))
+    assert not np.any(outcome.ok & ~outcome.right)

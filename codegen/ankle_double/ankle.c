@@ -577,11 +577,11 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
  * values turn by at most 0.5 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
+ * the first (of a far one, a sixth), or a later one than three eighths of the one before (two
+ * twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to
+ * the part that is done (README.md says what is proved): the state is put back and a nearer point
+ * of the line is aimed at. Factors are kept for one more step where that is predicted to reach the
+ * tolerance. The answer's rows are evaluated before it is called OK. */
 static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real to[2],
     const ankle_config *config, ankle_info *info)
 {
@@ -597,6 +597,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     ankle_real kappa2 = 3.2761e-06;
     ankle_real limit;
     ankle_real residual = HUGE_VAL;
+    /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
+    ankle_real room = 2.3271291572111435e-13;
     ankle_real still2 = 3.465939273179038e-24; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
@@ -635,10 +637,11 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         ankle_direct_rows(w);
         if (verify) {
             residual = ankle_direct_residual(w);
-            if (residual <= config->tolerance + 1.861703325768915e-12) {
+            if (residual <= config->tolerance + room) {
                 status = ANKLE_OK;
                 break;
             }
+            room = 1.861703325768915e-12;
             verify = false;
             fresh = true;
         }
@@ -671,8 +674,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0))
                 ? (5.415530114342247e-26 * w->spread) : 3.465939273179038e-24;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
+         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
         ankle_direct_solve(w);
         const ankle_real before = size;
         size = ankle_direct_apply_step(w);
@@ -680,9 +683,9 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             limit = longest2;
             far = (size * w->spread > 68650.00000000001);
         } else if (taken == 1U) {
-            limit = 0.0625 * before;
+            limit = (far ? 0.027777777777777776 : 0.0625) * before;
         } else {
-            limit = 0.140625 * before;
+            limit = (was_fresh ? 0.0064 : 0.140625) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {

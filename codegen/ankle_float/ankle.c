@@ -622,11 +622,11 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
  * values turn by at most 0.5 rad is tried first. Where the second step is longer than a quarter of
- * the first, or a later one than three eighths of the one before, the theorem of Newton and
- * Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step
- * where that is predicted to reach the tolerance. The answer's rows are evaluated before it is
- * called OK. */
+ * the first (of a far one, a sixth), or a later one than three eighths of the one before (two
+ * twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to
+ * the part that is done (README.md says what is proved): the state is put back and a nearer point
+ * of the line is aimed at. Factors are kept for one more step where that is predicted to reach the
+ * tolerance. The answer's rows are evaluated before it is called OK. */
 static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real to[2],
     const ankle_config *config, ankle_info *info)
 {
@@ -642,6 +642,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     ankle_real kappa2 = 3.2761e-06f;
     ankle_real limit;
     ankle_real residual = HUGE_VALF;
+    /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
+    ankle_real room = 0.00012493679f;
     ankle_real still2 = 9.98989e-07f; /* square of a step that is rounding */
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
@@ -680,10 +682,11 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         ankle_direct_rows(w);
         if (verify) {
             residual = ankle_direct_residual(w);
-            if (residual <= config->tolerance + 0.0009994943f) {
+            if (residual <= config->tolerance + room) {
                 status = ANKLE_OK;
                 break;
             }
+            room = 0.0009994943f;
             verify = false;
             fresh = true;
         }
@@ -716,8 +719,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             still2 = ((w->spread > 64.0f) && (w->spread < 262000.0f))
                 ? (1.5609203e-08f * w->spread) : 9.98989e-07f;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
+         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
         ankle_direct_solve(w);
         const ankle_real before = size;
         size = ankle_direct_apply_step(w);
@@ -725,9 +728,9 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             limit = longest2;
             far = (size * w->spread > 68650.0f);
         } else if (taken == 1U) {
-            limit = 0.0625f * before;
+            limit = (far ? 0.027777778f : 0.0625f) * before;
         } else {
-            limit = 0.140625f * before;
+            limit = (was_fresh ? 0.0064f : 0.140625f) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim

@@ -16,6 +16,17 @@
  * One step of Newton's method: 48 additions, 4 divisions, 78 multiplications, 2 sqrt (rows, matrix,
  * factors, step). Predicted error of an answer: ANKLE_TOLERANCE and the rounding of the type, about
  * 0.000124937 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 27951 add, 40581 mul, 1428 div, 916 sqrt
+ *   track: 170 add, 226 mul, 11 div, 4 sqrt
+ *   inverse: 200 iterations, 36290 add, 50529 mul, 1839 div, 1322 sqrt
+ *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
+ *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
+ *   rates: 160 add, 227 mul, 4 div, 1 sqrt
+ *   torques: 160 add, 227 mul, 4 div, 1 sqrt
+ *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */
 #ifndef ANKLE_H

@@ -1,8 +1,8 @@
-"""Instructions per solve, size and stack of the generated C on two Cortex-M boards and on the host; the table of README.md.
+"""Instructions per solve of the generated C on two Cortex-M boards and on the host; the table of README.md.
 
     python codegen/bench/bench.py [--write]
 
-Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. CasADi's own C: plain_bench.py.
+Cold: from home. Warm: within 0.2 mm and 1 mrad of the answer. CasADi's own C: plain_bench.py; bytes, stack and worst cases: worst.py.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import argparse
 from collections.abc import Iterator
 
 from bench_cases import HOME
-from footprint import footprint_table
 from harness import Harness, harness_of
 from processors import HOST, measure
 from readme import written
@@ -43,7 +42,7 @@ def report() -> str:
         for processor in processors:
             for case, f in measure(harness, processor).items():
                 lines.append(f"| {title} | {processor} | {case} | {f.mean:,.0f} | {f.largest:,.0f} | {f.error:.2g} {unit} |")
-    return "\n".join([*lines, "", *footprint_table()])
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

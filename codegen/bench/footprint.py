@@ -1,4 +1,7 @@
-"""Bytes of code and worst-case stack of the platform's functions, by the ARM compiler's own tools."""
+"""Bytes of code and worst-case stack of a folder's functions, by the ARM compiler's own tools.
+
+Stacks follow callees: those of the folder's functions as the compiler says (-fcallgraph-info), those of libm as their code pushes.
+"""
 
 from __future__ import annotations
 
@@ -6,43 +9,114 @@ import re
 import subprocess
 import tempfile
 from collections import defaultdict
+from dataclasses import dataclass
 from pathlib import Path
 
-from bench_cases import HOME
 from processors import BOARDS, COMMON
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
-from symkin.formats.load import load
 
-_OTHERS = re.compile("jacobian|rates|twist|feed|speeds|row_scale|column")
-"""Sections of functions that are not counted."""
+LIBRARIES = ["-lm", "-lc", "-lgcc"]
+_FRAME = re.compile(r"\t(push|vpush|stmdb|sub(?:\.w|w)?|str(?:\.w|d)?|vstmdb)\s+(.*)")
+_JUMP = re.compile(
+    r"\t(?:bl|b|b\.w|b\.n|cbz|cbnz|b(?:eq|ne|gt|ge|lt|le|hi|ls|cs|cc|mi|pl|vs|vc)(?:\.[nw])?)\s+.*<([\w.]+)(?:\+0x[0-9a-f]+)?>$"
+)
 
 
-def footprint(board: str, options: Options, optimise: str) -> tuple[int, dict[str, int]]:
-    """Bytes of code and constants of direct, inverse and track, and the stack of each by the summed call graph."""
-    folder = Path(tempfile.mkdtemp())
-    write_folder(load("zhang2009"), folder, options)
-    flags = [*COMMON, optimise, "-ffunction-sections", "-fdata-sections", "-fcallgraph-info=su", *BOARDS[board][1]]
-    subprocess.run(["arm-none-eabi-gcc", *flags, "-c", "zhang2009.c", "-o", "z.o"], cwd=folder, check=True)
-    listed = subprocess.run(["arm-none-eabi-size", "-A", "z.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
-    lines = [line.split() for line in listed.splitlines() if line.startswith((".text", ".rodata")) and not _OTHERS.search(line)]
-    graph = next(folder.glob("*.ci")).read_text()
-    own = {m[0]: int(m[1]) for m in re.findall(r'title: "([^"]+)" label: "[^"]*\\n(\d+) bytes', graph)}
+@dataclass(frozen=True)
+class Footprint:
+    """Of one function with all that it calls: bytes of stack, bytes of code and constants without and with libm."""
+
+    stack: int
+    own_bytes: int
+    bytes: int
+
+
+def footprints(folder: Path, name: str, functions: list[str], board: str) -> tuple[dict[str, Footprint], int, list[str]]:
+    """The footprint of each function, bytes of the whole object, and the library's functions that it calls."""
+    with tempfile.TemporaryDirectory() as scratch:
+        place = Path(scratch)
+        flags = [*COMMON, "-ffunction-sections", "-fdata-sections", "-fcallgraph-info=su", *BOARDS[board][1], f"-I{folder}"]
+        _run(["arm-none-eabi-gcc", *flags, "-c", str(folder / f"{name}.c"), "-o", "z.o"], place)
+        library = _run(["arm-none-eabi-nm", "-u", "z.o"], place).split()[1::2]
+        frames, calls = call_graph(next(place.glob("*.ci")).read_text())
+        linked = [_linked([f"{name}_{f}"], board, place, with_library=True) for f in functions]
+        alone = [_linked([f"{name}_{f}"], board, place, with_library=False) for f in functions]
+        _linked([f"{name}_{f}" for f in functions], board, place, with_library=True)
+        pushed, jumps = disassembled(_run(["arm-none-eabi-objdump", "-d", "--no-show-raw-insn", "z.elf"], place))
+        for callee in (set().union(*calls.values()) - set(frames)) & set(pushed):
+            frames[callee] = depth(callee, pushed, jumps)
+        found = {
+            f: Footprint(depth(f"{name}_{f}", frames, calls), own, whole)
+            for f, own, whole in zip(functions, alone, linked, strict=True)
+        }
+        total = _run(["arm-none-eabi-size", "z.o"], place).splitlines()[1].split()
+        return found, sum(int(v) for v in total[:3]), sorted(library)
+
+
+def call_graph(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
+    """Each function's own stack and its callees, of a compiler's call graph; frames whose size is not fixed are refused."""
+    nodes = re.findall(r'title: "([^"]+)" label: "[^"]*\\n(\d+) bytes \((\w+)\)', text)
+    dynamic = [title for title, _, kind in nodes if kind != "static"]
+    if dynamic:
+        raise ValueError(f"the stack of {', '.join(dynamic)} has no fixed size")
     calls: dict[str, set[str]] = defaultdict(set)
-    for caller, callee in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', graph):
+    for caller, callee in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', text):
         calls[caller].add(callee)
-
-    def depth(function: str) -> int:
-        return own.get(function, 0) + max((depth(c) for c in calls[function]), default=0)
-
-    return sum(int(line[1]) for line in lines), {f: depth(f"zhang2009_{f}") for f in ("direct", "track", "inverse", "jacobian")}
+    return {title: int(size) for title, size, _ in nodes}, dict(calls)
 
 
-def footprint_table() -> list[str]:
-    """Lines of the table of sizes and stacks."""
-    lines = ["| zhang2009 | bytes of direct, inverse, track | stack of direct / track / inverse / jacobian |", "|---|---|---|"]
-    for board, real in (("M4F", "float"), ("M7", "double")):
-        for optimise in ("-O2", "-Os"):
-            size, stack = footprint(board, Options(real, home=HOME), optimise)  # type: ignore[arg-type]
-            lines.append(f"| {real} {board} {optimise} | {size:,} | {' / '.join(str(v) for v in stack.values())} |")
-    return lines
+def disassembled(text: str) -> tuple[dict[str, int], dict[str, set[str]]]:
+    """Each function's own stack and where it jumps to, of a disassembly: pushes and what is taken off the stack pointer."""
+    frames: dict[str, int] = {}
+    jumps: dict[str, set[str]] = defaultdict(set)
+    function = ""
+    for line in text.splitlines():
+        head = re.match(r"[0-9a-f]+ <([^>]+)>:", line)
+        if head:
+            function = head[1]
+            frames[function] = 0
+        elif (move := _FRAME.search(line)) is not None:
+            frames[function] += _pushed(move[1], move[2])
+        elif (jump := _JUMP.search(line)) is not None and jump[1] != function:
+            jumps[function].add(jump[1])
+    return frames, dict(jumps)
+
+
+def _pushed(operation: str, operands: str) -> int:
+    """Bytes by which an instruction lowers the stack pointer."""
+    if operation in ("push", "vpush") or operands.startswith("sp!"):
+        registers = operands[operands.index("{") + 1 : operands.index("}")]
+        size = 8 if registers.startswith("d") else 4
+        return size * sum(_count(part.strip()) for part in registers.split(","))
+    if operation.startswith("sub"):
+        taken = re.match(r"sp,(?: sp,)? #(\d+)", operands)
+        return int(taken[1]) if taken else 0
+    stored = re.search(r"\[sp, #-(\d+)\]!", operands)
+    return int(stored[1]) if stored else 0
+
+
+def _count(registers: str) -> int:
+    """How many registers r4 or d8-d15 are."""
+    ends = re.fullmatch(r"[a-z]+(\d+)-[a-z]+(\d+)", registers)
+    return int(ends[2]) - int(ends[1]) + 1 if ends else 1
+
+
+def depth(function: str, frames: dict[str, int], calls: dict[str, set[str]], above: tuple[str, ...] = ()) -> int:
+    """Stack of a function with its callees; raises ValueError where one calls itself, or is not known."""
+    if function in above:
+        raise ValueError(f"{' -> '.join([*above, function])}: a recursion has no largest stack")
+    if function not in frames:
+        raise ValueError(f"{function}: its stack is not known")
+    return frames[function] + max((depth(c, frames, calls, (*above, function)) for c in calls.get(function, ())), default=0)
+
+
+def _linked(roots: list[str], board: str, place: Path, *, with_library: bool) -> int:
+    """Bytes of code, constants and data of what some functions need."""
+    wanted = [f"-Wl,-u,{root}" for root in roots]
+    others = LIBRARIES if with_library else ["-nostdlib", "-Wl,--unresolved-symbols=ignore-all"]
+    link = ["-nostartfiles", "-Wl,--gc-sections", f"-Wl,-e,{roots[0]}", *wanted, "z.o", *others, "-o", "z.elf"]
+    _run(["arm-none-eabi-gcc", "-mthumb", "-mfloat-abi=hard", *BOARDS[board][1], *link], place)
+    return sum(int(v) for v in _run(["arm-none-eabi-size", "z.elf"], place).splitlines()[1].split()[:3])
+
+
+def _run(command: list[str], place: Path) -> str:
+    return subprocess.run(command, cwd=place, check=True, capture_output=True, text=True).stdout

@@ -30,23 +30,26 @@ EXTRA = ("track", "inverse_nearest", "rates", "twist", "feed")
 """Functions that some folders have and others have not."""
 
 
-def built(folder: Path, output: Path) -> Path:
-    """The fuzzing program of a folder."""
+def macros(folder: Path) -> list[str]:
+    """What inputs.h needs to know of a folder."""
     manifest = json.loads((folder / "manifest.json").read_text())
     name, options = manifest["mechanism"], manifest["options"]
     header = (folder / f"{name}.h").read_text()
     arm = re.search(rf"{name}_inverse\([^)]*guess", header) is not None
-    macros = [
+    return [
         f"-D{'MAP' if 'given' in options else 'SERIAL' if arm else 'PARALLEL'}",
         f"-DNAME={name}",
         f"-DUPPER={name.upper()}",
-    ]
-    macros += [
         f'-DHEADER="{name}.h"',
         f'-DVECTORS="{name}_vectors.h"',
         *(["-DSTRUCT"] if options["geometry"] == "struct" else []),
+        *(f"-DHAS_{function}" for function in EXTRA if f" {name}_{function}(" in header),
     ]
-    macros += [f"-DHAS_{function}" for function in EXTRA if f" {name}_{function}(" in header]
+
+
+def built(folder: Path, output: Path) -> Path:
+    """The fuzzing program of a folder."""
+    name = json.loads((folder / "manifest.json").read_text())["mechanism"]
     command = [
         "gcc",
         "-std=gnu99",
@@ -55,7 +58,7 @@ def built(folder: Path, output: Path) -> Path:
         *SANITIZED,
         "-fno-math-errno",
         "-ffp-contract=off",
-        *macros,
+        *macros(folder),
         f"-I{folder}",
     ]
     subprocess.run([*command, str(BENCH / "fuzz.c"), str(folder / f"{name}.c"), "-lm", "-o", str(output)], check=True)

@@ -121,12 +121,14 @@ class Lines:
         return Outcome(begun, ends_at, answers, walked, ends, self._right(ends, ends_at, answers))
 
     def _line(self, known: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of the same sign."""
+        """Begins and ends of lines: angles the nearer way round and within limits, quaternions of the same sign and of length one, which
+        those of float goals are not quite."""
         begin, end, place = known.copy(), goals.copy(), 0
         for c in self.problem.known_coordinates:
             at = slice(place, place + c.width)
             if c.kind == "quaternion":
                 end[:, at] *= np.where(np.sum(begin[:, at] * end[:, at], axis=1) < 0, -1.0, 1.0)[:, None]
+                end[:, at] /= np.linalg.norm(end[:, at], axis=1, keepdims=True)
             elif c.kind == "angle" and not self.mechanism.serial:
                 turns = 2 * np.pi * np.round((end[:, place] - begin[:, place]) / (2 * np.pi))
                 if c.limits is None:

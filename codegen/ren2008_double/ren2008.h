@@ -17,6 +17,17 @@
  * One step of Newton's method: 132 additions, 7 divisions, 152 multiplications, 1 sqrt (rows,
  * matrix, factors, step). Predicted error of an answer: REN2008_TOLERANCE and the rounding of the
  * type, about 1.50117e-15 m (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 36689 add, 43648 mul, 1517 div, 912 sqrt
+ *   track: 282 add, 370 mul, 16 div, 6 sqrt
+ *   inverse: 81 add, 56 mul, 1 div, 7 sqrt
+ *   jacobian: 90 add, 130 mul, 7 div, 7 sqrt
+ *   rates: 132 add, 166 mul, 7 div, 7 sqrt
+ *   feed: 138 add, 172 mul, 13 div, 7 sqrt
+ *   twist: 258 add, 376 mul, 49 div, 7 sqrt
+ *
  * Model SHA-256 9f2e30e7ae7dd83493e6d6b3933b246841b4e4c5cab87d201ec31f4db62108d1
  */
 #ifndef REN2008_H

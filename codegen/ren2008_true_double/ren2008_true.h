@@ -17,6 +17,17 @@
  * One step of Newton's method: 169 additions, 7 divisions, 181 multiplications, 1 sqrt (rows,
  * matrix, factors, step). Predicted error of an answer: REN2008_TRUE_TOLERANCE and the rounding of
  * the type, about 1.50639e-15 m (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 44163 add, 49405 mul, 1517 div, 912 sqrt
+ *   track: 332 add, 412 mul, 16 div, 6 sqrt
+ *   inverse: 105 add, 71 mul, 1 div, 7 sqrt
+ *   jacobian: 123 add, 145 mul, 7 div, 7 sqrt
+ *   rates: 165 add, 181 mul, 7 div, 7 sqrt
+ *   feed: 171 add, 187 mul, 13 div, 7 sqrt
+ *   twist: 291 add, 391 mul, 49 div, 7 sqrt
+ *
  * Model SHA-256 d7a52a7fc51f6358bdd9de8854c0278d74c3d9cc5a56d87283ca8f027bb0f8b3
  */
 #ifndef REN2008_TRUE_H

@@ -790,11 +790,12 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
  * (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
- * first. Where the second step is longer than a quarter of the first, or a later one than three
- * eighths of the one before, the theorem of Newton and Kantorovich does not tie the point to the
- * part that is done (README.md says what is proved): the state is put back and a nearer point of
- * the line is aimed at. Factors are kept for one more step where that is predicted to reach the
- * tolerance. The answer's rows are evaluated before it is called OK. */
+ * first. Where the second step is longer than a quarter of the first (of a far one, a sixth), or a
+ * later one than three eighths of the one before (two twenty-fifths after new factors), the theorem
+ * of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is
+ * proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for
+ * one more step where that is predicted to reach the tolerance. The answer's rows are evaluated
+ * before it is called OK. */
 static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *w,
     const ren2008_true_real to[6], const ren2008_true_config *config, ren2008_true_info *info)
 {
@@ -810,6 +811,8 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     ren2008_true_real kappa2 = 0.219024f;
     ren2008_true_real limit;
     ren2008_true_real residual = HUGE_VALF;
+    /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
+    ren2008_true_real room = 8.0873497e-07f;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -829,10 +832,11 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         ren2008_true_direct_rows(w);
         if (verify) {
             residual = ren2008_true_direct_residual(w);
-            if (residual <= config->tolerance + 6.4698797e-06f) {
+            if (residual <= config->tolerance + room) {
                 status = REN2008_TRUE_OK;
                 break;
             }
+            room = 6.4698797e-06f;
             verify = false;
             fresh = true;
         }
@@ -857,8 +861,8 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
+         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
         ren2008_true_direct_solve(w);
         const ren2008_true_real before = size;
         size = ren2008_true_direct_apply_step(w);
@@ -866,9 +870,9 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             limit = longest2;
             far = (size * w->spread > 2.876552f);
         } else if (taken == 1U) {
-            limit = 0.0625f * before;
+            limit = (far ? 0.027777778f : 0.0625f) * before;
         } else {
-            limit = 0.140625f * before;
+            limit = (was_fresh ? 0.0064f : 0.140625f) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1859342e-11f));
         if (accepted) {

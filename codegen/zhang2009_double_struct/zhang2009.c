@@ -864,11 +864,12 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(const zhang2009_geometry *g
  * (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
- * first. Where the second step is longer than a quarter of the first, or a later one than three
- * eighths of the one before, the theorem of Newton and Kantorovich does not tie the point to the
- * part that is done (README.md says what is proved): the state is put back and a nearer point of
- * the line is aimed at. Factors are kept for one more step where that is predicted to reach the
- * tolerance. The answer's rows are evaluated before it is called OK. */
+ * first. Where the second step is longer than a quarter of the first (of a far one, a sixth), or a
+ * later one than three eighths of the one before (two twenty-fifths after new factors), the theorem
+ * of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is
+ * proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for
+ * one more step where that is predicted to reach the tolerance. The answer's rows are evaluated
+ * before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geometry,
     zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config,
     zhang2009_info *info)
@@ -885,6 +886,8 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
     zhang2009_real kappa2 = 2.0164000000000003e-06;
     zhang2009_real limit;
     zhang2009_real residual = HUGE_VAL;
+    /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
+    zhang2009_real room = 4.718529606675293e-13;
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
@@ -904,10 +907,11 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
         zhang2009_direct_rows(geometry, w);
         if (verify) {
             residual = zhang2009_direct_residual(w);
-            if (residual <= config->tolerance + 3.774823685340235e-12) {
+            if (residual <= config->tolerance + room) {
                 status = ZHANG2009_OK;
                 break;
             }
+            room = 3.774823685340235e-12;
             verify = false;
             fresh = true;
         }
@@ -932,8 +936,8 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4,
-         * later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
+         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
         size = zhang2009_direct_apply_step(geometry, w);
@@ -941,9 +945,9 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
             limit = longest2;
             far = (size * w->spread > 282236.3423223964);
         } else if (taken == 1U) {
-            limit = 0.0625 * before;
+            limit = (far ? 0.027777777777777776 : 0.0625) * before;
         } else {
-            limit = 0.140625 * before;
+            limit = (was_fresh ? 0.0064 : 0.140625) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.4249293855405632e-23));
         if (accepted) {

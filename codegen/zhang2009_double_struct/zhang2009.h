@@ -18,6 +18,17 @@
  * One step of Newton's method: 211 additions, 7 divisions, 240 multiplications, 1 sqrt (rows,
  * matrix, factors, step). Predicted error of an answer: ZHANG2009_TOLERANCE and the rounding of the
  * type, about 4.71853e-13 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 50936 add, 61121 mul, 1517 div, 912 sqrt
+ *   track: 390 add, 510 mul, 16 div, 6 sqrt
+ *   inverse: 133 add, 89 mul, 1 div, 7 sqrt
+ *   jacobian: 163 add, 172 mul, 7 div, 7 sqrt
+ *   rates: 205 add, 208 mul, 7 div, 7 sqrt
+ *   feed: 211 add, 214 mul, 13 div, 7 sqrt
+ *   twist: 331 add, 418 mul, 49 div, 7 sqrt
+ *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */
 #ifndef ZHANG2009_H

@@ -19,6 +19,17 @@
  * One step of Newton's method: 171 additions, 7 divisions, 160 multiplications, 1 sqrt (rows,
  * matrix, factors, step). Predicted error of an answer: ZHANG2009_TOLERANCE and the rounding of the
  * type, about 0.000253324 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 44264 add, 44355 mul, 2022 div, 912 sqrt
+ *   track: 323 add, 380 mul, 16 div, 6 sqrt
+ *   inverse: 115 add, 53 mul, 7 div, 7 sqrt
+ *   jacobian: 113 add, 136 mul, 7 div, 7 sqrt
+ *   rates: 155 add, 172 mul, 7 div, 7 sqrt
+ *   feed: 161 add, 178 mul, 13 div, 7 sqrt
+ *   twist: 281 add, 382 mul, 49 div, 7 sqrt
+ *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */
 #ifndef ZHANG2009_H

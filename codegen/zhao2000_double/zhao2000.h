@@ -19,6 +19,26 @@
  * the line. Of a config max_step is not read; tolerance is what the closure's rows of the answer
  * may leave beside rounding. Predicted error of an answer: ZHAO2000_TOLERANCE and the rounding of
  * the type, about 2.13163e-13 mm (angles times the size) where the matrix is well conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 10414 add, 12153 mul, 813 div, 412 sqrt, 303 sin, 303 cos, 3 atan2
+ *   track: 1 iterations, 316 add, 372 mul, 21 div, 16 sqrt, 6 sin, 6 cos, 3 atan2
+ *   inverse: 51 add, 52 mul, 4 div, 5 sqrt, 3 sin, 3 cos, 4 atan2
+ *   jacobian: 132 add, 218 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   feed: 166 add, 246 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   twist: 192 add, 314 mul, 34 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 114330 instructions, 1480 stack, 5848 code
+ *   track: 2140 instructions, 1496 stack, 5888 code
+ *   inverse: 1055 instructions, 912 stack, 1400 code
+ *   jacobian: 1270 instructions, 1096 stack, 2144 code
+ *   rates: 1580 instructions, 1304 stack, 2296 code
+ *   feed: 1695 instructions, 1352 stack, 2396 code
+ *   twist: 2410 instructions, 1496 stack, 2772 code
+ *
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */
 #ifndef ZHAO2000_H

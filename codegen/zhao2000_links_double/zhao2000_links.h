@@ -19,7 +19,19 @@
  * the line. Of a config max_step is not read; tolerance is what the closure's rows of the answer
  * may leave beside rounding. Predicted error of an answer: ZHAO2000_LINKS_TOLERANCE and the
  * rounding of the type, about 2.17444e-13 mm (angles times the size) where the matrix is well
- * conditioned. Model SHA-256 888e70bd71fc6b17567c8bb509bdf13d479788645de68702c48396c4e381911c
+ * conditioned.
+ *
+ * Worst case of a call, with NULL as config (README.md says how it is known and has 255
+ * iterations):
+ *   direct: 100 iterations, 19844 add, 26659 mul, 1725 div, 1022 sqrt, 303 sin, 303 cos, 3 atan2
+ *   track: 1 iterations, 737 add, 1018 mul, 42 div, 32 sqrt, 6 sin, 6 cos, 3 atan2
+ *   inverse: 120 add, 157 mul, 7 div, 8 sqrt, 3 sin, 3 cos, 13 atan2
+ *   jacobian: 396 add, 635 mul, 20 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
+ *   rates: 426 add, 659 mul, 20 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
+ *   feed: 430 add, 663 mul, 24 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
+ *   twist: 456 add, 731 mul, 40 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
+ *
+ * Model SHA-256 888e70bd71fc6b17567c8bb509bdf13d479788645de68702c48396c4e381911c
  */
 #ifndef ZHAO2000_LINKS_H
 #define ZHAO2000_LINKS_H

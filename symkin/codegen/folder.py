@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 import casadi as ca
 import numpy as np
@@ -57,11 +58,11 @@ def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpac
     return write_folder(mechanism, Path(directory), chosen)
 
 
-def write_folder(mechanism: Mechanism, folder: Path, options: Options) -> list[Path]:
-    """Writes the folder (made where it is missing) and returns its files. Raises InputError where that would replace a file
+def write_folder(mechanism: Mechanism, folder: Path, options: Options, measured: Mapping[str, Any] | None = None) -> list[Path]:
+    """Writes the folder (made where it is missing) and returns its files; `measured`: figures of codegen/measured.json. Raises InputError where that would replace a file
     that is not symkin's, is another mechanism's, or was edited."""
     check_folder(mechanism, folder)
-    files = folder_files(mechanism, options)
+    files = folder_files(mechanism, options, measured)
     try:
         _check_files(folder, files)
         folder.mkdir(parents=True, exist_ok=True)
@@ -90,9 +91,9 @@ def _check_files(folder: Path, files: dict[str, str]) -> None:
     refuse_foreign(folder, foreign_files(folder, names, digests), written.get("files", {}), remedy)
 
 
-def folder_files(mechanism: Mechanism, options: Options) -> dict[str, str]:
+def folder_files(mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None) -> dict[str, str]:
     """Text of each file by its name."""
-    program = build_program(mechanism, options)
+    program = build_program(mechanism, options, measured)
     kind = program.kind
     vectors = MapVectors(kind) if isinstance(kind, JointMap) else build_vectors(kind)
     name = mechanism.name
@@ -135,6 +136,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             **{str(name): True for name in options.also},
         },
         "operations_per_iteration": program.main.operations,
+        "worst_case": program.worst.manifest(),
         **_closed_manifest(program),
         "files": {name: digest(text.encode()) for name, text in sorted(files.items())},
     }

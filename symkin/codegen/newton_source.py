@@ -31,11 +31,12 @@ _COMMENT_WIDTH = 118
 
 @dataclass(frozen=True)
 class Tuning:
-    """Constants of the driver: tolerances as lengths, kappa^2 of a typical pose."""
+    """Constants of the driver: tolerances as lengths, kappa^2 of a typical pose. Rows may leave `noise`, after a step more `rounding`."""
 
     tolerance: float
     floor: float
     rounding: float
+    noise: float
     kappa2: float
 
 
@@ -43,7 +44,7 @@ def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
     """Choose tolerances near what the type resolves."""
     resolution = real.epsilon * kernel.characteristic_length
     tolerance = resolution * (1.0 if real.name == "float" else 1e4)
-    return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, kappa**2)
+    return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, 8.0 * resolution, kappa**2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,8 +261,8 @@ class NewtonCode:
         """Constants of the driver: squares of lengths, of ratios of steps, and parts of the line."""
         literal, tuning = self.real.literal, self.tuning
         return {
-            "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "floor2": literal(tuning.floor**2),
-            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
+            "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "noise_of_rows": literal(tuning.noise), "floor2": literal(tuning.floor**2),
+            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "far2": literal(1.0 / 36.0), "later_fresh2": literal(0.0064 if self.on_the_way else 1.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
             "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
             "singular": literal(32.0 * self.real.epsilon), "sure": literal(_SURE), "size2": literal(self.kernel.characteristic_length**2),
             "guard": literal(GUARD**-2),

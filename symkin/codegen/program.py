@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from textwrap import wrap
 from typing import Any
@@ -25,6 +25,7 @@ from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
 from symkin.codegen.serial_arm import ArmSource, SerialArm
+from symkin.codegen.worst_case import WorstCase
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.text import c_comment
@@ -49,6 +50,7 @@ class Program:
     header: str
     main: NewtonCode
     values: dict[str, object]
+    worst: WorstCase
 
     @property
     def mechanism(self) -> Mechanism:
@@ -63,8 +65,8 @@ class Program:
         return self.kind.options
 
 
-def build_program(mechanism: Mechanism, options: Options) -> Program:
-    """Everything that is compiled, as text."""
+def build_program(mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None) -> Program:
+    """Everything that is compiled, as text; `measured`: figures of a processor, stated where they are those of this code."""
     check_c_name(mechanism.name)
     options.check(mechanism)
     kind = _kind(mechanism, options)
@@ -72,7 +74,9 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     kind.check()
     if not isinstance(kind, RodPlatform | JointMap):
         kind.geometry.check(kind.real)
-    values = source.values | _header_values(kind, source.code, mechanism.digest)
+    text = fill("begin.c", source.values | _header_values(kind, source.code, [], mechanism.digest)) + source.text.rstrip() + "\n"
+    worst = WorstCase.of(mechanism.name, text, measured)
+    values = source.values | _header_values(kind, source.code, worst.header_lines(), mechanism.digest)
     if mechanism.serial:
         values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
     else:
@@ -81,10 +85,11 @@ def build_program(mechanism: Mechanism, options: Options) -> Program:
     return Program(
         described=mechanism,
         kind=kind,
-        source=fill("begin.c", values) + source.text.rstrip() + "\n",
+        source=text,
         header=fill("header.h", values),
         main=source.code,
         values=values,
+        worst=worst,
     )
 
 
@@ -100,7 +105,7 @@ def _kind(mechanism: Mechanism, options: Options) -> Kind:
     return limb_platform(mechanism, options, real)
 
 
-def _header_values(kind: Kind, main: NewtonCode, digest: str) -> dict[str, object]:
+def _header_values(kind: Kind, main: NewtonCode, worst: list[str], digest: str) -> dict[str, object]:
     mechanism, real, options = kind.mechanism, kind.real, kind.options
     name = mechanism.name
     struct = options.geometry == "struct"
@@ -116,6 +121,7 @@ def _header_values(kind: Kind, main: NewtonCode, digest: str) -> dict[str, objec
         *_branch_lines(kind), "",
         *_effort_lines(kind, counts), f"Predicted error of an answer: {name.upper()}_TOLERANCE and the rounding of the type, about",
         f"{_short(8 * real.epsilon * mechanism.characteristic_length)} {mechanism.length_unit} (angles times the size) where the matrix is well conditioned.",
+        *worst, "",
         f"Model SHA-256 {digest}",
     ]  # fmt: skip
     if relative:

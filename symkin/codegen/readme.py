@@ -71,7 +71,8 @@ path without a singularity and the answer is its end.
    = c$ from $x_0$, $\theta = |c - x_0^2| / 4 x_0^2$, which is $\tfrac14$ at $c = 0$, where the two roots meet.
 3. $\theta$ sees the curvature in the step's direction. What it leaves, $\bar s_1$, lies mostly where the matrix is nearly singular,
    and the next ratio $|\bar s_2| / |\bar s_1|$ sees that direction. For $x^2 = c$ it is $h + h^2 / 4$ with $\theta = h / 2$: 9/16
-   at $h = \tfrac12$, where the roots meet, and 3/8, the limit here, at $h = 0.345$.
+   at $h = \tfrac12$, where the roots meet, and 3/8, the limit here, at $h = 0.345$. After new factors the step is
+   $\tfrac{h}{2 - 2h}$ of the one before and $h_1 = \tfrac12 (\tfrac{h}{1 - h})^2$; at $h = 0.345$ the next one is 2/25, the limit there.
 4. For rods, whose rows hold squared lengths, $s_0(\lambda) = \lambda s_0 - \lambda (1 - \lambda) J_0^{-1} (\Delta L_i^2)$: on
    the way the steps are longer than $|s_0|$ by at most $\tfrac14 |J_0^{-1} (\Delta L_i^2)|$, a term of second order. For rows
    linear in $\lambda$ they are $\lambda s_0$.
@@ -99,13 +100,15 @@ _REDUNDANT_ARM = r"""**Measured, not proved.** The matrix has more columns than 
 matrix at the pose aimed at, and $\theta$ compares successive shortest steps. No theorem is claimed."""
 
 _RULE = r"""The rule is therefore: the whole line is tried (a part of it where given values turn far) and accepted at $\theta \le \tfrac14$, when
-each later step is at most three eighths of the one before; elsewhere it is cut into pieces, each accepted after three steps
-by the same rule, after four where the first step times $1 / p$ ($p$: the least pivot) is above the size and the third is above a fifth
-of the second; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another branch
-rests on random goals compared with fine continuation.@@
+each later step is at most three eighths of the one before, two twenty-fifths where that one had new factors; elsewhere it is cut
+into pieces, each accepted after three steps by the same rule, after four where the first step is far and the third is above a fifth
+of the second. A first step is far where its square times $1 / p$ ($p$: the least pivot) is above the size's: $\theta \le \tfrac16$
+is then asked; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another
+branch rests on random goals compared with fine continuation.@@
 
 The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
-evaluated once more and must vanish to the tolerance plus rounding."""
+evaluated once more and must vanish to the tolerance plus 8 roundings of the size; where they do not, one more step with new factors
+is taken, and 64 are allowed, which the rows of an ill-conditioned answer may leave."""
 _SIGN = r", or the sign of $\det J$ (free with the pivots) changes"
 _DEAD_CENTRE = r"""
 
@@ -256,6 +259,8 @@ Compile with `-fno-math-errno` (square roots become one instruction) and `-ffp-c
 on every machine{_LIBM if program.main.operations.get("sin") else ""}. Source: {markdown(mechanism.source) or "not given"}.
 
 {"One evaluation of formulas for each part of the line" if is_closed(program.kind) else f"One step: {counts}"}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.length_unit}.
+
+{program.worst.chapter()}
 
 ## Equations
 

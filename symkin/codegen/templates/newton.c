@@ -1,9 +1,9 @@
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. @{first_try}.
- * Where the second step is longer than a quarter of the first, or a later one than three eighths of the one before, the
- * theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is proved): the
- * state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
+ * Where the second step is longer than a quarter of the first (of a far one, a sixth), or a later one than three eighths of
+ * the one before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
+ * is proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
@@ -19,6 +19,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     @{real} kappa2 = @{kappa2};
     @{real} limit;
     @{real} residual = @{huge};
+    @{real} room = @{noise_of_rows}; /* residual that rounding is allowed; after one more step, of new factors, that of any matrix */
 @{still_variable}
     int sign = 0; /* of the determinant: a change means that a singularity lies between */
     unsigned int count = 0U;
@@ -38,10 +39,11 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         @{k}_rows(@{ga}w);
         if (verify) {
             residual = @{k}_residual(w);
-            if (residual <= config->tolerance + @{rounding}) {
+            if (residual <= config->tolerance + room) {
                 status = @{P}_OK;
                 break;
             }
+            room = @{rounding};
             verify = false;
             fresh = true;
         }
@@ -67,7 +69,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             sign = turn;
 @{noise}
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4, later 3/8 (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or 1/6, later 3/8, or 2/25 after new factors (README.md) */
         @{k}_solve(w);
         const @{real} before = size;
         size = @{k}_apply_step(@{ga}w);
@@ -75,9 +77,9 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             limit = longest2;
             far = (size * w->spread > @{size2});
         } else if (taken == 1U) {
-            limit = @{contraction2} * before;
+            limit = (far ? @{far2} : @{contraction2}) * before;
         } else {
-            limit = @{later2} * before;
+            limit = (was_fresh ? @{later_fresh2} : @{later2}) * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
