@@ -150,16 +150,27 @@ def couples_of_upu(position: np.ndarray) -> np.ndarray:
     return np.linalg.det(np.stack(couples, axis=1))
 
 
+def legs_of_upu(places: np.ndarray) -> np.ndarray:
+    """The legs' lengths (n, 3) of `three_upu` at positions."""
+    turns = 2 * np.pi * np.arange(3) / 3
+    out = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(3)])
+    return np.linalg.norm(places[:, None] - 120 * out, axis=2)
+
+
 def test_couples_that_no_divisor_watches_are_watched_themselves():
     """The couples of a 3-UPU lose rank where its spheres do not: their volume is a guard, here compared with that by geometry."""
     made = limb_platform(three_upu(), Options("double"), Real("double", "x"))
     assert (made.mechanism.motion, made.direct_formulas is not None) == ("translation", True)
     (reach,) = made.direct_formulas.whole.reaches
-    pose = ca.vertcat(*(made.closure.variables[made.closure.slices[c.name]] for c in made.closure.role("pose")))
-    volume = ca.Function("volume", [pose], [reach.of_configuration])
+    form = made.direct_formulas.formulas
+    # the volume is this times the root of the spheres' discriminant, which has a guard of its own
+    guard = ca.Function("guard", [form.system.known], [reach.of_known, form.discriminants[0]])
     places = np.array([0.0, 0.0, 300.0]) + np.random.default_rng(4).uniform(-250, 250, (30, 3))
-    own = np.array([float(volume(place)) for place in places])
-    np.testing.assert_allclose(own / own[0], couples_of_upu(places) / couples_of_upu(places[:1]), rtol=1e-8)
+    own = []
+    for place in places:
+        value, square = guard(legs_of_upu(place[None]).ravel())
+        own.append(float(value) * float(square) ** 0.5)
+    np.testing.assert_allclose(np.array(own) / own[0], couples_of_upu(places) / couples_of_upu(places[:1]), rtol=1e-7)
 
 
 @pytest.mark.parametrize("real", ["double", "float"])

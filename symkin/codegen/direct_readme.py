@@ -26,7 +26,7 @@ square (compared at @n@ configurations): where no $v$ is zero, the platform keep
 _IMPLIED_BY_VOLUME = r"""The model declares no motion. Its joints leave the platform a @@ one, and the code is that of a platform of this motion. Each
 limb holds it by one wrench, whose direction is linear in the platform's position (compared at @n@ configurations). Where the determinant of these
 wrenches is zero, the platform could leave the motion, and where a limb's wrench is, its passive joints are not decided. The determinant is one of
-the $g$ below, so that neither happens on the line."""
+the $g$ below (without the root of a $D$ that it is a multiple of), so that neither happens on the line."""
 
 _LINE = r"""## Which answer is OK
 
