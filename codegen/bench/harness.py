@@ -76,7 +76,7 @@ def harness_of(name: str, options: Options) -> Harness:
     """A mechanism's folder, written anew, with its bench."""
     program = build_program(load(name), options)
     folder = Path(tempfile.mkdtemp())
-    write_folder(program.mechanism, folder, options)
+    write_folder(program.described, folder, options)
     (folder / "bench.c").write_text(main_text(program))
     if program.mechanism.serial:
         closed = program.kind.plan is not None  # type: ignore[union-attr] - of a serial arm
