@@ -77,7 +77,7 @@ def harness_of(source: str, options: Options) -> Harness:
     program = build_program(load(source), options)
     name = program.mechanism.name
     folder = Path(tempfile.mkdtemp())
-    write_folder(program.mechanism, folder, options)
+    write_folder(program.described, folder, options)
     (folder / "bench.c").write_text(main_text(program))
     if program.mechanism.serial:
         closed = program.kind.plan is not None  # type: ignore[union-attr] - of a serial arm
