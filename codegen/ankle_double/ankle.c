@@ -587,7 +587,13 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
 static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real to[2],
     const ankle_config *config, ankle_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const ankle_real ratio2[3][3] = {
+        { 0.0625, 0.0064, 0.140625 }, { 0.027777777777777776, 0.0064, 0.140625 }, { 0.015625,
+            0.0009, 0.09 }
+    };
     const ankle_real tolerance2 = config->tolerance * config->tolerance;
     const ankle_real longest2 = config->max_step * config->max_step;
     ankle_status status = ANKLE_MAX_ITERATIONS;
@@ -609,10 +615,9 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
-    bool very_far = false; /* whether it is three times as long as that */
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -684,14 +689,10 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
         size = ankle_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 68650.00000000001);
-            very_far = (size * w->spread > 10.0 * 68650.00000000001);
-        } else if (taken == 1U) {
-            limit = (very_far ? 0.015625 : (far ? 0.027777777777777776 : 0.0625)) * before;
-        } else if (was_fresh) {
-            limit = (very_far ? 0.0009 : 0.0064) * before;
+            const ankle_real reach = size * w->spread;
+            far = (reach > 68650.00000000001) ? ((reach > 10.0 * 68650.00000000001) ? 2U : 1U) : 0U;
         } else {
-            limit = (very_far ? 0.09 : 0.140625) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
@@ -716,7 +717,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
             } else if ((taken == 0U) || ((size > still2)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0 > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {

@@ -706,7 +706,13 @@ static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const r
 static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6],
     const ren2008_config *config, ren2008_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const ren2008_real ratio2[3][3] = {
+        { 0.0625, 0.0064, 0.140625 }, { 0.027777777777777776, 0.0064, 0.140625 }, { 0.015625,
+            0.0009, 0.09 }
+    };
     const ren2008_real tolerance2 = config->tolerance * config->tolerance;
     const ren2008_real longest2 = config->max_step * config->max_step;
     ren2008_status status = REN2008_MAX_ITERATIONS;
@@ -727,10 +733,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
-    bool very_far = false; /* whether it is three times as long as that */
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -776,14 +781,10 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         size = ren2008_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 2.85666225);
-            very_far = (size * w->spread > 10.0 * 2.85666225);
-        } else if (taken == 1U) {
-            limit = (very_far ? 0.015625 : (far ? 0.027777777777777776 : 0.0625)) * before;
-        } else if (was_fresh) {
-            limit = (very_far ? 0.0009 : 0.0064) * before;
+            const ren2008_real reach = size * w->spread;
+            far = (reach > 2.85666225) ? ((reach > 10.0 * 2.85666225) ? 2U : 1U) : 0U;
         } else {
-            limit = (very_far ? 0.09 : 0.140625) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.442245867805243e-28));
         if (accepted) {
@@ -805,7 +806,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
             } else if ((taken == 0U) || ((size > 1.442245867805243e-28)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0 > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {
@@ -1293,8 +1294,9 @@ ren2008_status ren2008_line(const ren2008_config *config, const ren2008_pose *fr
         -1.6901663379679529e-09 };
     static const ren2008_real high[6] = { 0.5500000016901664, 0.5500000016901664,
         0.5500000016901664, 0.5500000016901664, 0.5500000016901664, 0.5500000016901664 };
-    const unsigned int most = (config != NULL) ? (unsigned int)config->max_iterations
-        : REN2008_MAX_STEPS;
+    static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
+    const ren2008_config *const used = (config == NULL) ? &usual : config;
+    const unsigned int most = (unsigned int)used->max_iterations;
     const ren2008_real third = 0.3333333333333333;
     ren2008_direct_work w;
     ren2008_real ends[2][7];

@@ -698,7 +698,13 @@ static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const r
 static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6],
     const ren2008_config *config, ren2008_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const ren2008_real ratio2[3][3] = {
+        { 0.0625f, 0.0064f, 0.140625f }, { 0.027777778f, 0.0064f, 0.140625f }, { 0.015625f,
+            0.0009f, 0.09f }
+    };
     const ren2008_real tolerance2 = config->tolerance * config->tolerance;
     const ren2008_real longest2 = config->max_step * config->max_step;
     ren2008_status status = REN2008_MAX_ITERATIONS;
@@ -719,10 +725,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
-    bool very_far = false; /* whether it is three times as long as that */
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -768,14 +773,10 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         size = ren2008_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 2.8566623f);
-            very_far = (size * w->spread > 10.0f * 2.8566623f);
-        } else if (taken == 1U) {
-            limit = (very_far ? 0.015625f : (far ? 0.027777778f : 0.0625f)) * before;
-        } else if (was_fresh) {
-            limit = (very_far ? 0.0009f : 0.0064f) * before;
+            const ren2008_real reach = size * w->spread;
+            far = (reach > 2.8566623f) ? ((reach > 10.0f * 2.8566623f) ? 2U : 1U) : 0U;
         } else {
-            limit = (very_far ? 0.09f : 0.140625f) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1569907e-11f));
         if (accepted) {
@@ -796,7 +797,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
             } else if ((taken == 0U) || ((size > 4.1569907e-11f)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0f > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {
@@ -1283,8 +1284,9 @@ ren2008_status ren2008_line(const ren2008_config *config, const ren2008_pose *fr
         -1.6118682e-06f, -1.6118682e-06f, -1.6118682e-06f };
     static const ren2008_real high[6] = { 0.5500016f, 0.5500016f, 0.5500016f, 0.5500016f,
         0.5500016f, 0.5500016f };
-    const unsigned int most = (config != NULL) ? (unsigned int)config->max_iterations
-        : REN2008_MAX_STEPS;
+    static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
+    const ren2008_config *const used = (config == NULL) ? &usual : config;
+    const unsigned int most = (unsigned int)used->max_iterations;
     const ren2008_real third = 0.33333334f;
     ren2008_direct_work w;
     ren2008_real ends[2][7];

@@ -745,7 +745,13 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w,
 static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
     const zhang2009_real to[6], const zhang2009_config *config, zhang2009_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const zhang2009_real ratio2[3][3] = {
+        { 0.0625f, 0.0064f, 0.140625f }, { 0.027777778f, 0.0064f, 0.140625f }, { 0.015625f,
+            0.0009f, 0.09f }
+    };
     const zhang2009_real tolerance2 = config->tolerance * config->tolerance;
     const zhang2009_real longest2 = config->max_step * config->max_step;
     zhang2009_status status = ZHANG2009_MAX_ITERATIONS;
@@ -766,10 +772,9 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
-    bool very_far = false; /* whether it is three times as long as that */
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -815,14 +820,10 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
         size = zhang2009_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 282236.34f);
-            very_far = (size * w->spread > 10.0f * 282236.34f);
-        } else if (taken == 1U) {
-            limit = (very_far ? 0.015625f : (far ? 0.027777778f : 0.0625f)) * before;
-        } else if (was_fresh) {
-            limit = (very_far ? 0.0009f : 0.0064f) * before;
+            const zhang2009_real reach = size * w->spread;
+            far = (reach > 282236.34f) ? ((reach > 10.0f * 282236.34f) ? 2U : 1U) : 0U;
         } else {
-            limit = (very_far ? 0.09f : 0.140625f) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1070793e-06f));
         if (accepted) {
@@ -843,7 +844,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
             } else if ((taken == 0U) || ((size > 4.1070793e-06f)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0f > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {

@@ -100,7 +100,8 @@ class _Limits:
     def read_lines(self) -> list[str]:
         """Statements that set the functions' values at joint values; M is negative where the branch is the other one."""
         at, steps, zero = self.line.evaluated(), self.line.plan.steps, self.line.real.literal(0.0)
-        choices = [i for i, step in enumerate(steps) if step.branch is not None]
+        limited = {end.joint for end in self.ends}
+        choices = [i for i, step in enumerate(steps) if step.branch is not None and limited & set(step.joints)]
         slopes = [at.slope(steps[i]) for i in choices]
         emitter = self.line.emitter(ca.vertcat(*self._expressions, *slopes))
         texts = [emitter.value(0, k) for k in range(2 * len(self.ends))]

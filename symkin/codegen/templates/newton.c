@@ -7,7 +7,11 @@
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the largest ones that are accepted, of the
+     * second step, of later ones after new factors, and of others, as the first step is near, far or very far */
+    static const @{real} ratio2[3][3] = {
+        { @{contraction2}, @{later_fresh2}, @{later2} }, { @{far2}, @{later_fresh2}, @{later2} }, { @{very_far2}, @{very_far_fresh2}, @{very_far_later2} }
+    };
     const @{real} tolerance2 = config->tolerance * config->tolerance;
     const @{real} longest2 = config->max_step * config->max_step;
     @{p}_status status = @{P}_MAX_ITERATIONS;
@@ -28,8 +32,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool was_fresh = false; /* whether the step before had new factors */
     @{quick_variable}
     bool kept = false; /* whether the factors are those of the part that is done */
-    bool far = false; /* whether the first step is long beside the way to a singularity, as the least pivot tells it */
-    bool very_far = false; /* whether it is three times as long as that */
+    unsigned int far = 0U; /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2: very long */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
@@ -76,14 +79,10 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         size = @{k}_apply_step(@{ga}w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > @{size2});
-            very_far = (size * w->spread > @{ten} * @{size2});
-        } else if (taken == 1U) {
-            limit = (very_far ? @{very_far2} : (far ? @{far2} : @{contraction2})) * before;
-        } else if (was_fresh) {
-            limit = (very_far ? @{very_far_fresh2} : @{later_fresh2}) * before;
+            const @{real} reach = size * w->spread;
+            far = (reach > @{size2}) ? ((reach > @{ten} * @{size2}) ? 2U : 1U) : 0U;
         } else {
-            limit = (very_far ? @{very_far_later2} : @{later2}) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
@@ -105,7 +104,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
                 ++taken;
             } else if ((taken == 0U) || ((size > @{still2})
-                && ((taken == 1U) || (far && (taken == 2U) && (size * @{sure} > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * @{sure} > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose third step is not far
                  * shorter than its second, a fourth one judges that */
                 if (taken < 2U) {

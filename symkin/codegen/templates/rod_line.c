@@ -69,7 +69,9 @@ static void @{p}_add_square(const @{real} b[4], @{real} factor, @{real} c[7])
 {
     static const @{real} low[6] = { @{lows} };
     static const @{real} high[6] = { @{highs} };
-    const unsigned int most = (config != NULL) ? (unsigned int)config->max_iterations : @{P}_MAX_STEPS;
+    static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
+    const @{p}_config *const used = (config == NULL) ? &usual : config;
+    const unsigned int most = (unsigned int)used->max_iterations;
     const @{real} third = @{third};
     @{p}_direct_work w;
     @{real} ends[2][7];
