@@ -30,6 +30,18 @@
  *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1223 add, 1616 mul, 49 div, 10 sqrt, 36 sin, 36 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 15229 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 10000 instructions, 616 stack, 2968 code
+ *   inverse_branch: 1580 instructions, 672 stack, 3048 code
+ *   inverse_nearest: 2190 instructions, 736 stack, 3268 code
+ *   direct: 1665 instructions, 944 stack, 1224 code
+ *   inverse: 176060 instructions, 1408 stack, 6832 code
+ *   jacobian: 1770 instructions, 1040 stack, 1696 code
+ *   twist: 2150 instructions, 1336 stack, 1824 code
+ *   rates: 10060 instructions, 1440 stack, 3184 code
+ *   feed: 10185 instructions, 1504 stack, 3284 code
+ *   track: 13065 instructions, 1584 stack, 4676 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

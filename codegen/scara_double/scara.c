@@ -620,45 +620,41 @@ static uint8_t scara_first_leaving(const scara_real a[4], const scara_real b[4],
         /* shoulder, lower limit */
         if ((joint == 4U)
     && scara_may_reach(below[0], way2)
-    && !scara_keeps_sign(at_a[0], at_b[0], 1.09 * place + 4.74 * turn + 3.17 * moved[1]
-        + 2.5 * moved[3])
-    && !((at_a[1] < 0.0) && scara_keeps_sign(at_a[1], at_b[1],
-        1.09 * place + 4.74 * turn + 3.22 * moved[1] + 2.5 * moved[3]))) {
+    && !scara_keeps_sign(at_a[0], at_b[0], 1.09 * place + 2.17 * moved[1])
+    && !((at_a[1] < 0.0) && scara_keeps_sign(at_a[1], at_b[1], 1.09 * place + 2.18 * moved[1]))) {
             joint = 0U;
         }
         /* shoulder, upper limit */
         if ((joint == 4U)
     && scara_may_reach(above[0], way2)
-    && !scara_keeps_sign(at_a[2], at_b[2], 1.09 * place + 4.74 * turn + 3.19 * moved[1]
-        + 2.5 * moved[3])
-    && !((at_a[3] < 0.0) && scara_keeps_sign(at_a[3], at_b[3],
-        1.09 * place + 4.74 * turn + 3.04 * moved[1] + 2.5 * moved[3]))) {
+    && !scara_keeps_sign(at_a[2], at_b[2], 1.09 * place + 2.17 * moved[1])
+    && !((at_a[3] < 0.0) && scara_keeps_sign(at_a[3], at_b[3], 1.09 * place + 2.18 * moved[1]))) {
             joint = 0U;
         }
         /* elbow, lower limit */
         if ((joint == 4U)
     && scara_may_reach(below[1], way2)
-    && !scara_keeps_sign(at_a[4], at_b[4], 4.97 * place + 5.4 * turn + 5.0 * moved[3])
+    && !scara_keeps_sign(at_a[4], at_b[4], 2.5 * place + 2.5 * moved[3])
     && !((at_a[5] < 0.0) && scara_keeps_sign(at_a[5], at_b[5], 0.0))) {
             joint = 1U;
         }
         /* elbow, upper limit */
         if ((joint == 4U)
     && scara_may_reach(above[1], way2)
-    && !scara_keeps_sign(at_a[6], at_b[6], 4.97 * place + 5.4 * turn + 5.0 * moved[3])
+    && !scara_keeps_sign(at_a[6], at_b[6], 2.5 * place + 2.5 * moved[3])
     && !((at_a[7] < 0.0) && scara_keeps_sign(at_a[7], at_b[7], 0.0))) {
             joint = 1U;
         }
         /* slide, lower limit */
         if ((joint == 4U)
     && scara_may_reach(below[3], way2)
-    && !scara_keeps_sign(at_a[8], at_b[8], 1.25 * turn)) {
+    && !scara_keeps_sign(at_a[8], at_b[8], 0.0)) {
             joint = 3U;
         }
         /* slide, upper limit */
         if ((joint == 4U)
     && scara_may_reach(above[3], way2)
-    && !scara_keeps_sign(at_a[10], at_b[10], 1.25 * turn)) {
+    && !scara_keeps_sign(at_a[10], at_b[10], 0.0)) {
             joint = 3U;
         }
     }
@@ -761,12 +757,12 @@ static scara_real scara_line_share(const scara_real a[3], const scara_real b[3],
     (void)turn;
     (void)moved;
     /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
-    const scara_real bend0 = 7.17 * place + 7.42 * turn + 2.61 * moved[3];
+    const scara_real bend0 = 2.46 * place + 2.46 * moved[3];
     const scara_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
     const scara_real share0 = bend0 / (2.0 * (a[0] + b[0]) + 4.0 * lesser0);
     largest = (share0 > largest) ? share0 : largest;
     /* shoulder turns a point of the axis of turn to where it must be */
-    const scara_real bend1 = 9.94 * place + 15.6 * turn + 5.0 * moved[3];
+    const scara_real bend1 = 5.0 * place;
     const scara_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
     const scara_real share1 = bend1 / (2.0 * (a[1] + b[1]) + 4.0 * lesser1);
     largest = (share1 > largest) ? share1 : largest;

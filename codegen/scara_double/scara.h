@@ -22,7 +22,7 @@
  *   inverse_branch: 128 add, 147 mul, 5 div, 7 sqrt, 6 atan2
  *   inverse_nearest: 138 add, 154 mul, 5 div, 7 sqrt, 6 atan2
  *   direct: 17 add, 32 mul, 1 div, 1 sqrt, 3 sin, 3 cos
- *   inverse: 100 iterations, 25170 add, 38285 mul, 804 div, 707 sqrt, 603 sin, 603 cos, 600 atan2
+ *   inverse: 100 iterations, 23870 add, 36785 mul, 804 div, 707 sqrt, 603 sin, 603 cos, 600 atan2
  *   jacobian: 12 add, 18 mul, 3 sin, 3 cos
  *   twist: 40 add, 42 mul, 3 sin, 3 cos
  *   rates: 378 add, 475 mul, 25 div, 5 sqrt, 3 sin, 3 cos

@@ -22,7 +22,7 @@
  *   inverse_branch: 182 add, 201 mul, 17 div, 7 sqrt
  *   inverse_nearest: 192 add, 208 mul, 17 div, 7 sqrt
  *   direct: 53 add, 71 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 37806 add, 51524 mul, 2004 div, 707 sqrt
+ *   inverse: 100 iterations, 36506 add, 50024 mul, 2004 div, 707 sqrt
  *   jacobian: 48 add, 57 mul
  *   twist: 76 add, 81 mul
  *   rates: 414 add, 514 mul, 25 div, 5 sqrt

@@ -30,6 +30,18 @@
  *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 10541 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 10055 instructions, 608 stack, 3016 code
+ *   inverse_branch: 1595 instructions, 664 stack, 3096 code
+ *   inverse_nearest: 2215 instructions, 728 stack, 3316 code
+ *   direct: 1700 instructions, 944 stack, 1240 code
+ *   inverse: 177515 instructions, 1408 stack, 6936 code
+ *   jacobian: 1800 instructions, 1032 stack, 1688 code
+ *   twist: 2180 instructions, 1328 stack, 1816 code
+ *   rates: 10095 instructions, 1432 stack, 3176 code
+ *   feed: 10220 instructions, 1496 stack, 3276 code
+ *   track: 13040 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -30,6 +30,18 @@
  *   rates: 850 add, 1036 mul, 47 div, 5 sqrt, 5 sin, 5 cos
  *   feed: 856 add, 1042 mul, 53 div, 5 sqrt, 5 sin, 5 cos
  *   track: 1124 add, 1533 mul, 49 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 15420 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 8595 instructions, 616 stack, 2632 code
+ *   inverse_branch: 1380 instructions, 672 stack, 2712 code
+ *   inverse_nearest: 1925 instructions, 744 stack, 2924 code
+ *   direct: 1415 instructions, 944 stack, 1056 code
+ *   inverse: 152710 instructions, 1368 stack, 5904 code
+ *   jacobian: 1490 instructions, 1016 stack, 1380 code
+ *   twist: 1870 instructions, 1312 stack, 1512 code
+ *   rates: 9760 instructions, 1416 stack, 2872 code
+ *   feed: 9885 instructions, 1480 stack, 2972 code
+ *   track: 13820 instructions, 1560 stack, 4332 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

@@ -30,6 +30,18 @@
  *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 22586 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 5120 instructions, 280 stack, 2588 code
+ *   inverse_branch: 900 instructions, 304 stack, 2656 code
+ *   inverse_nearest: 1435 instructions, 352 stack, 2852 code
+ *   direct: 625 instructions, 112 stack, 1304 code
+ *   inverse: 99340 instructions, 512 stack, 5852 code
+ *   jacobian: 690 instructions, 112 stack, 1564 code
+ *   twist: 1070 instructions, 264 stack, 1684 code
+ *   rates: 9755 instructions, 616 stack, 3024 code
+ *   feed: 9870 instructions, 656 stack, 3128 code
+ *   track: 12485 instructions, 696 stack, 4452 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

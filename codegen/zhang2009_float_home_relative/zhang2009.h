@@ -29,6 +29,15 @@
  *   rates: 155 add, 172 mul, 7 div, 7 sqrt
  *   feed: 161 add, 178 mul, 13 div, 7 sqrt
  *   twist: 281 add, 382 mul, 49 div, 7 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 16738 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 83670 instructions, 544 stack, 5492 code
+ *   track: 2585 instructions, 408 stack, 4108 code
+ *   inverse: 455 instructions, 408 stack, 1380 code
+ *   jacobian: 460 instructions, 200 stack, 1824 code
+ *   rates: 880 instructions, 360 stack, 1968 code
+ *   feed: 1040 instructions, 400 stack, 2068 code
+ *   twist: 3030 instructions, 560 stack, 2408 code
  *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */

@@ -36,6 +36,8 @@ _LEAST_PART = 2.0**-12
 """Shortest part of a line."""
 _SAMPLES = 400
 """Random joint values over which derivatives are bounded."""
+_DIRECTIONS = 20
+"""Random joint values at which the tool's directions of motion are looked for."""
 _ROOM = 1.25
 """By which the largest sampled derivative is raised."""
 _LEAST = 256.0
@@ -123,8 +125,19 @@ class ClosedLine:
             hessian = ca.substitute(ca.hessian(function, moved)[0], moved, ca.DM.zeros(6 + n))
             values_there = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(samples.T)
             matrices = np.asarray(values_there).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
-            found.append(_ROOM * _block_sums(matrices))
+            found.append(_ROOM * _block_sums(matrices, self._ways(samples)))
         return np.array(found).reshape(-1, 2 + n)
+
+    def _ways(self, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Orthonormal columns that span the tool's velocities, and its angular velocities: a SCARA's turn about one axis."""
+        screws = self.plan.arm.screws
+        jacobian = ca.Function("jacobian", [self.motion.halves], [self.motion.jacobian])
+        halves = [
+            [v for q, s in zip(row, screws, strict=True) for v in ((q, 0.0) if s.slides else (np.cos(q / 2), np.sin(q / 2)))]
+            for row in samples[:_DIRECTIONS]
+        ]
+        columns = np.hstack([np.asarray(jacobian(u)) for u in halves])
+        return _span(columns[:3]), _span(columns[3:])
 
     def evaluated(self) -> Evaluation:
         """The arm at the half turns and the pose that they lead to."""
@@ -192,15 +205,26 @@ class ClosedLine:
         return limits.text + fill("closed_line.c", names | limits.names)
 
 
-def _block_sums(matrices: np.ndarray) -> np.ndarray:
+def _span(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (3, rank) that span all columns."""
+    vectors, values, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(vectors[:, values > _NOTHING * max(1.0, float(values.max()))])
+
+
+def _block_sums(matrices: np.ndarray, ways: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Weights w of d' H d <= w_1 |d_1|^2 + ..., for matrices H (count, n, n) whose blocks are the first three and the next three
-    variables, and each other one."""
-    n = matrices.shape[1]
-    blocks = [slice(0, 3), slice(3, 6), *(slice(i, i + 1) for i in range(6, n))]
-    sums = np.zeros((len(matrices), len(blocks)))
-    for i, rows in enumerate(blocks):
-        for j, columns in enumerate(blocks):
-            part = matrices[:, rows, columns]
+    variables, which go only in the directions of `ways`, and each other one."""
+    count = matrices.shape[1] - 6
+    parts = [np.zeros((matrices.shape[1], way.shape[1])) for way in ways] + [
+        np.eye(matrices.shape[1])[:, 6 + i : 7 + i] for i in range(count)
+    ]
+    parts[0][:3], parts[1][3:6] = ways
+    sums = np.zeros((len(matrices), len(parts)))
+    for i, rows in enumerate(parts):
+        for j, columns in enumerate(parts):
+            part = rows.T @ matrices @ columns
+            if part.size == 0:
+                continue
             if i == j:
                 sums[:, i] += np.maximum(np.linalg.eigvalsh(part)[:, -1], 0.0)
             else:
