@@ -17,6 +17,8 @@ from readme import written
 from symkin.codegen.options import Options
 
 PARALLEL = (("ren2008", "m"), ("zhao2000", "mm"), ("zhao2000_links", "mm"), ("delta", "mm"))
+MAP = ("ankle", ("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))
+"""The two-motor ankle, given and found coordinates, as in generate.py."""
 SERIAL = ("gluon_6l3", "yao2020", "ur5e", "scara")
 
 
@@ -34,6 +36,8 @@ def subjects() -> Iterator[tuple[str, Harness, tuple[str, ...], str]]:
             yield f"{name} {real}", harness_of(name, Options(real)), (board, HOST), unit  # type: ignore[arg-type]
         for name in SERIAL:
             yield f"{name} {real}", harness_of(name, Options(real)), (board, HOST), "rad or mm"  # type: ignore[arg-type]
+        name, given, find = MAP
+        yield f"{name} {real}", harness_of(name, Options(real, given=given, find=find)), (board, HOST), "rad"  # type: ignore[arg-type]
 
 
 def report() -> str:

@@ -6,6 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from symkin.codegen.joint_map import JointMap
+from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.program import Kind
 from symkin.codegen.rod_platform import RodPlatform, sample_poses
 from symkin.codegen.serial_arm import SerialArm
@@ -26,11 +28,20 @@ def cases_of(kind: Kind) -> dict[str, np.ndarray]:
     """Tables by name: 64 poses about home for a platform whose home is HOME, the folder's own vectors for all others."""
     if isinstance(kind, RodPlatform) and kind.options.home == HOME:
         return platform_cases(kind)
+    if isinstance(kind, JointMap):
+        return map_cases(kind)
     v = vectors_of(kind)
     if isinstance(kind, SerialArm):
         return {"guesses": v.guesses, "poses": v.poses, "expected": v.inverse}
     odd, n = np.arange(len(v.joints)) % 2 == 1, len(v.joints)
     return {"joints": v.joints[odd], "cold": np.tile(v.home, (n // 2, 1)), "warm": v.guesses[odd], "expected": v.poses[odd]}
+
+
+def map_cases(kind: JointMap) -> dict[str, np.ndarray]:
+    """The map's own vectors that start next to their answers; `cold_...` is the reference, where the first starts."""
+    tables = MapVectors(kind).tables
+    cases = {name: table[1::2] for name, table in tables.items()}
+    return cases | {"cold_guesses": tables["guesses"][:1], "cold_joint_guesses": tables["joint_guesses"][:1]}
 
 
 def platform_cases(platform: RodPlatform) -> dict[str, np.ndarray]:

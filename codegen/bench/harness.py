@@ -18,6 +18,7 @@ import numpy as np
 from bench_cases import cases_of
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.folder import write_folder
+from symkin.codegen.joint_map import JointMap
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
 from symkin.formats.load import load
@@ -62,6 +63,10 @@ int main(void)
 """
 
 
+MAP_KINDS = ("cold", "warm", "back, cold", "back, warm", "track", "track back")
+"""Cases of a map between joints."""
+
+
 @dataclass(frozen=True)
 class Harness:
     """A folder with bench.c and SOURCE.c; `calls` are the functions that are measured, `kinds` the names of the cases."""
@@ -78,6 +83,9 @@ def harness_of(name: str, options: Options) -> Harness:
     folder = Path(tempfile.mkdtemp())
     write_folder(program.mechanism, folder, options)
     (folder / "bench.c").write_text(main_text(program))
+    if isinstance(program.kind, JointMap):
+        calls = ("direct", "inverse", "track", "track_inverse")
+        return Harness(folder, name, tuple(f"{name}_{call}" for call in calls), MAP_KINDS)
     if program.mechanism.serial:
         closed = program.kind.plan is not None  # type: ignore[union-attr] - of a serial arm
         calls = ("inverse", "inverse_nearest", "inverse_all") if closed else ("inverse",)
@@ -87,6 +95,8 @@ def harness_of(name: str, options: Options) -> Harness:
 
 def main_text(program: Program) -> str:
     """bench.c of a mechanism."""
+    if isinstance(program.kind, JointMap):
+        return _map_text(program)
     return _serial_text(program) if program.mechanism.serial else _platform_text(program)
 
 
@@ -130,6 +140,26 @@ def _platform_text(program: Program) -> str:
     return filled(f'#include "{name}.h"', tables + nominal, prepare, call, 3, 3, len(cases["joints"]))
 
 
+def _map_text(program: Program) -> str:
+    name, real, cases = program.mechanism.name, program.real, cases_of(program.kind)
+    n = cases["joints"].shape[1]
+    tables = [table(real.type, key, rows, real) for key, rows in cases.items() if key != "inverse"]
+    tables += [
+        table("double", f"expected_{key}", cases[of], Real("double")) for key, of in (("found", "found"), ("joints", "inverse"))
+    ]
+    prepare = f"""const bool back = (kind == 2) || (kind == 3) || (kind == 5), cold = (kind == 0) || (kind == 2);
+        const {real.type} *const start = back ? (cold ? cold_joint_guesses[0] : joint_guesses[k]) : (cold ? cold_guesses[0] : guesses[k]);
+        const double (*const expected)[{n}] = back ? expected_joints : expected_found;
+        {real.type} result[{n}]; {name}_info info; int status;
+        for (int i = 0; i < {n}; ++i) {{ result[i] = start[i]; }}"""
+    call = f"""if (kind < 2) {{ status = (int){name}_direct(0, joints[k], start, result, &info); }}
+        else if (kind < 4) {{ status = (int){name}_inverse(0, found[k], start, result, &info); }}
+        else if (kind == 4) {{ status = (int){name}_track(joints[k], result, &info); }}
+        else {{ status = (int){name}_track_inverse(found[k], result, &info); }}"""
+    include = f'#include "{name}.h"\n#include <stdbool.h>'
+    return filled(include, tables, prepare, call, n, len(MAP_KINDS), len(cases["joints"]))
+
+
 def _serial_text(program: Program) -> str:
     name, real = program.mechanism.name, program.real
     cases, n = cases_of(program.kind), len(program.mechanism.actuated)
@@ -161,7 +191,8 @@ def from_folder(folder: Path) -> str:
     manifest = json.loads((folder / "manifest.json").read_text())
     chosen = manifest["options"]
     home = tuple(chosen["home"]) if chosen["home"] else None
-    options = Options(chosen["real"], chosen["home_relative"], chosen["geometry"], home)
+    between = {key: tuple(chosen.get(key, ())) for key in ("given", "find")}
+    options = Options(chosen["real"], chosen["home_relative"], chosen["geometry"], home, **between)
     return main_text(build_program(load(manifest["mechanism"]), options))
 
 
