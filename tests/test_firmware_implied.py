@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -136,10 +137,60 @@ def test_lines_on_which_the_couples_lose_rank_are_refused(asked):
         assert asked.answers(goal, home).status[0] != 0
 
 
-def test_couples_that_no_divisor_watches_leave_the_motion_as_described():
-    """The couples of a 3-UPU lose rank where its spheres do not: its motion is not taken."""
+def couples_of_upu(position: np.ndarray) -> np.ndarray:
+    """The determinant of the couples of `three_upu` at positions (n, 3), by its geometry: each limb's is across its outer axis, the
+    tangent, in the plane of that and its leg."""
+    legs, tangents = [], []
+    for k in range(3):
+        t = 2 * np.pi * k / 3
+        out, tangent = np.array([np.cos(t), np.sin(t), 0.0]), np.array([-np.sin(t), np.cos(t), 0.0])
+        legs.append(position + 80 * out - 200 * out)
+        tangents.append(tangent)
+    couples = [leg - np.outer(leg @ tangent, tangent) for leg, tangent in zip(legs, tangents, strict=True)]
+    return np.linalg.det(np.stack(couples, axis=1))
+
+
+def legs_of_upu(places: np.ndarray) -> np.ndarray:
+    """The legs' lengths (n, 3) of `three_upu` at positions."""
+    turns = 2 * np.pi * np.arange(3) / 3
+    out = np.column_stack([np.cos(turns), np.sin(turns), np.zeros(3)])
+    return np.linalg.norm(places[:, None] - 120 * out, axis=2)
+
+
+def test_couples_that_no_divisor_watches_are_watched_themselves():
+    """The couples of a 3-UPU lose rank where its spheres do not: their volume is a guard, here compared with that by geometry."""
     made = limb_platform(three_upu(), Options("double"), Real("double", "x"))
-    assert made.mechanism.motion == "spatial"
+    assert (made.mechanism.motion, made.direct_formulas is not None) == ("translation", True)
+    (reach,) = made.direct_formulas.whole.reaches
+    form = made.direct_formulas.formulas
+    # the volume is this times the root of the spheres' discriminant, which has a guard of its own
+    guard = ca.Function("guard", [form.system.known], [reach.of_known, form.discriminants[0]])
+    places = np.array([0.0, 0.0, 300.0]) + np.random.default_rng(4).uniform(-250, 250, (30, 3))
+    own = []
+    for place in places:
+        value, square = guard(legs_of_upu(place[None]).ravel())
+        own.append(float(value) * float(square) ** 0.5)
+    np.testing.assert_allclose(np.array(own) / own[0], couples_of_upu(places) / couples_of_upu(places[:1]), rtol=1e-7)
+
+
+@pytest.mark.parametrize("real", ["double", "float"])
+def test_lines_of_a_3_upu_on_which_couples_lose_rank_are_refused(real):
+    """Goals are the legs' lengths at positions beyond the surface on which the couples depend on one another, and on this side."""
+    tools.compiler("gcc")
+    asked = tools.bench_module("asked").Asked(three_upu(), Options(real))
+    rng, home = np.random.default_rng(6), np.array([[0.0, 0.0, 300.0, 1.0, 0.0, 0.0, 0.0]])
+    places = home[0, :3] + rng.uniform(-1, 1, (3000, 3)) * [200.0, 200.0, 290.0]
+    poses = np.column_stack([places, np.tile(home[0, 3:], (len(places), 1))])
+    status, joints = asked.back(poses)
+    assert not status.any()
+    answers = asked.answers(joints, np.tile(home, (len(places), 1)))
+    beyond = couples_of_upu(places) * couples_of_upu(home[:, :3]) < 0.0
+    ok = answers.status == 0
+    assert beyond.sum() > 100
+    assert not np.any(np.abs(answers.found[ok & beyond, :3] - places[ok & beyond]).max(axis=1, initial=0.0) < 1.0)
+    reached = couples_of_upu(answers.found[ok, :3])
+    assert np.all(reached * couples_of_upu(home[:, :3]) > 0.0)
+    assert np.mean(ok[~beyond]) > 0.3
 
 
 def test_volumes_are_compared_with_divisors(declared):

@@ -62,10 +62,10 @@ static ANKLE_COLD ankle_status ankle_check_config(const ankle_config *config, an
 
 
 /* Cosine and sine of an angle. */
-static ANKLE_SHARED void ankle_circle(ankle_real angle, ankle_real circle[2])
+static void ankle_cosine_and_sine(ankle_real angle, ankle_real u[2])
 {
-    circle[0] = cos(angle);
-    circle[1] = sin(angle);
+    u[0] = cos(angle);
+    u[1] = sin(angle);
 }
 
 /* An angle moved by whole turns: the one next to `near` within the limits, where they hold one. */
@@ -295,8 +295,10 @@ static ankle_real ankle_direct_apply_step(ankle_direct_work *w)
 static ANKLE_SHARED void ankle_direct_set_target(ankle_direct_work *w, const ankle_real to[2],
     ankle_real part)
 {
-    ankle_circle((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->numbers[0]);
-    ankle_circle((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->numbers[2]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0],
+        &w->numbers[0]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1],
+        &w->numbers[2]);
     ankle_direct_coefficients(w->numbers, w->k);
 }
 
@@ -577,15 +579,21 @@ static ANKLE_COLD bool ankle_direct_reaches_middle(ankle_direct_work *w, const a
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. A part in which known
  * values turn by at most 0.5 rad is tried first. Where the second step is longer than a quarter of
- * the first (of a far one, a sixth), or a later one than three eighths of the one before (two
- * twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to
- * the part that is done (README.md says what is proved): the state is put back and a nearer point
- * of the line is aimed at. Factors are kept for one more step where that is predicted to reach the
- * tolerance. The answer's rows are evaluated before it is called OK. */
+ * the first (of a far one, a sixth to an eighth), or a later one than three eighths of the one
+ * before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie
+ * the point to the part that is done (README.md says what is proved): the state is put back and a
+ * nearer point of the line is aimed at. Factors are kept for one more step where that is predicted
+ * to reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real to[2],
     const ankle_config *config, ankle_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const ankle_real ratio2[3][3] = {
+        { 0.0625, 0.0064, 0.140625 }, { 0.027777777777777776, 0.0064, 0.140625 }, { 0.015625,
+            0.0009, 0.09 }
+    };
     const ankle_real tolerance2 = config->tolerance * config->tolerance;
     const ankle_real longest2 = config->max_step * config->max_step;
     ankle_status status = ANKLE_MAX_ITERATIONS;
@@ -607,9 +615,9 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -674,18 +682,17 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0))
                 ? (5.415530114342247e-26 * w->spread) : 3.465939273179038e-24;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
-         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
+         * 1/8, later 3/8 to 3/10 (README.md) */
         ankle_direct_solve(w);
         const ankle_real before = size;
         size = ankle_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 68650.00000000001);
-        } else if (taken == 1U) {
-            limit = (far ? 0.027777777777777776 : 0.0625) * before;
+            const ankle_real reach = size * w->spread;
+            far = (reach > 68650.00000000001) ? ((reach > 10.0 * 68650.00000000001) ? 2U : 1U) : 0U;
         } else {
-            limit = (was_fresh ? 0.0064 : 0.140625) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > 0.25)) {
@@ -710,7 +717,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
             } else if ((taken == 0U) || ((size > still2)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0 > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {
@@ -767,15 +774,15 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
 static ANKLE_SHARED void ankle_direct_place(ankle_direct_work *w, const ankle_real joints[2],
     const ankle_real found[2])
 {
-    ankle_circle(joints[0], &w->numbers[0]);
-    ankle_circle(joints[1], &w->numbers[2]);
+    ankle_cosine_and_sine(joints[0], &w->numbers[0]);
+    ankle_cosine_and_sine(joints[1], &w->numbers[2]);
     ankle_direct_coefficients(w->numbers, w->k);
     w->k0[0] = w->k[0];
     w->k0[1] = w->k[1];
     w->k0[2] = w->k[2];
     w->k0[3] = w->k[3];
-    ankle_circle(found[0], &w->x[0]);
-    ankle_circle(found[1], &w->x[2]);
+    ankle_cosine_and_sine(found[0], &w->x[0]);
+    ankle_cosine_and_sine(found[1], &w->x[2]);
 }
 
 /* Whether known values are near those of the reference configuration, where polynomials, held
@@ -973,8 +980,8 @@ static ankle_real ankle_inverse_apply_step(ankle_inverse_work *w)
 static ANKLE_SHARED void ankle_inverse_set_target(ankle_inverse_work *w, const ankle_real to[2],
     ankle_real part)
 {
-    ankle_circle((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->k[0]);
-    ankle_circle((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[0] + part * (to[0] - w->at[0])) : to[0], &w->k[0]);
+    ankle_cosine_and_sine((part < 1.0) ? (w->at[1] + part * (to[1] - w->at[1])) : to[1], &w->k[2]);
 }
 
 /* The matrix -df/dstep into w->a, row by row: the fallback's start. */
@@ -1500,10 +1507,10 @@ static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real
 static ANKLE_SHARED void ankle_inverse_place(ankle_inverse_work *w, const ankle_real found[2],
     const ankle_real joints[2])
 {
-    ankle_circle(found[0], &w->k[0]);
-    ankle_circle(found[1], &w->k[2]);
-    ankle_circle(joints[0], &w->x[0]);
-    ankle_circle(joints[1], &w->x[2]);
+    ankle_cosine_and_sine(found[0], &w->k[0]);
+    ankle_cosine_and_sine(found[1], &w->k[2]);
+    ankle_cosine_and_sine(joints[0], &w->x[0]);
+    ankle_cosine_and_sine(joints[1], &w->x[2]);
 }
 
 /* All numbers y of the configuration that has the values: of angles cosine and sine, in the order
@@ -1517,8 +1524,8 @@ static ANKLE_SHARED ankle_status ankle_state_of_found(const ankle_real values[2]
     ankle_real k[4];
     ankle_real x[4];
     ankle_real d[2];
-    ankle_circle(values[0], &k[0]);
-    ankle_circle(values[1], &k[2]);
+    ankle_cosine_and_sine(values[0], &k[0]);
+    ankle_cosine_and_sine(values[1], &k[2]);
     ankle_inverse_formulas(k, sign, x, d);
     for (int i = 0; i < 2; ++i) {
         if (!(d[i] > 7.105427357601002e-15)) {

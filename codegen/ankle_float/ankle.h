@@ -19,9 +19,9 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 27951 add, 40581 mul, 1428 div, 916 sqrt
+ *   direct: 100 iterations, 27951 add, 40682 mul, 1428 div, 916 sqrt
  *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 200 iterations, 36290 add, 50529 mul, 1839 div, 1322 sqrt
+ *   inverse: 200 iterations, 36290 add, 50630 mul, 1839 div, 1322 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt

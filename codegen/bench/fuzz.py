@@ -26,7 +26,7 @@ SANITIZED = [
     "-fsanitize=address,undefined",
     "-fno-sanitize-recover=all",
 ]
-EXTRA = ("track", "inverse_nearest", "rates", "twist", "feed")
+EXTRA = ("track", "inverse_nearest", "rates", "twist", "feed", "line")
 """Functions that some folders have and others have not."""
 
 

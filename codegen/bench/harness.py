@@ -77,11 +77,12 @@ class Harness:
     kinds: tuple[str, ...]
 
 
-def harness_of(name: str, options: Options) -> Harness:
-    """A mechanism's folder, written anew, with its bench."""
-    program = build_program(load(name), options)
+def harness_of(source: str, options: Options) -> Harness:
+    """The folder of a shipped mechanism or a file, written anew, with its bench."""
+    program = build_program(load(source), options)
+    name = program.mechanism.name
     folder = Path(tempfile.mkdtemp())
-    write_folder(program.mechanism, folder, options)
+    write_folder(program.described, folder, options)
     (folder / "bench.c").write_text(main_text(program))
     if isinstance(program.kind, JointMap):
         calls = ("direct", "inverse", "track", "track_inverse")

@@ -360,6 +360,15 @@ static void call_all(const inputs *in, long number)
     CALL(track, pose_finite(&out) && isfinite(info.residual), in->joints, &out, &info);
     CALL(inverse, all_finite(joints, N), &in->pose, joints);
     CALL(jacobian, all_finite(matrix, 6 * N), &in->pose, matrix);
+#ifdef HAS_line
+    for (int i = 0; i < 7; ++i) {
+        /* to a pose of the vectors, then to itself */
+        real *const place = (i < 3) ? &out.position[i] : &out.quaternion[i - 3];
+        *place = F(vector_poses)[number % M(VECTORS)][i];
+    }
+    CALL(line, info.residual == (real)0, config, &in->pose, &out, &info);
+    CALL(line, info.residual == (real)0, config, &in->pose, &in->pose, &info);
+#endif
 #endif
 #ifdef HAS_rates
     {

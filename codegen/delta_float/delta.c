@@ -668,22 +668,30 @@ static DELTA_COLD void delta_write_no_step(delta_info *info, const delta_real jo
  * quarter. */
 static void delta_cosine_and_sine(delta_real angle, delta_real u[2])
 {
-    const delta_real number = angle * 0.63661975f;
-    const int quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
-    /* the quarter turn in three parts, the first of which have few digits, so that their products
-     * are exact */
-    const delta_real k = (delta_real)quarter;
-    const delta_real x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    int quarter = 0;
+    delta_real x = angle;
+    if (fabsf(angle) > 0.7853982f) {
+        const delta_real number = angle * 0.63661975f;
+        quarter = (int)(number + ((number < 0.0f) ? -0.5f : 0.5f));
+        /* the quarter turn in three parts, the first of which have few digits, so that their
+         * products are exact */
+        const delta_real k = (delta_real)quarter;
+        x = ((angle - k * 1.5703125f) - k * 0.00048446655f) - k * -6.3975784e-07f;
+    }
     const delta_real square = x * x;
     const delta_real s = x + x * square * (-0.16666651f + square * (0.008331973f
         + square * -0.00019494935f));
     const delta_real c = (1.0f - 0.5f * square) + square * square * (0.041666646f
         + square * (-0.0013887362f + square * 2.4437715e-05f));
-    const bool odd = (((unsigned int)quarter) & 1U) != 0U;
-    const delta_real cosine = odd ? s : c;
-    const delta_real sine = odd ? c : s;
-    u[0] = (((unsigned int)quarter + 1U) & 2U) != 0U ? -cosine : cosine;
-    u[1] = ((unsigned int)quarter & 2U) != 0U ? -sine : sine;
+    u[0] = c;
+    u[1] = s;
+    if (quarter != 0) {
+        const bool odd = ((unsigned int)quarter & 1U) != 0U;
+        const delta_real cosine = odd ? s : c;
+        const delta_real sine = odd ? c : s;
+        u[0] = ((((unsigned int)quarter + 1U) & 2U) != 0U) ? -cosine : cosine;
+        u[1] = (((unsigned int)quarter & 2U) != 0U) ? -sine : sine;
+    }
 }
 
 /* What the formulas of the direct problem read and give. `at`, `u`: given values at the guess and

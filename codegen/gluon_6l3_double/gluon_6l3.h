@@ -23,25 +23,13 @@
  *   inverse_all: 719 add, 710 mul, 15 div, 35 sqrt, 34 atan2
  *   inverse_branch: 383 add, 542 mul, 15 div, 35 sqrt, 34 atan2
  *   inverse_nearest: 414 add, 570 mul, 15 div, 35 sqrt, 34 atan2
- *   direct: 61 add, 92 mul, 1 div, 1 sqrt, 12 sin, 12 cos
- *   inverse: 100 iterations, 39845 add, 59791 mul, 2104 div, 3508 sqrt, 6 sin, 6 cos, 3400 atan2
- *   jacobian: 272 add, 459 mul, 12 sin, 12 cos
- *   twist: 314 add, 495 mul, 12 sin, 12 cos
- *   rates: 1062 add, 1382 mul, 47 div, 5 sqrt, 12 sin, 12 cos
- *   feed: 1068 add, 1388 mul, 53 div, 5 sqrt, 12 sin, 12 cos
- *   track: 1431 add, 1944 mul, 49 div, 10 sqrt, 72 sin, 72 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 10744 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 10005 instructions, 616 stack, 2968 code
- *   inverse_branch: 1580 instructions, 672 stack, 3048 code
- *   inverse_nearest: 2200 instructions, 736 stack, 3268 code
- *   direct: 3170 instructions, 1008 stack, 1476 code
- *   inverse: 176115 instructions, 1424 stack, 6776 code
- *   jacobian: 3885 instructions, 1176 stack, 4324 code
- *   twist: 4265 instructions, 1472 stack, 4456 code
- *   rates: 12130 instructions, 1576 stack, 5816 code
- *   feed: 12255 instructions, 1640 stack, 5916 code
- *   track: 17855 instructions, 1720 stack, 7772 code
+ *   direct: 55 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
+ *   inverse: 100 iterations, 39855 add, 59798 mul, 2104 div, 3508 sqrt, 6 sin, 6 cos, 3400 atan2
+ *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
+ *   twist: 136 add, 167 mul, 6 sin, 6 cos
+ *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
+ *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
+ *   track: 1223 add, 1616 mul, 49 div, 10 sqrt, 36 sin, 36 cos
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

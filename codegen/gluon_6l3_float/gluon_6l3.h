@@ -23,25 +23,13 @@
  *   inverse_all: 1025 add, 1016 mul, 83 div, 35 sqrt
  *   inverse_branch: 689 add, 848 mul, 83 div, 35 sqrt
  *   inverse_nearest: 720 add, 876 mul, 83 div, 35 sqrt
- *   direct: 61 add, 92 mul, 1 div, 1 sqrt, 12 sin, 12 cos
- *   inverse: 100 iterations, 70517 add, 90469 mul, 8904 div, 3508 sqrt
- *   jacobian: 272 add, 459 mul, 12 sin, 12 cos
- *   twist: 314 add, 495 mul, 12 sin, 12 cos
- *   rates: 1062 add, 1382 mul, 47 div, 5 sqrt, 12 sin, 12 cos
- *   feed: 1068 add, 1388 mul, 53 div, 5 sqrt, 12 sin, 12 cos
- *   track: 1431 add, 1944 mul, 49 div, 10 sqrt, 72 sin, 72 cos
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 3624 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 6000 instructions, 272 stack, 2752 code
- *   inverse_branch: 1035 instructions, 296 stack, 2820 code
- *   inverse_nearest: 1650 instructions, 328 stack, 3012 code
- *   direct: 48730 instructions, 632 stack, 1328 code
- *   inverse: 125195 instructions, 544 stack, 6324 code
- *   jacobian: 49380 instructions, 672 stack, 3948 code
- *   twist: 49760 instructions, 816 stack, 4076 code
- *   rates: 58450 instructions, 872 stack, 5416 code
- *   feed: 58565 instructions, 912 stack, 5520 code
- *   track: 138945 instructions, 952 stack, 7296 code
+ *   direct: 127 add, 170 mul, 1 div, 1 sqrt
+ *   inverse: 100 iterations, 70527 add, 90476 mul, 8904 div, 3508 sqrt
+ *   jacobian: 166 add, 209 mul
+ *   twist: 208 add, 245 mul
+ *   rates: 956 add, 1132 mul, 47 div, 5 sqrt
+ *   feed: 962 add, 1138 mul, 53 div, 5 sqrt
+ *   track: 1655 add, 2084 mul, 49 div, 10 sqrt
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

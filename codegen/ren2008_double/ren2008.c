@@ -411,15 +411,14 @@ static void ren2008_direct_matrix(ren2008_direct_work *w)
     static const ren2008_real base[6][2] = { { 0.0, 0.0 }, { 0.6016, 0.0 }, { 2.5132, 3.3112 },
         { 2.2124, 3.832 }, { -1.6108, 3.832 }, { -1.9116, 3.3112 } };
     for (int i = 0; i < 6; ++i) {
-        const ren2008_real *const b = base[i];
         const ren2008_real *const d = &w->d[3 * i];
         ren2008_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2];
-        row[4] = -(b[0] * d[2]);
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2];
+        row[4] = -(base[i][0] * d[2]);
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 
@@ -698,16 +697,22 @@ static REN2008_COLD void ren2008_direct_retarget(ren2008_direct_work *w, const r
  * (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
- * first. Where the second step is longer than a quarter of the first (of a far one, a sixth), or a
- * later one than three eighths of the one before (two twenty-fifths after new factors), the theorem
- * of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is
- * proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for
- * one more step where that is predicted to reach the tolerance. The answer's rows are evaluated
- * before it is called OK. */
+ * first. Where the second step is longer than a quarter of the first (of a far one, a sixth to an
+ * eighth), or a later one than three eighths of the one before (two twenty-fifths after new
+ * factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done
+ * (README.md says what is proved): the state is put back and a nearer point of the line is aimed
+ * at. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren2008_real to[6],
     const ren2008_config *config, ren2008_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const ren2008_real ratio2[3][3] = {
+        { 0.0625, 0.0064, 0.140625 }, { 0.027777777777777776, 0.0064, 0.140625 }, { 0.015625,
+            0.0009, 0.09 }
+    };
     const ren2008_real tolerance2 = config->tolerance * config->tolerance;
     const ren2008_real longest2 = config->max_step * config->max_step;
     ren2008_status status = REN2008_MAX_ITERATIONS;
@@ -728,9 +733,9 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -769,18 +774,17 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
-         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
+         * 1/8, later 3/8 to 3/10 (README.md) */
         ren2008_direct_solve(w);
         const ren2008_real before = size;
         size = ren2008_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 2.85666225);
-        } else if (taken == 1U) {
-            limit = (far ? 0.027777777777777776 : 0.0625) * before;
+            const ren2008_real reach = size * w->spread;
+            far = (reach > 2.85666225) ? ((reach > 10.0 * 2.85666225) ? 2U : 1U) : 0U;
         } else {
-            limit = (was_fresh ? 0.0064 : 0.140625) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.442245867805243e-28));
         if (accepted) {
@@ -802,7 +806,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
             } else if ((taken == 0U) || ((size > 1.442245867805243e-28)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0 > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {
@@ -1213,6 +1217,171 @@ ren2008_status ren2008_jacobian(const ren2008_pose *pose, ren2008_real jacobian[
     return status;
 }
 
+
+/* Whether all coefficients are at least 0: the polynomial is, then. */
+static bool ren2008_all_above(const ren2008_real c[7])
+{
+    bool above = true;
+    for (int i = 0; i < 7; ++i) {
+        above = above && (c[i] >= 0.0);
+    }
+    return above;
+}
+
+/* Whether a polynomial of degree 6 stays at or above 0 from 0 to 1, by its Bernstein coefficients
+ * there: it lies between the least and the largest of them. Parts are cut off the beginning while
+ * that does not decide. */
+static ren2008_status ren2008_stays_above(ren2008_real c[7], unsigned int most, unsigned int *count)
+{
+    ren2008_status status = ((c[0] >= 0.0) && (c[6] >= 0.0)) ? REN2008_OK : REN2008_OUT_OF_RANGE;
+    ren2008_real part = 0.5;
+    bool above = ren2008_all_above(c);
+    while ((*count < most) && (status == REN2008_OK) && !above) {
+        ren2008_real left[7];
+        ren2008_real right[7];
+        ++*count;
+        for (int i = 0; i < 7; ++i) {
+            right[i] = c[i];
+        }
+        /* de Casteljau */
+        for (int k = 0; k < 7; ++k) {
+            left[k] = right[0];
+            for (int i = 0; i < 6 - k; ++i) {
+                right[i] += part * (right[i + 1] - right[i]);
+            }
+        }
+        if (right[0] < 0.0) {
+            status = REN2008_OUT_OF_RANGE;
+        } else if (ren2008_all_above(left)) {
+            for (int i = 0; i < 7; ++i) {
+                c[i] = right[i];
+            }
+            part = 0.5;
+            above = ren2008_all_above(c);
+        } else {
+            part *= 0.5;
+            if (part < 0.0009765625) {
+                status = REN2008_OUT_OF_RANGE;
+            }
+        }
+    }
+    if ((status == REN2008_OK) && !above) {
+        status = REN2008_MAX_ITERATIONS;
+    }
+    return status;
+}
+
+/* Adds the square of a cubic, by its Bernstein coefficients, times a factor. */
+static void ren2008_add_square(const ren2008_real b[4], ren2008_real factor, ren2008_real c[7])
+{
+    c[0] += factor * (b[0] * b[0]);
+    c[1] += factor * (b[0] * b[1]);
+    c[2] += factor * (0.4 * (b[0] * b[2]) + 0.6 * (b[1] * b[1]));
+    c[3] += factor * (0.1 * (b[0] * b[3]) + 0.9 * (b[1] * b[2]));
+    c[4] += factor * (0.4 * (b[1] * b[3]) + 0.6 * (b[2] * b[2]));
+    c[5] += factor * (b[2] * b[3]);
+    c[6] += factor * (b[3] * b[3]);
+}
+
+/* Joint limits along the line of poses. With the quaternion q0 + t (q1 - q0), whose squared length
+ * is n, the vector n d of a rod is a cubic in t, by its values at both ends and at the middle pose,
+ * and n^2 (|d|^2 - L^2) is of degree 6. */
+ren2008_status ren2008_line(const ren2008_config *config, const ren2008_pose *from,
+    const ren2008_pose *to, ren2008_info *info)
+{
+    static const ren2008_real low[6] = { -1.6901663379679529e-09, -1.6901663379679529e-09,
+        -1.6901663379679529e-09, -1.6901663379679529e-09, -1.6901663379679529e-09,
+        -1.6901663379679529e-09 };
+    static const ren2008_real high[6] = { 0.5500000016901664, 0.5500000016901664,
+        0.5500000016901664, 0.5500000016901664, 0.5500000016901664, 0.5500000016901664 };
+    static const ren2008_config usual = { REN2008_TOLERANCE, REN2008_MAX_STEPS, REN2008_MAX_STEP };
+    const ren2008_config *const used = (config == NULL) ? &usual : config;
+    const unsigned int most = (unsigned int)used->max_iterations;
+    const ren2008_real third = 0.3333333333333333;
+    ren2008_direct_work w;
+    ren2008_real ends[2][7];
+    ren2008_real rods[3][18]; /* at the beginning, in the middle and at the end */
+    ren2008_real offset[6];
+    uint8_t joint = 6U;
+    unsigned int count = 1U;
+    const ren2008_status last = ren2008_normalise_pose(to, ends[1]);
+    ren2008_status status = ren2008_normalise_pose(from, ends[0]);
+    status = ((status == REN2008_OK) || (last == REN2008_NONFINITE)) ? last : status;
+    if (config != NULL) {
+        status = ren2008_check_config(config, status);
+    }
+    if ((status == REN2008_OK) && (most == 0U)) {
+        status = REN2008_MAX_ITERATIONS;
+        count = 0U;
+    }
+    for (int e = 0; (e < 2) && (status == REN2008_OK); ++e) {
+        for (int i = 0; i < 7; ++i) {
+            w.x[i] = ends[e][i];
+        }
+        ren2008_rod_values(&w);
+        status = ren2008_check_limits(w.k);
+        joint = ren2008_first_beyond(w.k);
+        for (int i = 0; i < 18; ++i) {
+            rods[2 * e][i] = w.d[i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            const ren2008_real *const d = &w.d[3 * i];
+            offset[i] = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - w.k[i];
+        }
+    }
+    if (status == REN2008_OK) {
+        const ren2008_real *const a = &ends[0][3];
+        const ren2008_real *const b = &ends[1][3];
+        const ren2008_real product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        /* of q and -q, one rotation, the one that is nearer */
+        const ren2008_real side = (product < 0.0) ? -1.0 : 1.0;
+        const ren2008_real cosine = (side * product < 1.0) ? (side * product) : 1.0;
+        const ren2008_real both = 2.0 * (1.0 + cosine);
+        const ren2008_real inverse = 1.0 / sqrt(both);
+        const ren2008_real square[4] = { 1.0, third * (1.0 + 2.0 * cosine),
+            third * (1.0 + 2.0 * cosine), 1.0 };
+        for (int i = 0; i < 3; ++i) {
+            w.x[i] = 0.5 * (ends[0][i] + ends[1][i]);
+        }
+        for (int i = 0; i < 4; ++i) {
+            w.x[3 + i] = inverse * (a[i] + side * b[i]);
+        }
+        ren2008_direct_rows(&w);
+        for (int i = 0; i < 18; ++i) {
+            rods[1][i] = w.d[i];
+        }
+        for (int i = 0; (i < 6) && (status == REN2008_OK); ++i) {
+            const ren2008_real least = low[i] + offset[i];
+            const ren2008_real longest = high[i] + offset[i];
+            ren2008_real above[7] = { 0.0 };
+            ren2008_real below[7] = { 0.0 };
+            for (int k = 0; k < 3; ++k) {
+                const ren2008_real first = rods[0][3 * i + k];
+                const ren2008_real middle = both * rods[1][3 * i + k];
+                const ren2008_real end = rods[2][3 * i + k];
+                const ren2008_real way = (1.0 - cosine) * (ends[1][k] - ends[0][k]);
+                const ren2008_real cubic[4] = { first, third * (middle - end + way),
+                    third * (middle - first - way), end };
+                ren2008_add_square(cubic, 1.0, above);
+            }
+            for (int k = 0; k < 7; ++k) {
+                below[k] = -above[k];
+            }
+            ren2008_add_square(square, -(least * fabs(least)), above);
+            ren2008_add_square(square, longest * fabs(longest), below);
+            status = ren2008_stays_above(above, most, &count);
+            if (status == REN2008_OK) {
+                status = ren2008_stays_above(below, most, &count);
+            }
+            joint = (status == REN2008_OUT_OF_RANGE) ? (uint8_t)i : joint;
+        }
+    }
+    ren2008_write_info(info, count, (status == REN2008_OK) ? 0.0 : HUGE_VAL, 0.0, 0.0);
+    if (info != NULL) {
+        info->joint = joint;
+    }
+    return status;
+}
 /* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
  * overflow. */
 static ren2008_status ren2008_check_speeds(const ren2008_real speeds[], int count,

@@ -478,15 +478,14 @@ static void ren2008_true_direct_matrix(ren2008_true_direct_work *w)
         { 2.4932f, 3.3024f, -0.02f }, { 2.2024f, 3.8396f, 0.012f }, { -1.6272f, 3.8196f, 0.0196f },
         { -1.9044f, 3.3004f, 0.016f } };
     for (int i = 0; i < 6; ++i) {
-        const ren2008_true_real *const b = base[i];
         const ren2008_true_real *const d = &w->d[3 * i];
         ren2008_true_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = b[1] * d[2] - b[2] * d[1];
-        row[4] = b[2] * d[0] - b[0] * d[2];
-        row[5] = b[0] * d[1] - b[1] * d[0];
+        row[3] = base[i][1] * d[2] - base[i][2] * d[1];
+        row[4] = base[i][2] * d[0] - base[i][0] * d[2];
+        row[5] = base[i][0] * d[1] - base[i][1] * d[0];
     }
 }
 
@@ -790,16 +789,22 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
  * (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
- * first. Where the second step is longer than a quarter of the first (of a far one, a sixth), or a
- * later one than three eighths of the one before (two twenty-fifths after new factors), the theorem
- * of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is
- * proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for
- * one more step where that is predicted to reach the tolerance. The answer's rows are evaluated
- * before it is called OK. */
+ * first. Where the second step is longer than a quarter of the first (of a far one, a sixth to an
+ * eighth), or a later one than three eighths of the one before (two twenty-fifths after new
+ * factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done
+ * (README.md says what is proved): the state is put back and a nearer point of the line is aimed
+ * at. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *w,
     const ren2008_true_real to[6], const ren2008_true_config *config, ren2008_true_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const ren2008_true_real ratio2[3][3] = {
+        { 0.0625f, 0.0064f, 0.140625f }, { 0.027777778f, 0.0064f, 0.140625f }, { 0.015625f,
+            0.0009f, 0.09f }
+    };
     const ren2008_true_real tolerance2 = config->tolerance * config->tolerance;
     const ren2008_true_real longest2 = config->max_step * config->max_step;
     ren2008_true_status status = REN2008_TRUE_MAX_ITERATIONS;
@@ -820,9 +825,9 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -861,18 +866,17 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
-         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
+         * 1/8, later 3/8 to 3/10 (README.md) */
         ren2008_true_direct_solve(w);
         const ren2008_true_real before = size;
         size = ren2008_true_direct_apply_step(w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 2.876552f);
-        } else if (taken == 1U) {
-            limit = (far ? 0.027777778f : 0.0625f) * before;
+            const ren2008_true_real reach = size * w->spread;
+            far = (reach > 2.876552f) ? ((reach > 10.0f * 2.876552f) ? 2U : 1U) : 0U;
         } else {
-            limit = (was_fresh ? 0.0064f : 0.140625f) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1859342e-11f));
         if (accepted) {
@@ -893,7 +897,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
             } else if ((taken == 0U) || ((size > 4.1859342e-11f)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0f > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0f > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {
@@ -1358,6 +1362,175 @@ ren2008_true_status ren2008_true_jacobian(const ren2008_true_pose *pose,
     return status;
 }
 
+
+/* Whether all coefficients are at least 0: the polynomial is, then. */
+static bool ren2008_true_all_above(const ren2008_true_real c[7])
+{
+    bool above = true;
+    for (int i = 0; i < 7; ++i) {
+        above = above && (c[i] >= 0.0f);
+    }
+    return above;
+}
+
+/* Whether a polynomial of degree 6 stays at or above 0 from 0 to 1, by its Bernstein coefficients
+ * there: it lies between the least and the largest of them. Parts are cut off the beginning while
+ * that does not decide. */
+static ren2008_true_status ren2008_true_stays_above(ren2008_true_real c[7], unsigned int most,
+    unsigned int *count)
+{
+    ren2008_true_status status = ((c[0] >= 0.0f) && (c[6] >= 0.0f))
+        ? REN2008_TRUE_OK : REN2008_TRUE_OUT_OF_RANGE;
+    ren2008_true_real part = 0.5f;
+    bool above = ren2008_true_all_above(c);
+    while ((*count < most) && (status == REN2008_TRUE_OK) && !above) {
+        ren2008_true_real left[7];
+        ren2008_true_real right[7];
+        ++*count;
+        for (int i = 0; i < 7; ++i) {
+            right[i] = c[i];
+        }
+        /* de Casteljau */
+        for (int k = 0; k < 7; ++k) {
+            left[k] = right[0];
+            for (int i = 0; i < 6 - k; ++i) {
+                right[i] += part * (right[i + 1] - right[i]);
+            }
+        }
+        if (right[0] < 0.0f) {
+            status = REN2008_TRUE_OUT_OF_RANGE;
+        } else if (ren2008_true_all_above(left)) {
+            for (int i = 0; i < 7; ++i) {
+                c[i] = right[i];
+            }
+            part = 0.5f;
+            above = ren2008_true_all_above(c);
+        } else {
+            part *= 0.5f;
+            if (part < 0.0009765625f) {
+                status = REN2008_TRUE_OUT_OF_RANGE;
+            }
+        }
+    }
+    if ((status == REN2008_TRUE_OK) && !above) {
+        status = REN2008_TRUE_MAX_ITERATIONS;
+    }
+    return status;
+}
+
+/* Adds the square of a cubic, by its Bernstein coefficients, times a factor. */
+static void ren2008_true_add_square(const ren2008_true_real b[4], ren2008_true_real factor,
+    ren2008_true_real c[7])
+{
+    c[0] += factor * (b[0] * b[0]);
+    c[1] += factor * (b[0] * b[1]);
+    c[2] += factor * (0.4f * (b[0] * b[2]) + 0.6f * (b[1] * b[1]));
+    c[3] += factor * (0.1f * (b[0] * b[3]) + 0.9f * (b[1] * b[2]));
+    c[4] += factor * (0.4f * (b[1] * b[3]) + 0.6f * (b[2] * b[2]));
+    c[5] += factor * (b[2] * b[3]);
+    c[6] += factor * (b[3] * b[3]);
+}
+
+/* Joint limits along the line of poses. With the quaternion q0 + t (q1 - q0), whose squared length
+ * is n, the vector n d of a rod is a cubic in t, by its values at both ends and at the middle pose,
+ * and n^2 (|d|^2 - L^2) is of degree 6. */
+ren2008_true_status ren2008_true_line(const ren2008_true_config *config,
+    const ren2008_true_pose *from, const ren2008_true_pose *to, ren2008_true_info *info)
+{
+    static const ren2008_true_real low[6] = { -1.6174699e-06f, -1.6174699e-06f, -1.6174699e-06f,
+        -1.6174699e-06f, -1.6174699e-06f, -1.6174699e-06f };
+    static const ren2008_true_real high[6] = { 0.5500016f, 0.5500016f, 0.5500016f, 0.5500016f,
+        0.5500016f, 0.5500016f };
+    static const ren2008_true_config usual = { REN2008_TRUE_TOLERANCE, REN2008_TRUE_MAX_STEPS,
+        REN2008_TRUE_MAX_STEP };
+    const ren2008_true_config *const used = (config == NULL) ? &usual : config;
+    const unsigned int most = (unsigned int)used->max_iterations;
+    const ren2008_true_real third = 0.33333334f;
+    ren2008_true_direct_work w;
+    ren2008_true_real ends[2][7];
+    ren2008_true_real rods[3][18]; /* at the beginning, in the middle and at the end */
+    ren2008_true_real offset[6];
+    uint8_t joint = 6U;
+    unsigned int count = 1U;
+    const ren2008_true_status last = ren2008_true_normalise_pose(to, ends[1]);
+    ren2008_true_status status = ren2008_true_normalise_pose(from, ends[0]);
+    status = ((status == REN2008_TRUE_OK) || (last == REN2008_TRUE_NONFINITE)) ? last : status;
+    if (config != NULL) {
+        status = ren2008_true_check_config(config, status);
+    }
+    if ((status == REN2008_TRUE_OK) && (most == 0U)) {
+        status = REN2008_TRUE_MAX_ITERATIONS;
+        count = 0U;
+    }
+    for (int e = 0; (e < 2) && (status == REN2008_TRUE_OK); ++e) {
+        for (int i = 0; i < 7; ++i) {
+            w.x[i] = ends[e][i];
+        }
+        ren2008_true_rod_values(&w);
+        status = ren2008_true_check_limits(w.k);
+        joint = ren2008_true_first_beyond(w.k);
+        for (int i = 0; i < 18; ++i) {
+            rods[2 * e][i] = w.d[i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            const ren2008_true_real *const d = &w.d[3 * i];
+            offset[i] = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - w.k[i];
+        }
+    }
+    if (status == REN2008_TRUE_OK) {
+        const ren2008_true_real *const a = &ends[0][3];
+        const ren2008_true_real *const b = &ends[1][3];
+        const ren2008_true_real product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
+        /* of q and -q, one rotation, the one that is nearer */
+        const ren2008_true_real side = (product < 0.0f) ? -1.0f : 1.0f;
+        const ren2008_true_real cosine = (side * product < 1.0f) ? (side * product) : 1.0f;
+        const ren2008_true_real both = 2.0f * (1.0f + cosine);
+        const ren2008_true_real inverse = 1.0f / sqrtf(both);
+        const ren2008_true_real square[4] = { 1.0f, third * (1.0f + 2.0f * cosine),
+            third * (1.0f + 2.0f * cosine), 1.0f };
+        for (int i = 0; i < 3; ++i) {
+            w.x[i] = 0.5f * (ends[0][i] + ends[1][i]);
+        }
+        for (int i = 0; i < 4; ++i) {
+            w.x[3 + i] = inverse * (a[i] + side * b[i]);
+        }
+        ren2008_true_direct_rows(&w);
+        for (int i = 0; i < 18; ++i) {
+            rods[1][i] = w.d[i];
+        }
+        for (int i = 0; (i < 6) && (status == REN2008_TRUE_OK); ++i) {
+            const ren2008_true_real least = low[i] + offset[i];
+            const ren2008_true_real longest = high[i] + offset[i];
+            ren2008_true_real above[7] = { 0.0f };
+            ren2008_true_real below[7] = { 0.0f };
+            for (int k = 0; k < 3; ++k) {
+                const ren2008_true_real first = rods[0][3 * i + k];
+                const ren2008_true_real middle = both * rods[1][3 * i + k];
+                const ren2008_true_real end = rods[2][3 * i + k];
+                const ren2008_true_real way = (1.0f - cosine) * (ends[1][k] - ends[0][k]);
+                const ren2008_true_real cubic[4] = { first, third * (middle - end + way),
+                    third * (middle - first - way), end };
+                ren2008_true_add_square(cubic, 1.0f, above);
+            }
+            for (int k = 0; k < 7; ++k) {
+                below[k] = -above[k];
+            }
+            ren2008_true_add_square(square, -(least * fabsf(least)), above);
+            ren2008_true_add_square(square, longest * fabsf(longest), below);
+            status = ren2008_true_stays_above(above, most, &count);
+            if (status == REN2008_TRUE_OK) {
+                status = ren2008_true_stays_above(below, most, &count);
+            }
+            joint = (status == REN2008_TRUE_OUT_OF_RANGE) ? (uint8_t)i : joint;
+        }
+    }
+    ren2008_true_write_info(info, count, (status == REN2008_TRUE_OK) ? 0.0f : HUGE_VALF, 0.0f,
+        0.0f);
+    if (info != NULL) {
+        info->joint = joint;
+    }
+    return status;
+}
 /* The status of rates or of a twist: NONFINITE, or OUT_OF_RANGE for numbers whose products could
  * overflow. */
 static ren2008_true_status ren2008_true_check_speeds(const ren2008_true_real speeds[], int count,

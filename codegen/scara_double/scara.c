@@ -120,64 +120,66 @@ static SCARA_SHARED scara_status scara_check_limits(const scara_real joints[4])
     return status;
 }
 
-/* Tool pose (x, y, z, qw, qx, qy, qz) of joint values: the product of the joints' turns and
- * slides. */
-static void scara_forward(const scara_real q[4], scara_real x[7])
+/* Cosine and sine of half of each joint's angle, a slide and 0 of a slide, into u. */
+static SCARA_SHARED void scara_half_turns(const scara_real joints[4], scara_real u[8])
 {
-    const scara_real t0 = cos(q[0]);
-    const scara_real t1 = cos(q[1]);
-    const scara_real t2 = 175.0 * t1;
-    const scara_real t3 = t2 + 225.0;
-    const scara_real t4 = t0 * t3;
-    const scara_real t5 = sin(q[0]);
-    const scara_real t6 = sin(q[1]);
-    const scara_real t7 = 175.0 * t6;
-    const scara_real t8 = t5 * t7;
-    const scara_real t9 = t4 - t8;
-    const scara_real t10 = t0 * t7;
-    const scara_real t11 = t5 * t3;
-    const scara_real t12 = t10 + t11;
-    const scara_real t13 = cos(q[2]);
-    const scara_real t14 = t13 * q[3];
-    const scara_real t15 = 1.0 - t13;
-    const scara_real t16 = t15 * q[3];
-    const scara_real t17 = t14 + t16;
-    const scara_real t18 = t1 * t17;
-    const scara_real t19 = 1.0 - t1;
-    const scara_real t20 = t19 * t17;
-    const scara_real t21 = t18 + t20;
-    const scara_real t22 = t0 * t21;
-    const scara_real t23 = 1.0 - t0;
-    const scara_real t24 = t23 * t21;
-    const scara_real t25 = t22 + t24;
-    const scara_real t26 = 0.5 * q[0];
-    const scara_real t27 = cos(t26);
-    const scara_real t28 = 0.5 * q[1];
-    const scara_real t29 = cos(t28);
-    const scara_real t30 = t27 * t29;
-    const scara_real t31 = sin(t26);
-    const scara_real t32 = sin(t28);
-    const scara_real t33 = t31 * t32;
-    const scara_real t34 = t30 - t33;
-    const scara_real t35 = 0.5 * q[2];
-    const scara_real t36 = cos(t35);
-    const scara_real t37 = t34 * t36;
-    const scara_real t38 = t27 * t32;
-    const scara_real t39 = t31 * t29;
-    const scara_real t40 = t38 + t39;
-    const scara_real t41 = sin(t35);
-    const scara_real t42 = t40 * t41;
-    const scara_real t43 = t37 - t42;
-    const scara_real t44 = t34 * t41;
-    const scara_real t45 = t40 * t36;
-    const scara_real t46 = t44 + t45;
-    x[0] = t9;
-    x[1] = t12;
-    x[2] = t25;
-    x[3] = t43;
+    u[0] = cos(0.5 * joints[0]);
+    u[1] = sin(0.5 * joints[0]);
+    u[2] = cos(0.5 * joints[1]);
+    u[3] = sin(0.5 * joints[1]);
+    u[4] = cos(0.5 * joints[2]);
+    u[5] = sin(0.5 * joints[2]);
+    u[6] = joints[3];
+    u[7] = 0.0;
+}
+
+/* Tool pose (x, y, z, qw, qx, qy, qz) of half turns: the position by the chain of the joints'
+ * motions, the quaternion as the product of their turns. */
+static SCARA_SHARED void scara_pose_of_turns(const scara_real u[8], scara_real x[7])
+{
+    const scara_real t0 = u[0] + u[0];
+    const scara_real t1 = u[0] * t0;
+    const scara_real t2 = t1 - 1.0;
+    const scara_real t3 = 350.0 * u[2];
+    const scara_real t4 = u[2] * t3;
+    const scara_real t5 = t4 + 50.0;
+    const scara_real t6 = t2 * t5;
+    const scara_real t7 = u[1] + u[1];
+    const scara_real t8 = u[0] * t7;
+    const scara_real t9 = 350.0 * u[3];
+    const scara_real t10 = u[2] * t9;
+    const scara_real t11 = t8 * t10;
+    const scara_real t12 = t6 - t11;
+    const scara_real t13 = t2 * t10;
+    const scara_real t14 = t8 * t5;
+    const scara_real t15 = t13 + t14;
+    const scara_real t16 = u[2] * u[4];
+    const scara_real t17 = u[3] * u[5];
+    const scara_real t18 = t16 - t17;
+    const scara_real t19 = u[0] * t18;
+    const scara_real t20 = u[3] * u[4];
+    const scara_real t21 = u[2] * u[5];
+    const scara_real t22 = t20 + t21;
+    const scara_real t23 = u[1] * t22;
+    const scara_real t24 = t19 - t23;
+    const scara_real t25 = u[0] * t22;
+    const scara_real t26 = u[1] * t18;
+    const scara_real t27 = t25 + t26;
+    x[0] = t12;
+    x[1] = t15;
+    x[2] = u[6];
+    x[3] = t24;
     x[4] = 0.0;
     x[5] = 0.0;
-    x[6] = t46;
+    x[6] = t27;
+}
+
+/* Tool pose of joint values. */
+static SCARA_SHARED void scara_forward(const scara_real q[4], scara_real x[7])
+{
+    scara_real u[8];
+    scara_half_turns(q, u);
+    scara_pose_of_turns(u, x);
 }
 
 /* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
@@ -481,6 +483,188 @@ scara_status scara_inverse_nearest(const scara_pose *pose, const scara_real gues
     return status;
 }
 
+/* Whether a joint may come to a limit from which it is `spare` away at the nearer of two points
+ * (over the size of a slide), by a way that is no longer than the root of twice way2. */
+static bool scara_may_reach(scara_real spare, scara_real way2)
+{
+    return 4.0 * spare * spare < way2;
+}
+
+/* Whether a function keeps its sign between two points: it bends away from its chord by no more
+ * than the second derivative allows. */
+static bool scara_keeps_sign(scara_real a, scara_real b, scara_real bend)
+{
+    const scara_real first = fabs(a);
+    const scara_real second = fabs(b);
+    const scara_real lesser = (first < second) ? first : second;
+    return ((a > 0.0) == (b > 0.0)) && (bend < 2.0 * (first + second) + 4.0 * lesser);
+}
+
+/* Of each limit a function that is zero where a solution of the joint's step has that value, and
+ * one that is negative where it is the other solution (README.md). */
+static void scara_limit_values(const scara_real joints[4], scara_real at[12])
+{
+    scara_real u[8];
+    scara_real x[7];
+    scara_half_turns(joints, u);
+    scara_pose_of_turns(u, x);
+    const scara_real t0 = 350.0 * u[2];
+    const scara_real t1 = u[2] * t0;
+    const scara_real t2 = t1 + 50.0;
+    const scara_real t3 = x[5] * x[6];
+    const scara_real t4 = x[3] * x[4];
+    const scara_real t5 = t3 - t4;
+    const scara_real t6 = t5 + t5;
+    const scara_real t7 = t6 * u[6];
+    const scara_real t8 = x[1] - t7;
+    const scara_real t9 = t2 * t8;
+    const scara_real t10 = u[3] + u[3];
+    const scara_real t11 = u[2] * t10;
+    const scara_real t12 = 175.0 * t11;
+    const scara_real t13 = x[4] * x[6];
+    const scara_real t14 = x[3] * x[5];
+    const scara_real t15 = t13 + t14;
+    const scara_real t16 = t15 + t15;
+    const scara_real t17 = t16 * u[6];
+    const scara_real t18 = x[0] - t17;
+    const scara_real t19 = t12 * t18;
+    const scara_real t20 = t9 - t19;
+    const scara_real t21 = -0.6691306071020031 * t20;
+    const scara_real t22 = t2 * t18;
+    const scara_real t23 = t12 * t8;
+    const scara_real t24 = t22 + t23;
+    const scara_real t25 = -0.7431448248082635 * t24;
+    const scara_real t26 = t21 - t25;
+    const scara_real t27 = t26 * 6.25e-06;
+    const scara_real t28 = -0.6691306071020031 * t24;
+    const scara_real t29 = -0.7431448248082635 * t20;
+    const scara_real t30 = t28 + t29;
+    const scara_real t31 = t30 * 6.25e-06;
+    const scara_real t32 = 0.7431448248082635 * t24;
+    const scara_real t33 = t21 - t32;
+    const scara_real t34 = t33 * 6.25e-06;
+    const scara_real t35 = 0.7431448248082635 * t20;
+    const scara_real t36 = t28 + t35;
+    const scara_real t37 = t36 * 6.25e-06;
+    const scara_real t38 = t18 * t18;
+    const scara_real t39 = t8 * t8;
+    const scara_real t40 = t38 + t39;
+    const scara_real t41 = x[5] * x[5];
+    const scara_real t42 = x[4] * x[4];
+    const scara_real t43 = t41 + t42;
+    const scara_real t44 = t43 + t43;
+    const scara_real t45 = 1.0 - t44;
+    const scara_real t46 = t45 * u[6];
+    const scara_real t47 = x[2] - t46;
+    const scara_real t48 = t47 * t47;
+    const scara_real t49 = t40 + t48;
+    const scara_real t50 = t49 - 81250.0;
+    const scara_real t51 = 0.5 * t50;
+    const scara_real t52 = -30600.122257147723 - t51;
+    const scara_real t53 = t52 * 6.25e-06;
+    const scara_real t54 = t13 - t14;
+    const scara_real t55 = -800.0 * t54;
+    const scara_real t56 = t55 + x[2];
+    const scara_real t57 = -150.0000004 - t56;
+    const scara_real t58 = t57 * 0.0025;
+    const scara_real t59 = 4e-07 - t56;
+    const scara_real t60 = t59 * 0.0025;
+    const scara_real t61 = 39375.0 * t11;
+    at[0] = t27;
+    at[1] = t31;
+    at[2] = t34;
+    at[3] = t37;
+    at[4] = t53;
+    at[5] = ((t61 < 0.0) ? -1.0 : 1.0) * -0.15487181479367013;
+    at[6] = t53;
+    at[7] = ((t61 < 0.0) ? -1.0 : 1.0) * 0.15487181479367013;
+    at[8] = t58;
+    at[9] = 1.0;
+    at[10] = t60;
+    at[11] = 1.0;
+}
+
+/* The first joint, from 0, that is not proved to keep its limits between two points a and b of the
+ * line; the number of joints where all are. */
+static uint8_t scara_first_leaving(const scara_real a[4], const scara_real b[4], scara_real place,
+    scara_real turn, const scara_real moved[4], scara_real way2)
+{
+    static const scara_real low[4] = { -2.303834613632515, -2.460914246312005, -1000.000000001,
+        -150.0000004 };
+    static const scara_real high[4] = { 2.303834613632515, 2.460914246312005, 1000.000000001,
+        4.0000000000000003e-07 };
+    static const scara_real per_length[4] = { 1.0, 1.0, 1.0, 0.0025 };
+    static const bool limited[4] = { true, true, false, true };
+    scara_real below[4] = { 0.0 };
+    scara_real above[4] = { 0.0 };
+    bool near = false;
+    uint8_t joint = 4U;
+    (void)place;
+    (void)turn;
+    (void)moved;
+    for (int i = 3; i >= 0; --i) {
+        if (limited[i]) {
+            const bool rises = (a[i] < b[i]);
+            below[i] = ((rises ? a[i] : b[i]) - low[i]) * per_length[i];
+            above[i] = (high[i] - (rises ? b[i] : a[i])) * per_length[i];
+            const scara_real spare = (below[i] < above[i]) ? below[i] : above[i];
+            near = near || scara_may_reach(spare, way2);
+            joint = (spare < 0.0) ? (uint8_t)i : joint;
+        }
+    }
+    if (near && (joint == 4U)) {
+        scara_real at_a[12];
+        scara_real at_b[12];
+        scara_limit_values(a, at_a);
+        scara_limit_values(b, at_b);
+        /* shoulder, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[0], way2)
+    && !scara_keeps_sign(at_a[0], at_b[0], 1.09 * place + 4.74 * turn + 3.17 * moved[1]
+        + 2.5 * moved[3])
+    && !((at_a[1] < 0.0) && scara_keeps_sign(at_a[1], at_b[1],
+        1.09 * place + 4.74 * turn + 3.22 * moved[1] + 2.5 * moved[3]))) {
+            joint = 0U;
+        }
+        /* shoulder, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[0], way2)
+    && !scara_keeps_sign(at_a[2], at_b[2], 1.09 * place + 4.74 * turn + 3.19 * moved[1]
+        + 2.5 * moved[3])
+    && !((at_a[3] < 0.0) && scara_keeps_sign(at_a[3], at_b[3],
+        1.09 * place + 4.74 * turn + 3.04 * moved[1] + 2.5 * moved[3]))) {
+            joint = 0U;
+        }
+        /* elbow, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[1], way2)
+    && !scara_keeps_sign(at_a[4], at_b[4], 4.97 * place + 5.4 * turn + 5.0 * moved[3])
+    && !((at_a[5] < 0.0) && scara_keeps_sign(at_a[5], at_b[5], 0.0))) {
+            joint = 1U;
+        }
+        /* elbow, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[1], way2)
+    && !scara_keeps_sign(at_a[6], at_b[6], 4.97 * place + 5.4 * turn + 5.0 * moved[3])
+    && !((at_a[7] < 0.0) && scara_keeps_sign(at_a[7], at_b[7], 0.0))) {
+            joint = 1U;
+        }
+        /* slide, lower limit */
+        if ((joint == 4U)
+    && scara_may_reach(below[3], way2)
+    && !scara_keeps_sign(at_a[8], at_b[8], 1.25 * turn)) {
+            joint = 3U;
+        }
+        /* slide, upper limit */
+        if ((joint == 4U)
+    && scara_may_reach(above[3], way2)
+    && !scara_keeps_sign(at_a[10], at_b[10], 1.25 * turn)) {
+            joint = 3U;
+        }
+    }
+    return joint;
+}
+
 /* Tool pose (x, y, z, qw, qx, qy, qz) of joint values, the squares `margin` of the closed form's
  * steps there (README.md), and the bits of the branch on which they lie. */
 static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7],
@@ -488,70 +672,78 @@ static unsigned int scara_read_joints(const scara_real joints[4], scara_real x[7
 {
     scara_real u[8];
     unsigned int wanted = 0U;
-    u[0] = cos(0.5 * joints[0]);
-    u[1] = sin(0.5 * joints[0]);
-    u[2] = cos(0.5 * joints[1]);
-    u[3] = sin(0.5 * joints[1]);
-    u[4] = cos(0.5 * joints[2]);
-    u[5] = sin(0.5 * joints[2]);
-    u[6] = joints[3];
-    u[7] = 0.0;
-    /* the tool's pose */
-    const scara_real t0 = u[0] + u[0];
-    const scara_real t1 = u[0] * t0;
-    const scara_real t2 = t1 - 1.0;
-    const scara_real t3 = 350.0 * u[2];
-    const scara_real t4 = u[2] * t3;
-    const scara_real t5 = t4 + 50.0;
-    const scara_real t6 = t2 * t5;
-    const scara_real t7 = u[1] + u[1];
-    const scara_real t8 = u[0] * t7;
-    const scara_real t9 = 350.0 * u[3];
-    const scara_real t10 = u[2] * t9;
-    const scara_real t11 = t8 * t10;
-    const scara_real t12 = t6 - t11;
-    x[0] = t12;
-    const scara_real t14 = t2 * t10;
-    const scara_real t15 = t8 * t5;
-    const scara_real t16 = t14 + t15;
-    x[1] = t16;
-    x[2] = u[6];
-    const scara_real t19 = u[2] * u[4];
-    const scara_real t20 = u[3] * u[5];
-    const scara_real t21 = t19 - t20;
-    const scara_real t22 = u[0] * t21;
-    const scara_real t23 = u[3] * u[4];
-    const scara_real t24 = u[2] * u[5];
-    const scara_real t25 = t23 + t24;
-    const scara_real t26 = u[1] * t25;
-    const scara_real t27 = t22 - t26;
-    x[3] = t27;
-    x[4] = 0.0;
-    x[5] = 0.0;
-    const scara_real t31 = u[0] * t25;
-    const scara_real t32 = u[1] * t21;
-    const scara_real t33 = t31 + t32;
-    x[6] = t33;
+    scara_half_turns(joints, u);
+    scara_pose_of_turns(u, x);
     /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
-    const scara_real t35 = 0.4921875 * u[3];
-    const scara_real t36 = u[2] * t35;
-    margin[0] = t36 * t36;
-    wanted |= (t36 < 0.0) ? 2U : 1U;
+    const scara_real t0 = u[2] + u[2];
+    const scara_real t1 = t0 * u[3];
+    const scara_real t2 = 39375.0 * t1;
+    const scara_real t3 = t2 * 6.25e-06;
+    margin[0] = t3 * t3;
+    wanted |= (t3 < 0.0) ? 2U : 1U;
     /* shoulder turns a point of the axis of turn to where it must be */
-    const scara_real t39 = t5 * t12;
-    const scara_real t40 = t10 * t16;
-    const scara_real t41 = t39 + t40;
-    const scara_real t42 = t41 * t41;
-    const scara_real t43 = t5 * t16;
-    const scara_real t44 = t10 * t12;
-    const scara_real t45 = t43 - t44;
-    const scara_real t46 = t45 * t45;
-    const scara_real t47 = t42 + t46;
-    const scara_real t48 = sqrt(t47);
-    const scara_real t49 = 6.25e-06 * t48;
-    margin[1] = t49;
+    const scara_real t6 = u[2] * u[2];
+    const scara_real t7 = u[3] * u[3];
+    const scara_real t8 = t6 - t7;
+    const scara_real t9 = 175.0 * t8;
+    const scara_real t10 = t9 + 225.0;
+    const scara_real t11 = x[4] * x[6];
+    const scara_real t12 = x[3] * x[5];
+    const scara_real t13 = t11 + t12;
+    const scara_real t14 = t13 + t13;
+    const scara_real t15 = t14 * u[6];
+    const scara_real t16 = x[0] - t15;
+    const scara_real t17 = t10 * t16;
+    const scara_real t18 = 175.0 * t1;
+    const scara_real t19 = x[5] * x[6];
+    const scara_real t20 = x[3] * x[4];
+    const scara_real t21 = t19 - t20;
+    const scara_real t22 = t21 + t21;
+    const scara_real t23 = t22 * u[6];
+    const scara_real t24 = x[1] - t23;
+    const scara_real t25 = t18 * t24;
+    const scara_real t26 = t17 + t25;
+    const scara_real t27 = t26 * t26;
+    const scara_real t28 = t10 * t24;
+    const scara_real t29 = t18 * t16;
+    const scara_real t30 = t28 - t29;
+    const scara_real t31 = t30 * t30;
+    const scara_real t32 = t27 + t31;
+    const scara_real t33 = sqrt(t32);
+    const scara_real t34 = t33 * 6.25e-06;
+    margin[1] = t34;
     /* turn turns a direction of the tool to where it must be */
-    margin[2] = 1.0;
+    const scara_real t36 = u[0] * u[0];
+    const scara_real t37 = u[1] * u[1];
+    const scara_real t38 = t36 - t37;
+    const scara_real t39 = x[5] * x[5];
+    const scara_real t40 = x[6] * x[6];
+    const scara_real t41 = t39 + t40;
+    const scara_real t42 = t41 + t41;
+    const scara_real t43 = 1.0 - t42;
+    const scara_real t44 = t38 * t43;
+    const scara_real t45 = u[0] + u[0];
+    const scara_real t46 = t45 * u[1];
+    const scara_real t47 = x[4] * x[5];
+    const scara_real t48 = x[3] * x[6];
+    const scara_real t49 = t47 + t48;
+    const scara_real t50 = t49 + t49;
+    const scara_real t51 = t46 * t50;
+    const scara_real t52 = t44 + t51;
+    const scara_real t53 = t8 * t52;
+    const scara_real t54 = t38 * t50;
+    const scara_real t55 = t46 * t43;
+    const scara_real t56 = t54 - t55;
+    const scara_real t57 = t1 * t56;
+    const scara_real t58 = t53 + t57;
+    const scara_real t59 = t58 * t58;
+    const scara_real t60 = t8 * t56;
+    const scara_real t61 = t1 * t52;
+    const scara_real t62 = t60 - t61;
+    const scara_real t63 = t62 * t62;
+    const scara_real t64 = t59 + t63;
+    const scara_real t65 = sqrt(t64);
+    margin[2] = t65;
     return wanted;
 }
 
@@ -607,6 +799,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     scara_real way2 = 0.0;
     scara_real least = 1.0;
     unsigned int count = 0U;
+    uint8_t blamed = scara_first_beyond(joints); /* the joint that leaves its limits */
     const unsigned int wanted = scara_read_joints(joints, at, left);
     /* of q and -q, one rotation, the one on the guess's side */
     const scara_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
@@ -621,6 +814,9 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
         if (!(left[k] > 2.842170943040401e-14)) {
             status = SCARA_SINGULAR;
         }
+    }
+    if (blamed < 4U) {
+        status = SCARA_OUT_OF_RANGE;
     }
     while ((status == SCARA_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
         const scara_real end = (done + part < 0.999) ? (done + part) : 1.0;
@@ -656,7 +852,15 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             }
             const scara_real share = scara_line_share(left, margin, part * part * place2,
                 part * part * turn2, moved);
-            if ((way2 <= most2) && (way2 <= 2.25) && (share < 1.0)) {
+            const bool follows = (way2 <= most2) && (way2 <= 2.25) && (share < 1.0);
+            if (follows) {
+                blamed = scara_first_leaving(joints, found[0], part * part * place2,
+                    part * part * turn2, moved, way2);
+                if ((blamed < 4U) && (scara_first_beyond(found[0]) < 4U)) {
+                    status = SCARA_OUT_OF_RANGE;
+                }
+            }
+            if (follows && (blamed == 4U)) {
                 for (int i = 0; i < 4; ++i) {
                     joints[i] = found[0][i];
                 }
@@ -671,7 +875,7 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
             } else {
                 part *= (share < 4.0) ? 0.5 : 0.25;
                 if (part < 0.000244140625) {
-                    status = SCARA_WRONG_BRANCH;
+                    status = (blamed < 4U) ? SCARA_OUT_OF_RANGE : SCARA_WRONG_BRANCH;
                 }
             }
         }
@@ -681,6 +885,9 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     }
     scara_write_info(info, count, (status == SCARA_OK) ? 1.7791990103432909e-09 : HUGE_VAL,
         way2 * 160000.0, (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
+    if ((info != NULL) && (status == SCARA_OUT_OF_RANGE)) {
+        info->joint = blamed;
+    }
     return status;
 }
 
@@ -752,108 +959,36 @@ scara_status scara_jacobian(const scara_real joints[4], scara_real jacobian[24])
 {
     scara_status status = scara_check_limits(joints);
     if (status == SCARA_OK) {
-        const scara_real t0 = cos(joints[1]);
-        const scara_real t1 = 175.0 * t0;
-        const scara_real t2 = t1 + 225.0;
-        const scara_real t3 = sin(joints[0]);
-        const scara_real t4 = t2 * t3;
-        const scara_real t5 = sin(joints[1]);
-        const scara_real t6 = 175.0 * t5;
-        const scara_real t7 = cos(joints[0]);
-        const scara_real t8 = t6 * t7;
-        const scara_real t9 = t4 + t8;
-        const scara_real t10 = -t9;
-        const scara_real t11 = t7 * t6;
-        const scara_real t12 = t3 * t1;
-        const scara_real t13 = t11 + t12;
-        const scara_real t14 = -t13;
-        const scara_real t15 = t2 * t7;
-        const scara_real t16 = t6 * t3;
-        const scara_real t17 = t15 - t16;
-        const scara_real t18 = t7 * t1;
-        const scara_real t19 = t3 * t6;
-        const scara_real t20 = t18 - t19;
-        const scara_real t21 = 0.5 * joints[2];
-        const scara_real t22 = cos(t21);
-        const scara_real t23 = 0.5 * joints[1];
-        const scara_real t24 = cos(t23);
-        const scara_real t25 = 0.5 * joints[0];
-        const scara_real t26 = cos(t25);
-        const scara_real t27 = 0.5 * t26;
-        const scara_real t28 = t24 * t27;
-        const scara_real t29 = sin(t23);
-        const scara_real t30 = sin(t25);
-        const scara_real t31 = 0.5 * t30;
-        const scara_real t32 = t29 * t31;
-        const scara_real t33 = t28 - t32;
-        const scara_real t34 = t22 * t33;
-        const scara_real t35 = sin(t21);
-        const scara_real t36 = t24 * t31;
-        const scara_real t37 = t29 * t27;
-        const scara_real t38 = t36 + t37;
-        const scara_real t39 = t35 * t38;
-        const scara_real t40 = t34 - t39;
-        const scara_real t41 = t40 + t40;
-        const scara_real t42 = t26 * t24;
-        const scara_real t43 = t30 * t29;
-        const scara_real t44 = t42 - t43;
-        const scara_real t45 = t44 * t22;
-        const scara_real t46 = t26 * t29;
-        const scara_real t47 = t30 * t24;
-        const scara_real t48 = t46 + t47;
-        const scara_real t49 = t48 * t35;
-        const scara_real t50 = t45 - t49;
-        const scara_real t51 = t41 * t50;
-        const scara_real t52 = t22 * t38;
-        const scara_real t53 = t35 * t33;
-        const scara_real t54 = t52 + t53;
-        const scara_real t55 = -t54;
-        const scara_real t56 = t55 + t55;
-        const scara_real t57 = t44 * t35;
-        const scara_real t58 = t48 * t22;
-        const scara_real t59 = t57 + t58;
-        const scara_real t60 = t56 * t59;
-        const scara_real t61 = t51 - t60;
-        const scara_real t62 = 0.5 * t24;
-        const scara_real t63 = t26 * t62;
-        const scara_real t64 = 0.5 * t29;
-        const scara_real t65 = t30 * t64;
-        const scara_real t66 = t63 - t65;
-        const scara_real t67 = t22 * t66;
-        const scara_real t68 = t26 * t64;
-        const scara_real t69 = t30 * t62;
-        const scara_real t70 = t68 + t69;
-        const scara_real t71 = t35 * t70;
-        const scara_real t72 = t67 - t71;
-        const scara_real t73 = t72 + t72;
-        const scara_real t74 = t73 * t50;
-        const scara_real t75 = t22 * t70;
-        const scara_real t76 = t35 * t66;
-        const scara_real t77 = t75 + t76;
-        const scara_real t78 = -t77;
-        const scara_real t79 = t78 + t78;
-        const scara_real t80 = t79 * t59;
-        const scara_real t81 = t74 - t80;
-        const scara_real t82 = 0.5 * t22;
-        const scara_real t83 = t44 * t82;
-        const scara_real t84 = 0.5 * t35;
-        const scara_real t85 = t48 * t84;
-        const scara_real t86 = t83 - t85;
-        const scara_real t87 = t86 + t86;
-        const scara_real t88 = t87 * t50;
-        const scara_real t89 = t44 * t84;
-        const scara_real t90 = t48 * t82;
-        const scara_real t91 = t89 + t90;
-        const scara_real t92 = -t91;
-        const scara_real t93 = t92 + t92;
-        const scara_real t94 = t93 * t59;
-        const scara_real t95 = t88 - t94;
-        jacobian[0] = t10;
-        jacobian[1] = t14;
+        scara_real u[8];
+        scara_half_turns(joints, u);
+        const scara_real t0 = u[0] + u[0];
+        const scara_real t1 = u[0] * t0;
+        const scara_real t2 = t1 - 1.0;
+        const scara_real t3 = 350.0 * u[3];
+        const scara_real t4 = u[2] * t3;
+        const scara_real t5 = t2 * t4;
+        const scara_real t6 = u[1] + u[1];
+        const scara_real t7 = u[0] * t6;
+        const scara_real t8 = 350.0 * u[2];
+        const scara_real t9 = u[2] * t8;
+        const scara_real t10 = t9 + 50.0;
+        const scara_real t11 = t7 * t10;
+        const scara_real t12 = t5 + t11;
+        const scara_real t13 = -t12;
+        const scara_real t14 = 225.0 * t7;
+        const scara_real t15 = t12 - t14;
+        const scara_real t16 = -t15;
+        const scara_real t17 = t2 * t10;
+        const scara_real t18 = t7 * t4;
+        const scara_real t19 = t17 - t18;
+        const scara_real t20 = 225.0 * t2;
+        const scara_real t21 = t19 - t20;
+        jacobian[0] = t13;
+        jacobian[1] = t16;
         jacobian[2] = 0.0;
         jacobian[3] = 0.0;
-        jacobian[4] = t17;
-        jacobian[5] = t20;
+        jacobian[4] = t19;
+        jacobian[5] = t21;
         jacobian[6] = 0.0;
         jacobian[7] = 0.0;
         jacobian[8] = 0.0;
@@ -868,9 +1003,9 @@ scara_status scara_jacobian(const scara_real joints[4], scara_real jacobian[24])
         jacobian[17] = 0.0;
         jacobian[18] = 0.0;
         jacobian[19] = 0.0;
-        jacobian[20] = t61;
-        jacobian[21] = t81;
-        jacobian[22] = t95;
+        jacobian[20] = 1.0;
+        jacobian[21] = 1.0;
+        jacobian[22] = 1.0;
         jacobian[23] = 0.0;
     }
     return status;

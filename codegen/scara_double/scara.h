@@ -21,25 +21,13 @@
  *   inverse_all: 160 add, 163 mul, 5 div, 7 sqrt, 6 atan2
  *   inverse_branch: 128 add, 147 mul, 5 div, 7 sqrt, 6 atan2
  *   inverse_nearest: 138 add, 154 mul, 5 div, 7 sqrt, 6 atan2
- *   direct: 20 add, 31 mul, 1 div, 1 sqrt, 5 sin, 6 cos
- *   inverse: 100 iterations, 13549 add, 18257 mul, 804 div, 706 sqrt, 3 sin, 3 cos, 600 atan2
- *   jacobian: 32 add, 53 mul, 5 sin, 5 cos
- *   twist: 60 add, 77 mul, 5 sin, 5 cos
- *   rates: 398 add, 510 mul, 25 div, 5 sqrt, 5 sin, 5 cos
- *   feed: 402 add, 514 mul, 29 div, 5 sqrt, 5 sin, 5 cos
- *   track: 572 add, 767 mul, 27 div, 10 sqrt, 30 sin, 35 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 37556 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 1930 instructions, 416 stack, 2044 code
- *   inverse_branch: 1065 instructions, 432 stack, 2064 code
- *   inverse_nearest: 1185 instructions, 456 stack, 2264 code
- *   direct: 1230 instructions, 928 stack, 772 code
- *   inverse: 100905 instructions, 1200 stack, 4140 code
- *   jacobian: 1145 instructions, 896 stack, 880 code
- *   twist: 1425 instructions, 1096 stack, 1016 code
- *   rates: 6020 instructions, 1176 stack, 2352 code
- *   feed: 6095 instructions, 1224 stack, 2452 code
- *   track: 7830 instructions, 1360 stack, 3652 code
+ *   direct: 17 add, 32 mul, 1 div, 1 sqrt, 3 sin, 3 cos
+ *   inverse: 100 iterations, 25170 add, 38285 mul, 804 div, 707 sqrt, 603 sin, 603 cos, 600 atan2
+ *   jacobian: 12 add, 18 mul, 3 sin, 3 cos
+ *   twist: 40 add, 42 mul, 3 sin, 3 cos
+ *   rates: 378 add, 475 mul, 25 div, 5 sqrt, 3 sin, 3 cos
+ *   feed: 382 add, 479 mul, 29 div, 5 sqrt, 3 sin, 3 cos
+ *   track: 537 add, 737 mul, 27 div, 10 sqrt, 18 sin, 18 cos
  *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */
@@ -109,7 +97,9 @@ scara_status scara_direct(const scara_real joints[SCARA_JOINTS], scara_pose *pos
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, SCARA_WRONG_BRANCH. Angles are near the
  * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
- * of the line by as much.
+ * of the line by as much. Joints keep their limits at all points of the line, the guess included:
+ * else, and where one comes too near to be decided, SCARA_OUT_OF_RANGE, and info->joint is the
+ * joint.
  */
 scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
     const scara_real guess[SCARA_JOINTS],

@@ -21,25 +21,13 @@
  *   inverse_all: 214 add, 217 mul, 17 div, 7 sqrt
  *   inverse_branch: 182 add, 201 mul, 17 div, 7 sqrt
  *   inverse_nearest: 192 add, 208 mul, 17 div, 7 sqrt
- *   direct: 20 add, 31 mul, 1 div, 1 sqrt, 5 sin, 6 cos
- *   inverse: 100 iterations, 18985 add, 23696 mul, 2004 div, 706 sqrt
- *   jacobian: 32 add, 53 mul, 5 sin, 5 cos
- *   twist: 60 add, 77 mul, 5 sin, 5 cos
- *   rates: 398 add, 510 mul, 25 div, 5 sqrt, 5 sin, 5 cos
- *   feed: 402 add, 514 mul, 29 div, 5 sqrt, 5 sin, 5 cos
- *   track: 572 add, 767 mul, 27 div, 10 sqrt, 30 sin, 35 cos
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 28146 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 1355 instructions, 152 stack, 2028 code
- *   inverse_branch: 780 instructions, 152 stack, 2036 code
- *   inverse_nearest: 930 instructions, 168 stack, 2204 code
- *   direct: 7430 instructions, 600 stack, 712 code
- *   inverse: 76920 instructions, 328 stack, 4200 code
- *   jacobian: 5280 instructions, 576 stack, 804 code
- *   twist: 5555 instructions, 680 stack, 932 code
- *   rates: 10305 instructions, 720 stack, 2196 code
- *   feed: 10370 instructions, 752 stack, 2300 code
- *   track: 23775 instructions, 832 stack, 3424 code
+ *   direct: 53 add, 71 mul, 1 div, 1 sqrt
+ *   inverse: 100 iterations, 37806 add, 51524 mul, 2004 div, 707 sqrt
+ *   jacobian: 48 add, 57 mul
+ *   twist: 76 add, 81 mul
+ *   rates: 414 add, 514 mul, 25 div, 5 sqrt
+ *   feed: 418 add, 518 mul, 29 div, 5 sqrt
+ *   track: 753 add, 971 mul, 27 div, 10 sqrt
  *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */
@@ -109,7 +97,9 @@ scara_status scara_direct(const scara_real joints[SCARA_JOINTS], scara_pose *pos
  * the given one, positions in a straight line and orientations along the shorter arc, without
  * meeting a singularity; where that is not assured, SCARA_WRONG_BRANCH. Angles are near the
  * guess's, not wrapped. Any joint values will do as a guess: an error of them moves the beginning
- * of the line by as much.
+ * of the line by as much. Joints keep their limits at all points of the line, the guess included:
+ * else, and where one comes too near to be decided, SCARA_OUT_OF_RANGE, and info->joint is the
+ * joint.
  */
 scara_status scara_inverse(const scara_config *config, const scara_pose *pose,
     const scara_real guess[SCARA_JOINTS],

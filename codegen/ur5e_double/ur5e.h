@@ -23,25 +23,13 @@
  *   inverse_all: 735 add, 710 mul, 15 div, 35 sqrt, 34 atan2
  *   inverse_branch: 399 add, 542 mul, 15 div, 35 sqrt, 34 atan2
  *   inverse_nearest: 430 add, 570 mul, 15 div, 35 sqrt, 34 atan2
- *   direct: 57 add, 93 mul, 1 div, 1 sqrt, 12 sin, 12 cos
- *   inverse: 100 iterations, 41452 add, 59791 mul, 2104 div, 3508 sqrt, 6 sin, 6 cos, 3400 atan2
- *   jacobian: 269 add, 462 mul, 12 sin, 12 cos
- *   twist: 311 add, 498 mul, 12 sin, 12 cos
- *   rates: 1059 add, 1385 mul, 47 div, 5 sqrt, 12 sin, 12 cos
- *   feed: 1065 add, 1391 mul, 53 div, 5 sqrt, 12 sin, 12 cos
- *   track: 1408 add, 1952 mul, 49 div, 10 sqrt, 72 sin, 72 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 11612 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 10055 instructions, 608 stack, 3016 code
- *   inverse_branch: 1585 instructions, 664 stack, 3096 code
- *   inverse_nearest: 2200 instructions, 728 stack, 3316 code
- *   direct: 3125 instructions, 1008 stack, 1460 code
- *   inverse: 176615 instructions, 1440 stack, 6880 code
- *   jacobian: 3850 instructions, 1176 stack, 4356 code
- *   twist: 4230 instructions, 1472 stack, 4488 code
- *   rates: 12130 instructions, 1576 stack, 5848 code
- *   feed: 12250 instructions, 1640 stack, 5948 code
- *   track: 17650 instructions, 1720 stack, 7788 code
+ *   direct: 58 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
+ *   inverse: 100 iterations, 41462 add, 59798 mul, 2104 div, 3508 sqrt, 6 sin, 6 cos, 3400 atan2
+ *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
+ *   twist: 139 add, 171 mul, 6 sin, 6 cos
+ *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
+ *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
+ *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -23,25 +23,13 @@
  *   inverse_all: 1041 add, 1016 mul, 83 div, 35 sqrt
  *   inverse_branch: 705 add, 848 mul, 83 div, 35 sqrt
  *   inverse_nearest: 736 add, 876 mul, 83 div, 35 sqrt
- *   direct: 57 add, 93 mul, 1 div, 1 sqrt, 12 sin, 12 cos
- *   inverse: 100 iterations, 72124 add, 90469 mul, 8904 div, 3508 sqrt
- *   jacobian: 269 add, 462 mul, 12 sin, 12 cos
- *   twist: 311 add, 498 mul, 12 sin, 12 cos
- *   rates: 1059 add, 1385 mul, 47 div, 5 sqrt, 12 sin, 12 cos
- *   feed: 1065 add, 1391 mul, 53 div, 5 sqrt, 12 sin, 12 cos
- *   track: 1408 add, 1952 mul, 49 div, 10 sqrt, 72 sin, 72 cos
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 4314 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 6035 instructions, 272 stack, 2780 code
- *   inverse_branch: 1040 instructions, 296 stack, 2848 code
- *   inverse_nearest: 1660 instructions, 328 stack, 3040 code
- *   direct: 48285 instructions, 624 stack, 1284 code
- *   inverse: 117995 instructions, 544 stack, 6360 code
- *   jacobian: 48920 instructions, 664 stack, 3844 code
- *   twist: 49300 instructions, 808 stack, 3972 code
- *   rates: 57990 instructions, 864 stack, 5312 code
- *   feed: 58105 instructions, 904 stack, 5416 code
- *   track: 264875 instructions, 944 stack, 7148 code
+ *   direct: 130 add, 170 mul, 1 div, 1 sqrt
+ *   inverse: 100 iterations, 72134 add, 90476 mul, 8904 div, 3508 sqrt
+ *   jacobian: 169 add, 213 mul
+ *   twist: 211 add, 249 mul
+ *   rates: 959 add, 1136 mul, 47 div, 5 sqrt
+ *   feed: 965 add, 1142 mul, 53 div, 5 sqrt
+ *   track: 1673 add, 2088 mul, 49 div, 10 sqrt
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -23,25 +23,13 @@
  *   inverse_all: 599 add, 530 mul, 13 div, 31 sqrt, 30 atan2
  *   inverse_branch: 263 add, 362 mul, 13 div, 31 sqrt, 30 atan2
  *   inverse_nearest: 290 add, 383 mul, 13 div, 31 sqrt, 30 atan2
- *   direct: 40 add, 67 mul, 1 div, 1 sqrt, 10 sin, 10 cos
- *   inverse: 100 iterations, 27504 add, 41336 mul, 1804 div, 3107 sqrt, 5 sin, 5 cos, 3000 atan2
- *   jacobian: 186 add, 315 mul, 10 sin, 10 cos
- *   twist: 228 add, 351 mul, 10 sin, 10 cos
- *   rates: 976 add, 1238 mul, 47 div, 5 sqrt, 10 sin, 10 cos
- *   feed: 982 add, 1244 mul, 53 div, 5 sqrt, 10 sin, 10 cos
- *   track: 1240 add, 1675 mul, 49 div, 10 sqrt, 60 sin, 60 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 14024 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 8595 instructions, 616 stack, 2632 code
- *   inverse_branch: 1380 instructions, 672 stack, 2712 code
- *   inverse_nearest: 1925 instructions, 744 stack, 2924 code
- *   direct: 2660 instructions, 984 stack, 1188 code
- *   inverse: 151385 instructions, 1360 stack, 5744 code
- *   jacobian: 3135 instructions, 1144 stack, 3076 code
- *   twist: 3515 instructions, 1440 stack, 3208 code
- *   rates: 11420 instructions, 1544 stack, 4568 code
- *   feed: 11540 instructions, 1608 stack, 4668 code
- *   track: 17905 instructions, 1688 stack, 6356 code
+ *   direct: 42 add, 79 mul, 1 div, 1 sqrt, 5 sin, 5 cos
+ *   inverse: 100 iterations, 27512 add, 41348 mul, 1804 div, 3107 sqrt, 5 sin, 5 cos, 3000 atan2
+ *   jacobian: 60 add, 113 mul, 5 sin, 5 cos
+ *   twist: 102 add, 149 mul, 5 sin, 5 cos
+ *   rates: 850 add, 1036 mul, 47 div, 5 sqrt, 5 sin, 5 cos
+ *   feed: 856 add, 1042 mul, 53 div, 5 sqrt, 5 sin, 5 cos
+ *   track: 1124 add, 1533 mul, 49 div, 10 sqrt, 30 sin, 30 cos
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

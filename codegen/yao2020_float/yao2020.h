@@ -23,25 +23,13 @@
  *   inverse_all: 869 add, 800 mul, 73 div, 31 sqrt
  *   inverse_branch: 533 add, 632 mul, 73 div, 31 sqrt
  *   inverse_nearest: 560 add, 653 mul, 73 div, 31 sqrt
- *   direct: 40 add, 67 mul, 1 div, 1 sqrt, 10 sin, 10 cos
- *   inverse: 100 iterations, 54564 add, 68401 mul, 7804 div, 3107 sqrt
- *   jacobian: 186 add, 315 mul, 10 sin, 10 cos
- *   twist: 228 add, 351 mul, 10 sin, 10 cos
- *   rates: 976 add, 1238 mul, 47 div, 5 sqrt, 10 sin, 10 cos
- *   feed: 982 add, 1244 mul, 53 div, 5 sqrt, 10 sin, 10 cos
- *   track: 1240 add, 1675 mul, 49 div, 10 sqrt, 60 sin, 60 cos
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 4435 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 5120 instructions, 280 stack, 2588 code
- *   inverse_branch: 900 instructions, 304 stack, 2656 code
- *   inverse_nearest: 1435 instructions, 352 stack, 2852 code
- *   direct: 39770 instructions, 616 stack, 1112 code
- *   inverse: 110665 instructions, 512 stack, 5636 code
- *   jacobian: 40220 instructions, 656 stack, 2920 code
- *   twist: 40600 instructions, 808 stack, 3044 code
- *   rates: 49285 instructions, 856 stack, 4384 code
- *   feed: 49400 instructions, 896 stack, 4488 code
- *   track: 114570 instructions, 936 stack, 6028 code
+ *   direct: 102 add, 144 mul, 1 div, 1 sqrt
+ *   inverse: 100 iterations, 54572 add, 68413 mul, 7804 div, 3107 sqrt
+ *   jacobian: 120 add, 178 mul
+ *   twist: 162 add, 214 mul
+ *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
+ *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
+ *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

@@ -504,15 +504,14 @@ static void zhang2009_direct_matrix(const zhang2009_geometry *geometry, zhang200
 {
     (void)geometry;
     for (int i = 0; i < 6; ++i) {
-        const zhang2009_real *const b = geometry->base[i];
         const zhang2009_real *const d = &w->d[3 * i];
         zhang2009_real *const row = &w->a[6 * i];
         row[0] = d[0];
         row[1] = d[1];
         row[2] = d[2];
-        row[3] = 4.0 * b[1] * d[2] - 4.0 * b[2] * d[1];
-        row[4] = 4.0 * b[2] * d[0] - 4.0 * b[0] * d[2];
-        row[5] = 4.0 * b[0] * d[1] - 4.0 * b[1] * d[0];
+        row[3] = 4.0 * geometry->base[i][1] * d[2] - 4.0 * geometry->base[i][2] * d[1];
+        row[4] = 4.0 * geometry->base[i][2] * d[0] - 4.0 * geometry->base[i][0] * d[2];
+        row[5] = 4.0 * geometry->base[i][0] * d[1] - 4.0 * geometry->base[i][1] * d[0];
     }
 }
 
@@ -864,17 +863,23 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(const zhang2009_geometry *g
  * (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. The whole line is tried
- * first. Where the second step is longer than a quarter of the first (of a far one, a sixth), or a
- * later one than three eighths of the one before (two twenty-fifths after new factors), the theorem
- * of Newton and Kantorovich does not tie the point to the part that is done (README.md says what is
- * proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for
- * one more step where that is predicted to reach the tolerance. The answer's rows are evaluated
- * before it is called OK. */
+ * first. Where the second step is longer than a quarter of the first (of a far one, a sixth to an
+ * eighth), or a later one than three eighths of the one before (two twenty-fifths after new
+ * factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done
+ * (README.md says what is proved): the state is put back and a nearer point of the line is aimed
+ * at. Factors are kept for one more step where that is predicted to reach the tolerance. The
+ * answer's rows are evaluated before it is called OK. */
 static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geometry,
     zhang2009_direct_work *w, const zhang2009_real to[6], const zhang2009_config *config,
     zhang2009_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the
+     * largest ones that are accepted, of the second step, of later ones after new factors, and of
+     * others, as the first step is near, far or very far */
+    static const zhang2009_real ratio2[3][3] = {
+        { 0.0625, 0.0064, 0.140625 }, { 0.027777777777777776, 0.0064, 0.140625 }, { 0.015625,
+            0.0009, 0.09 }
+    };
     const zhang2009_real tolerance2 = config->tolerance * config->tolerance;
     const zhang2009_real longest2 = config->max_step * config->max_step;
     zhang2009_status status = ZHANG2009_MAX_ITERATIONS;
@@ -895,9 +900,9 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
     bool was_fresh = false; /* whether the step before had new factors */
     bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
-    /* whether the first step is long beside the way to a singularity, as the least pivot tells
-     * it */
-    bool far = false;
+    /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
+     * very long */
+    unsigned int far = 0U;
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     /* whether the tolerance should be reached: the rows are evaluated once more */
     bool verify = false;
@@ -936,18 +941,17 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
             }
             sign = turn;
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or
-         * 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
+         * 1/8, later 3/8 to 3/10 (README.md) */
         zhang2009_direct_solve(w);
         const zhang2009_real before = size;
         size = zhang2009_direct_apply_step(geometry, w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > 282236.3423223964);
-        } else if (taken == 1U) {
-            limit = (far ? 0.027777777777777776 : 0.0625) * before;
+            const zhang2009_real reach = size * w->spread;
+            far = (reach > 282236.3423223964) ? ((reach > 10.0 * 282236.3423223964) ? 2U : 1U) : 0U;
         } else {
-            limit = (was_fresh ? 0.0064 : 0.140625) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.4249293855405632e-23));
         if (accepted) {
@@ -969,7 +973,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
             } else if ((taken == 0U) || ((size > 1.4249293855405632e-23)
-                && ((taken == 1U) || (far && (taken == 2U) && (size * 25.0 > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0 > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
                 if (taken < 2U) {

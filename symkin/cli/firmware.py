@@ -48,6 +48,9 @@ def firmware(
     find: Annotated[
         str | None, typer.Option(metavar="C,D,...", help="Joint coordinates that the map finds, and from which it leads back.")
     ] = None,
+    compact: Annotated[
+        bool, typer.Option("--compact", help="The least code, at some cost of instructions (not of maps).")
+    ] = False,
     package: Annotated[bool, typer.Option("--package", help="Also files for PlatformIO, Arduino and Zephyr.")] = False,
     linuxcnc: Annotated[bool, typer.Option("--linuxcnc", help="Also a LinuxCNC kinematics component.")] = False,
     cpp: Annotated[bool, typer.Option("--cpp", help="Also a header for C++17 and later.")] = False,
@@ -64,7 +67,7 @@ def firmware(
     also = [name for name, wanted in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp)) if wanted]
     files = write_firmware(
         mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose,
-        given=names_from(given), find=names_from(find), also=also,  # type: ignore[arg-type]
+        given=names_from(given), find=names_from(find), also=also, compact=compact,  # type: ignore[arg-type]
     )  # fmt: skip
     for path in files:
         print(path)

@@ -14,7 +14,6 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
-from symkin.codegen.closed_source import arctangent
 from symkin.codegen.direct_answer import AnswerText
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.direct_guess import GuessText
@@ -24,7 +23,7 @@ from symkin.codegen.gathered import gathered
 from symkin.codegen.lifted import lifted
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.turns import cosine_and_sine
+from symkin.codegen.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
@@ -62,7 +61,7 @@ class ClosedDirectSource:
         real, made, literal = self.real, self.made, self.real.literal
         angular = any(c.is_angular for c in made.actuated)
         polynomial = real.name == "float" and angular
-        angle = fill("closed_angle.c", dict(self.common) | arctangent(real)) if polynomial else ""
+        angle = angle_of_direction(real, self.common) if polynomial else ""
         turn = cosine_and_sine(self.real, self.common) if polynomial else ""
         wide = [c.limits is not None and c.is_angular and c.limits[1] - c.limits[0] > _WIDE for c in made.actuated]
         values = dict(self.common) | {

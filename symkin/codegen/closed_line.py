@@ -1,14 +1,15 @@
 """Write the C that follows an arm's closed form along the line of tool poses from a guess's to the given one.
 
-Each step of the closed form decides its joints by a function g that vanishes only where the step decides nothing or two solutions
-meet: |g| is a root of the step's discriminant or strength. As functions of the joint values these g have bounded derivatives. On
-a line that meets such a point between two regular ones the joints come from one side and leave on the other, or the step's
-discriminant bends down to zero and back while the joints of the steps before move: either takes a way of joints of at least
-(|g_a| + |g_b|) / L. Parts between points of the line whose joints are nearer than that are kept.
+Each step of the closed form decides its joints while a square D stays above zero: the step's discriminant, or the square of the length
+that is carried, as a function of the tool's pose and the joints before. Between two points a, b of the line D stays above zero where its
+second derivative is below 2 (D_a + D_b) + 4 min(D_a, D_b). That derivative is bounded by weights times the squares of the changes of place,
+turn and joints between the two points: sampled at random configurations, raised, and doubled for speeds that change on the way. Parts
+of the line for which this holds are kept, others are cut. Limits of joints are functions of the same kind (`closed_limits`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -16,14 +17,12 @@ import numpy as np
 
 from symkin.closed.evaluation import Evaluation, Motion
 from symkin.closed.plan import Plan
-from symkin.closed.steps import Carry, Factor, Operand, Step, Word
-from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.closed.steps import Carry, Step
+from symkin.codegen.arm_motion import ArmMotion
+from symkin.codegen.c_emitter import Emitter, Real, indent
 from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_source import ClosedCode
-from symkin.codegen.gathered import gathered
 from symkin.codegen.newton_kernel import rounded
-from symkin.codegen.turns import cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
 
@@ -43,11 +42,20 @@ _LEAST = 256.0
 """Squares below so many roundings decide nothing."""
 
 
+@dataclass(frozen=True)
+class LimitCheck:
+    """How the line asks whether joints keep their limits: values of names in its template, and the functions that these call."""
+
+    names: dict[str, str]
+    text: str
+
+
 @dataclass(frozen=True, eq=False)
 class ClosedLine:
     """The line check of one arm's closed form; `rounding` bounds the error of an answer's pose, as a length."""
 
     code: ClosedCode
+    motion: ArmMotion
     rounding: float
 
     @property
@@ -61,40 +69,13 @@ class ClosedLine:
     # --- expressions of joint values --------------------------------------------------------------------------------------
 
     @cached_property
-    def _halves(self) -> ca.SX:
-        """Cosine and sine of half an angle, a slide and 0, joint by joint; each from its zero."""
-        return ca.SX.sym("u", 2 * len(self.plan.arm))
-
-    @cached_property
-    def _motions(self) -> dict[int, Motion]:
-        found = {}
-        for i, screw in enumerate(self.plan.arm.screws):
-            c, s = self._halves[2 * i], self._halves[2 * i + 1]
-            found[i] = Motion(c) if screw.slides else Motion(ca.SX(0), c * c - s * s, 2 * c * s)
-        return found
-
-    @cached_property
-    def _pose(self) -> ca.SX:
-        """Tool pose: position by the chain of motions, quaternion as the product of the turns'."""
-        arm = self.plan.arm
-        chain: Word = tuple(Factor(i) for i in range(len(arm)))
-        still = replace(Evaluation(arm, ca.SX(3, 1), ca.SX(4, 1)), motions=self._motions)
-        x, y, z = (float(v) for v in np.asarray(arm.tool.position))
-        position = still.value(Operand((x, y, z), True, chain))
-        quaternion = ca.SX(ca.DM(np.asarray(arm.tool.quaternion, dtype=float)))
-        for i in reversed(range(len(arm))):
-            screw = arm.screws[i]
-            if not screw.slides:
-                turn = ca.vertcat(self._halves[2 * i], *(self._halves[2 * i + 1] * k for k in screw.axis))
-                quaternion = multiply(turn, quaternion)
-        return ca.vertcat(position, quaternion)
+    def _x(self) -> ca.SX:
+        return ca.SX.sym("x", 7)
 
     @cached_property
     def _guards(self) -> ca.SX:
-        """Of the guarded steps g, where they have two solutions, else g^2."""
-        pose = self._pose
-        at = replace(Evaluation(self.plan.arm, pose[:3], pose[3:]), motions=self._motions)
-        found = []
+        """Of the guarded steps g, where they have two solutions, else g^2; by the half turns and the pose that they lead to."""
+        at, found = self.evaluated(), []
         for i in self.code.guarded:
             step = self.plan.steps[i]
             if step.branch is not None:
@@ -116,54 +97,53 @@ class ClosedLine:
 
     @cached_property
     def bends(self) -> np.ndarray:
-        """Bounds (guards, 2 + joints) of the squares g^2: |d^2 g^2 / ds^2| is at most the sum of these times the squares of the rates
-        of the tool's place (over the size) and turn, and of the joints that the step reads (angles; slides over the size). Sampled."""
+        """Bounds (guards, 2 + joints) of the squares g^2."""
+        steps = [self.plan.steps[i] for i in self.code.guarded]
+        return self.bounds(lambda at: [self._square(at, step) for step in steps])
+
+    def bounds(self, functions: Callable[[Evaluation], Sequence[ca.SX]]) -> np.ndarray:
+        """Bounds (functions, 2 + joints) of functions D of the tool's pose and of joints: |d^2 D / ds^2| is at most the sum of these times the
+        squares of the rates of the tool's place (over the size) and turn, and of the joints that D reads (angles; slides over the
+        size). Sampled."""
         screws, size = self.plan.arm.screws, self.plan.arm.size
         n = len(screws)
         q, moved = ca.SX.sym("q", n), ca.SX.sym("d", 6 + n)
         base = ca.vertcat(
             *(v for i, s in enumerate(screws) for v in ((size * q[i], 0) if s.slides else (ca.cos(q[i] / 2), ca.sin(q[i] / 2))))
         )
-        pose = ca.substitute(self._pose, self._halves, base)
+        pose = ca.substitute(self.motion.pose, self.motion.halves, base)
         turned = multiply(ca.vertcat(1 - ca.dot(moved[3:6], moved[3:6]) / 8, 0.5 * moved[3:6]), pose[3:])
         values = [size * (q[i] + moved[6 + i]) if s.slides else q[i] + moved[6 + i] for i, s in enumerate(screws)]
         motions = {i: Motion(v) if screws[i].slides else Motion(v, ca.cos(v), ca.sin(v)) for i, v in enumerate(values)}
         at = replace(Evaluation(self.plan.arm, pose[:3] + size * moved[:3], turned), motions=motions)
-        bounds = []
+        found = []
         rng = np.random.default_rng(11)
         samples = rng.uniform(-1, 1, (_SAMPLES, n)) * np.array([1.0 if s.slides else np.pi for s in screws])
-        for i in self.code.guarded:
-            step = self.plan.steps[i]
-            square = self._square(at, step)
-            hessian = ca.substitute(ca.hessian(square, moved)[0], moved, ca.DM.zeros(6 + n))
-            found = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(samples.T)
-            matrices = np.asarray(found).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
-            bounds.append(_ROOM * _block_sums(matrices))
-        return np.array(bounds).reshape(-1, 2 + n)
+        for function in functions(at):
+            hessian = ca.substitute(ca.hessian(function, moved)[0], moved, ca.DM.zeros(6 + n))
+            values_there = ca.Function("hessian", [q], [ca.densify(hessian)]).map(_SAMPLES)(samples.T)
+            matrices = np.asarray(values_there).reshape(6 + n, _SAMPLES, 6 + n).transpose(1, 0, 2)
+            found.append(_ROOM * _block_sums(matrices))
+        return np.array(found).reshape(-1, 2 + n)
+
+    def evaluated(self) -> Evaluation:
+        """The arm at the half turns and the pose that they lead to."""
+        return replace(Evaluation(self.plan.arm, self._x[:3], self._x[3:]), motions=self.motion.motions)
+
+    def emitter(self, expressions: ca.SX) -> Emitter:
+        """Emitter of functions of the half turns `u` and of the pose `x` that they lead to."""
+        return self.motion.emitter(expressions, self._x)
 
     # --- text ------------------------------------------------------------------------------------------------------------
 
-    @cached_property
-    def _emitter(self) -> Emitter:
-        arm = self.plan.arm
-        turns = [(self._halves[2 * i], self._halves[2 * i + 1]) for i, s in enumerate(arm.screws) if not s.slides]
-        pose, guards = gathered([self._pose, self._guards], [self._halves], turns)
-        expression = snapped_expression(ca.vertcat(pose, guards), [self._halves], 1.0)
-        function = ca.Function("f", [self._halves], [ca.densify(expression)], {"cse": True})
-        return Emitter(function, [indexed("u", 2 * len(arm))], self.real)
-
     @property
     def _read_lines(self) -> list[str]:
-        """Statements that set pose, margins and bits."""
-        emitter, number, zero = self._emitter, 0, self.real.literal(0.0)
-        emitter.comment("the tool's pose")
-        for i in range(7):
-            text = emitter.value(0, i)
-            emitter.lines.append(f"x[{i}] = {text};")
+        """Statements that set margins and bits."""
+        emitter, number, zero = self.emitter(self._guards), 0, self.real.literal(0.0)
         choices = [i for i, step in enumerate(self.plan.steps) if step.branch is not None]
         for k, i in enumerate(self.code.guarded):
             emitter.comment(self.plan.steps[i].reason)
-            text = emitter.value(0, 7 + k)
+            text = emitter.value(0, k)
             emitter.lines.append(f"margin[{k}] = {text} * {text};" if i in choices else f"margin[{k}] = {text};")
             if i in choices:
                 number = choices.index(i)
@@ -171,32 +151,13 @@ class ClosedLine:
         return emitter.lines
 
     @property
-    def _turned_lines(self) -> list[str]:
-        """Statements that set u from the joint values."""
-        lines, literal = [], self.real.literal
-        for i, screw in enumerate(self.plan.arm.screws):
-            value = f"(joints[{i}] - {literal(screw.zero)})" if screw.zero else f"joints[{i}]"
-            if screw.slides:
-                lines += [f"u[{2 * i}] = {value};", f"u[{2 * i + 1}] = {literal(0.0)};"]
-            elif self.real.name == "float":
-                lines.append(f"{self.code.values['p']}_cosine_and_sine({literal(0.5)} * {value}, &u[{2 * i}]);")
-            else:
-                lines += [f"u[{2 * i}] = cos(0.5 * {value});", f"u[{2 * i + 1}] = sin(0.5 * {value});"]
-        return lines
-
-    @property
     def _bend_lines(self) -> list[str]:
         """Statements that say whether each square stays above zero: `place` and `turn` are squares of the tool's way."""
         lines = []
         for k, (row, i) in enumerate(zip(WAY * self.bends, self.code.guarded, strict=True)):
-            squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
-            terms = [
-                f"{self.real.literal(rounded(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING
-            ]
-            sum_of = " + ".join(terms) or self.real.literal(0.0)
             lines += [
                 f"/* {self.plan.steps[i].reason} */",
-                f"const {self.real.type} bend{k} = {sum_of};",
+                f"const {self.real.type} bend{k} = {self.sum_of(row)};",
                 f"const {self.real.type} lesser{k} = (a[{k}] < b[{k}]) ? a[{k}] : b[{k}];",
                 f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] + b[{k}]) + {self.real.literal(4.0)} * lesser{k});",
                 f"largest = (share{k} > largest) ? share{k} : largest;",
@@ -204,22 +165,31 @@ class ClosedLine:
         return lines
 
     @property
-    def text(self) -> str:
+    def per_lengths(self) -> str:
+        """What makes joint values numbers of the order of one, joint by joint."""
+        return ", ".join(self.real.literal(1.0 / self.plan.arm.size if s.slides else 1.0) for s in self.plan.arm.screws)
+
+    @property
+    def longest2(self) -> str:
+        """The square of the longest way of a part."""
+        return self.real.literal(_LONGEST**2)
+
+    def sum_of(self, row: np.ndarray) -> str:
+        """C text of weights times the squares of the ways."""
+        squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
+        terms = [f"{self.real.literal(rounded(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING]
+        return " + ".join(terms) or self.real.literal(0.0)
+
+    def text(self, limits: LimitCheck) -> str:
         """The functions, which need those of the closed form."""
         literal, size = self.real.literal, self.plan.arm.size
         names = self.code.names | {
-            "turns": 2 * len(self.plan.arm), "turned": indent(self._turned_lines), "read": indent(self._read_lines),
-            "bends": indent(self._bend_lines), "longest2": literal(_LONGEST**2),
-            "per_lengths": ", ".join(literal(1.0 / size if s.slides else 1.0) for s in self.plan.arm.screws),
+            "turns": 2 * len(self.plan.arm), "read": indent(self._read_lines),
+            "bends": indent(self._bend_lines), "longest2": self.longest2, "per_lengths": self.per_lengths,
             "per_size2": literal(size**-2), "size2": literal(size**2), "least": literal(_LEAST * self.real.epsilon),
             "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "answer_rounding": literal(self.rounding), "huge": self.code.values["huge"],
         }  # fmt: skip
-        turn = (
-            cosine_and_sine(self.real, names)
-            if self.real.name == "float" and any(not s.slides for s in self.plan.arm.screws)
-            else ""
-        )
-        return turn + fill("closed_line.c", names)
+        return limits.text + fill("closed_line.c", names | limits.names)
 
 
 def _block_sums(matrices: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.turns import angle_of_direction, rough_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 
@@ -27,13 +28,6 @@ _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
-_SINE = (0.9999966155528762, -0.16664828239792243, 0.008306323850167805, -0.00018363616794956467)
-"""sin(x) / x in x^2 up to a quarter turn, error of the sine 6e-7: least squares reweighted to the least largest error."""
-_ARCTANGENT = (
-    0.9999993443489075, -0.33329859375953674, 0.19946563243865967, -0.13908618688583374,
-    0.09642169624567032, -0.05591192841529846, 0.02186267077922821, -0.004054484888911247,
-)  # fmt: skip
-"""atan(x) / x in x^2 up to x = 1, error of the angle 3.7e-8, made in the same way."""
 _MOST_TURNS = 1e4
 """Whole turns beyond which an angle is not moved: a float of them tells no angle."""
 
@@ -220,7 +214,8 @@ class ClosedCode:
             "angular": ", ".join("true" if c.is_angular else "false" for c in self.coordinates),
             "middles": ", ".join(literal(m) for m in middles), "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi),
             "half": literal(0.5), "minus_half": literal(-0.5), "many": literal(_MOST_TURNS),
-            "sine": horner(_SINE, self.real), **arctangent(self.real),
+            "sine": rough_sine(self.real), "quarter": literal(0.5 * np.pi), "half_turn": literal(np.pi),
+            "zero": literal(0.0), "fabs": self.real.call("fabs"),
             "named": indent(named, 2),
         }  # fmt: skip
 
@@ -229,7 +224,7 @@ class ClosedCode:
         """All functions of the closed form."""
         first = f"{self.values['p']}_turn_near(" if self.newton is None else f"{self.values['p']}_settle(x, "
         sine = fill("closed_trigonometry.c", self.names) if any("_sine(" in line for line in self._near_lines) else ""
-        angle = fill("closed_angle.c", self.names) if any("_angle(" in line for line in self.body) else ""
+        angle = angle_of_direction(self.real, self.names) if any("_angle(" in line for line in self.body) else ""
         return angle + sine + fill("closed.c", self.names | {"finish": self._finish, "settle": first})
 
     @property
@@ -259,24 +254,6 @@ class ClosedCode:
         """The section of the README."""
         lines = [f"{i}. {line}." for i, line in enumerate(self.plan.derivation(), start=1)]
         return "\n".join(lines)
-
-
-def horner(coefficients: tuple[float, ...], real: Real) -> str:
-    """C text of a polynomial in `square`, by Horner's rule."""
-    *rest, last = (real.literal(c) for c in coefficients)
-    text = last
-    for c in reversed(rest):
-        text = f"{c} + square * {text if text == last else f'({text})'}"
-    return text
-
-
-def arctangent(real: Real) -> dict[str, str]:
-    """Values of the template of an angle's polynomial."""
-    literal = real.literal
-    return {
-        "arctangent": horner(_ARCTANGENT, real), "quarter": literal(0.5 * np.pi), "half_turn": literal(np.pi),
-        "zero": literal(0.0), "fabs": real.call("fabs"),
-    }  # fmt: skip
 
 
 def _is_number(text: str) -> bool:

@@ -127,6 +127,8 @@ _PLATFORM = (
              "One step from the last pose; details.residual is the predicted error, to be compared with track_limit."),
     _Wrapped("inverse", "const pose &at", "joint_values", f"&at, {_ARRAY}", "Joint values of a pose."),
     _Wrapped("jacobian", "const pose &at", "matrix", f"&at, {_ARRAY}", "Row-major: joint rates = jacobian * twist."),
+    _Wrapped("line", "const pose &from, const pose &to, const config *settings = nullptr", "bool", "settings, &from, &to, &found.details",
+             "Whether joints keep their limits along the straight line between two poses."),
     _Wrapped("rates", "const pose &at, view<6> twist", "joint_values", f"&at, twist.data(), {_ARRAY}", "Joint rates of a twist."),
     _Wrapped("twist", "const pose &at, view<joint_count> rates", "twist_values", f"&at, rates.data(), {_ARRAY}", "The twist of joint rates."),
     _Wrapped("feed", "const pose &at, view<6> twist, view<joint_count> rate_limits", "real",
@@ -162,7 +164,8 @@ def cpp_text(program: Program) -> str:
 def _function(name: str, wrapped: _Wrapped, *, struct: bool) -> str:
     """One function."""
     first, passed = ("const geometry &numbers, ", "&numbers, ") if struct else ("", "")
-    begin = "\n    found.value = last;" if wrapped.name == "track" else ""
+    begun = {"track": "last", "line": "true"}.get(wrapped.name)
+    begin = f"\n    found.value = {begun};" if begun else ""
     return f"""/// {wrapped.comment}
 [[nodiscard]] inline outcome<{wrapped.result}> {wrapped.name}({first}{wrapped.takes}) noexcept
 {{

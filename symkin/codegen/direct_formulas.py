@@ -8,14 +8,14 @@ moves continuously and is regular.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
-from math import prod
+from math import factorial, prod
 
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.limbwise import LimbwiseForm, limbwise_form
+from symkin.codegen.limbwise import Held, LimbwiseForm, Reach, limbwise_form
 from symkin.codegen.line_bounds import Bend, Span, bend_of
 from symkin.codegen.samples import Configuration
 from symkin.elimination.closed_form import ClosedForm, closed_form
@@ -33,6 +33,8 @@ _NOISE = 1e-9
 """Share of the largest weight below which another is rounding."""
 _PARTS = (1.0 / 16, 1.0 / 4, 1.0)
 """Parts of a slide's range for which bounds are made: a line takes those of the first that holds it."""
+_ROOT_DEGREE = 4
+"""Highest degree in a root that is looked for, less one."""
 _FREE_RANGE = 2.0
 """How far a slide without limits is looked at, in sizes about the reference."""
 
@@ -95,19 +97,22 @@ class DirectFormulas:
         return self.whole.form
 
 
-def direct_formulas(problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration]) -> DirectFormulas | None:
-    """The formulas of the direct problem with all its rows, all rows together or else limb by limb; None where none are found, or none
-    that can be guarded."""
+def direct_formulas(
+    problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration], held: Held | None = None
+) -> DirectFormulas | None:
+    """The formulas of the direct problem with all its rows, all rows together or else limb by limb, which it is where limbs are to be watched
+    holding the motion; None where none are found, or none that can be guarded."""
     joints = problem.known_coordinates
     if len(samples) < _COMPARED or len(joints) > _MOST_GIVEN or any(c.width != 1 for c in joints):
         return None
     given = np.array([sample.known for sample in samples])
-    form = closed_form(problem.system, given[:_COMPARED])
-    whole = limbwise_form(problem, limbs, samples) if form is None else LimbwiseForm(form, int(form.signs.shape[0]), ())
+    form = closed_form(problem.system, given[:_COMPARED]) if held is None else None
+    whole = limbwise_form(problem, limbs, samples, held) if form is None else LimbwiseForm(form, int(form.signs.shape[0]), ())
     if whole is None:
         return None
     spans = tuple(_span(c, problem.closure.characteristic_length) for c in joints)
     parts = (1.0,) if all(span.angular for span in spans) else _PARTS
+    whole = replace(whole, reaches=tuple(_Guarding(whole, spans, parts, given).without_root(reach) for reach in whole.reaches))
     guards = _Guarding(whole, spans, parts, given).guards()
     if guards is None:
         return None
@@ -214,6 +219,22 @@ class _Guarding:
                 value = even if sizes[1] * float(np.sqrt(self._size(discriminants[j]))) <= _NOISE * sizes[0] else value
         return value
 
+    def without_root(self, reach: Reach) -> Reach:
+        """A condition Q r with the root r of the pose's first discriminant as Q alone, by the given values, with a sign that is above zero: r
+        has a guard of its own."""
+        ones, count = ca.SX.ones(*self.found.signs.shape), self.whole.pose_choices
+        value, discriminants = (ca.substitute(e, self.found.signs, ones) for e in (reach.of_known, self.found.discriminants))
+        value = self._without_squares(value, discriminants[:count])
+        roots = self.found.roots
+        if not ca.depends_on(value, roots[0]) or (count > 1 and ca.depends_on(value, roots[1:count])):
+            return reach
+        even, odd = _by_root(value, roots[0], discriminants[0])
+        sizes = [np.max(np.abs(self._values(part)(self.given))) for part in (even, odd)]
+        if sizes[0] > _NOISE * sizes[1] * float(np.sqrt(self._size(discriminants[0]))):
+            return reach
+        odd = odd * float(np.sign(np.median(self._values(odd)(self.given))))
+        return Reach(reach.name, odd, odd)
+
     def _size(self, discriminant: ca.SX) -> float:
         """The largest value of a discriminant at the samples, roots of others as ones."""
         ones = ca.SX.ones(*self.found.roots.shape)
@@ -244,11 +265,17 @@ class _Guarding:
 
 
 def _by_root(expression: ca.SX, root: ca.SX, discriminant: ca.SX) -> list[ca.SX]:
-    """P and Q of an expression P + Q root that is a quadratic in a discriminant's root."""
-    slope = ca.jacobian(expression, root)
-    square = 0.5 * ca.jacobian(slope, root)
-    at_zero = [ca.substitute(part, root, ca.SX(0)) for part in (expression, slope, square)]
-    return [at_zero[0] + at_zero[2] * discriminant, at_zero[1]]
+    """P and Q of an expression P + Q root that is a polynomial in a discriminant's root. Raises ValueError where its degree is too high."""
+    parts, derivative, zero = [ca.SX(0), ca.SX(0)], expression, ca.SX(0)
+    for k in range(_ROOT_DEGREE + 1):
+        at_zero = ca.substitute(derivative, root, zero) / factorial(k)
+        parts[k % 2] = parts[k % 2] + at_zero * discriminant ** (k // 2)
+        derivative = ca.jacobian(derivative, root)
+        if not ca.depends_on(derivative, root):
+            k += 1
+            parts[k % 2] = parts[k % 2] + derivative / factorial(k) * discriminant ** (k // 2)
+            return parts
+    raise ValueError(f"a polynomial of a degree above {_ROOT_DEGREE + 1} in a root")
 
 
 def _plain(bend: Bend) -> Weights:

@@ -15,14 +15,18 @@ _LIMB_BY_LIMB = r"""## Direct problem in closed form
 
 Given $q$, the pose is solved first, from combinations of the limbs' rows that no passive joint enters, then each limb's passive joints by
 its pose and actuated joint, by the formulas below; of two values the one on the guess's side is taken. A passive joint has two values
-where $N = A^2 + B^2$ is above $C^2$. By the law of cosines $C = a + b N$ here, so that a limb reaches the pose while
-$N_{low} < N < N_{high}$; these differences, which bend less than $N - C^2$ does, are among the $g$ below. ($N$ itself is a sum of
-squares, which no line in general makes zero.)"""
+where $N = A^2 + B^2$ is above $C^2$. Where $C = a + b N$ (the law of cosines), a limb reaches the pose while $N_{low} < N < N_{high}$; these
+differences, which bend less than $N - C^2$ does, are then among the $g$ below. ($N$ itself is a sum of squares, which no line in general
+makes zero.)"""
 
 _IMPLIED = r"""The model declares no motion. Its joints leave the platform a @@ one, and the code is that of a platform of this motion. The
 wrenches by which the limbs hold it there could lose their rank along a line, and the platform leave the motion, only where the
 determinants of all sets of them vanish. A sum of multiples of these determinants' squares is constant, or is a divisor $v$ below or its
 square (compared at @n@ configurations): where no $v$ is zero, the platform keeps to the motion."""
+_IMPLIED_BY_VOLUME = r"""The model declares no motion. Its joints leave the platform a @@ one, and the code is that of a platform of this motion. Each
+limb holds it by one wrench, whose direction is linear in the platform's position (compared at @n@ configurations). Where the determinant of these
+wrenches is zero, the platform could leave the motion, and where a limb's wrench is, its passive joints are not decided. The determinant is one of
+the $g$ below (without the root of a $D$ that it is a multiple of), so that neither happens on the line."""
 
 _LINE = r"""## Which answer is OK
 
@@ -76,6 +80,7 @@ def direct_by_formulas(kind: LimbPlatform, found: DirectFormulas, *, implied: bo
     joints = ", ".join(f"`{c.name}`" for c in kind.actuated)
     rows = [_guard_row(guard) for guard in found.guards]
     table = "\n".join([f"| $g$ of | $W / 2$ for {joints} | sum of amplitudes |", "|---|---|---|", *rows])
-    begin = _LIMB_BY_LIMB if found.whole.reaches else _DIRECT_BY_FORMULAS
-    motion = [_IMPLIED.replace("@@", kind.mechanism.motion).replace("@n@", str(CONFIGURATIONS))] if implied else []
+    begin = _DIRECT_BY_FORMULAS if found.whole.pose_choices == len(found.formulas.names) else _LIMB_BY_LIMB
+    text = _IMPLIED if kind.held is None else _IMPLIED_BY_VOLUME
+    motion = [text.replace("@@", kind.mechanism.motion).replace("@n@", str(CONFIGURATIONS))] if implied else []
     return [begin, *motion, steps, _LINE, table, _LINE_SIDE]

@@ -42,7 +42,7 @@ def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpac
     unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `given` and `find` name joint
     coordinates, as many of each as the mobility: the code is then the map from one to the other and back, of any mechanism, graphs
     and files of robots too, with Jacobian, rates and torques. `also` asks for more files: "package" (PlatformIO, Arduino, Zephyr),
-    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). Raises InputError for a
+    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). `compact` asks for the least code, at some cost of instructions. Raises InputError for a
     mechanism that no code can be written for, options that do not fit it, and a folder that holds files of somebody else.
 
     >>> import symkin, tempfile
@@ -133,6 +133,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
             "geometry": options.geometry,
             "home": options.home,
             **({"given": options.given, "find": options.find} if options.is_map else {}),
+            **({"compact": True} if options.compact else {}),
             **{str(name): True for name in options.also},
         },
         "operations_per_iteration": program.main.operations,

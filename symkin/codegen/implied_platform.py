@@ -3,7 +3,8 @@
 The wrenches by which limbs keep a platform in its motion, couples for a platform that stays level, must not lose rank along a line: there
 the platform could leave the motion, though no formula of the motion's own rows were singular. Their volumes, determinants of as many of
 them as there are freedoms to hold, are not all zero where a divisor of the formulas is a sum of multiples of their squares and is not
-zero; and divisors are guards of the line.
+zero; and divisors are guards of the line. Of a platform that only translates the determinant itself is made a guard, where each limb has
+one such wrench and that is linear in the position.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from itertools import combinations
 import casadi as ca
 import numpy as np
 
+from symkin.closure.snapping import snap
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas
 from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.limbwise import Held
 from symkin.codegen.options import Options
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.model.mechanism import Mechanism
@@ -32,6 +35,8 @@ _MOST_SETS = 10
 """Sets of limbs of which volumes are taken: fewer than configurations, so that a sum of their multiples says something."""
 _SAME = 1e-8
 """Share by which a sum may miss a divisor, of numbers from configurations that close to rounding."""
+_LINEAR = 1e-4
+"""Share of the largest singular value above which places determine a linear map: they are spread."""
 _AXES_ALONE = ("translation", "schoenflies", "planar")
 """Motions whose twists are axes of the base, wherever the platform is."""
 
@@ -46,7 +51,51 @@ def limb_platform(mechanism: Mechanism, options: Options, real: Real) -> LimbPla
         return described
     declared = LimbPlatform(replace(mechanism, motion=motion), options, real)
     found = declared.direct_formulas
-    return declared if found is not None and keeps_motion(declared, found) else described
+    if found is not None and keeps_motion(declared, found):
+        return declared
+    watched = replace(declared, held=held_motion(declared))
+    return watched if watched.held is not None and watched.direct_formulas is not None else described
+
+
+def held_motion(made: LimbPlatform) -> Held | None:
+    """The limbs' wrenches of a translating platform by its position, where they are linear in it and just as many as the freedoms that
+    they hold; else None."""
+    pose = made.closure.role("pose")
+    if made.mechanism.motion != "translation":
+        return None
+    held = [c for c in range(6) if c not in COLUMNS["translation"]]
+    wrenches = [_holding(made, sample.values, held) for sample in made.samples[:CONFIGURATIONS]]
+    if sum(len(w) for w in wrenches[0]) != len(held) or any(len(w) > 1 for at in wrenches for w in at):
+        return None
+    size, symbols = (
+        made.closure.characteristic_length,
+        ca.vertcat(*(made.closure.variables[made.closure.slices[c.name]] for c in pose)),
+    )
+    places = np.array([made.inverse.select_values(s.values, pose) for s in made.samples[:CONFIGURATIONS]]) / size
+    found: list[ca.SX | None] = []
+    for i, first in enumerate(wrenches[0]):
+        if any(len(at[i]) != len(first) for at in wrenches):
+            return None
+        factors = _linear_direction(places, np.array([at[i][0] for at in wrenches])) if len(first) else None
+        if len(first) and factors is None:
+            return None
+        found.append(None if factors is None else ca.mtimes(ca.DM(factors), ca.vertcat(1, symbols / size)))
+    volume = ca.det(ca.horzcat(*(w for w in found if w is not None)))
+    sign = np.sign(float(ca.Function("volume", [symbols], [volume])(size * places[0])))
+    return Held(float(sign) * volume, tuple(None if w is None else ca.sumsqr(w) for w in found))
+
+
+def _linear_direction(places: np.ndarray, directions: np.ndarray) -> np.ndarray | None:
+    """The matrix M (3, 4) for which M (1, place) has these directions (n, 3) at places (n, 3); None where there is none, or more than one."""
+    rows = []
+    for place, (x, y, z) in zip(places, directions, strict=True):
+        across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        rows.append(np.kron(across, np.concatenate([[1.0], place])))
+    _, sizes, vectors = np.linalg.svd(np.vstack(rows))
+    if sizes[-1] > _SAME * sizes[0] or sizes[-2] <= _LINEAR * sizes[0]:
+        return None
+    found = np.where(np.abs(vectors[-1]) > _SAME, vectors[-1], 0.0)
+    return np.array([snap(float(v)) for v in found]).reshape(3, 4)
 
 
 def keeps_motion(made: LimbPlatform, found: DirectFormulas) -> bool:

@@ -117,6 +117,7 @@ class JointMap:
     templates: ClassVar[str] = "map"
     is_redundant: ClassVar[bool] = False
     has_dead_centres: ClassVar[bool] = False
+    can_be_compact: ClassVar[bool] = False
 
     @property
     def name(self) -> str:

@@ -2,43 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
-from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill
+from symkin.codegen.c_templates import common_values, copy, farthest, fill
 from symkin.codegen.circles import number_counts, numbers_at
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.home_sheet import HomeSheet, home_sheet
 from symkin.codegen.joint_map import Direction, JointMap
+from symkin.codegen.joint_map_rates import MapRates, step_columns
+from symkin.codegen.joint_map_values import MapValues, places_among
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature
 from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.text import c_comment
 
-_ARCTANGENT = (
-    0.9999993443489075, -0.33329859375953674, 0.19946563243865967, -0.13908618688583374,
-    0.09642169624567032, -0.05591192841529846, 0.02186267077922821, -0.004054484888911247,
-)  # fmt: skip
-"""atan(x) / x in x^2 up to x = 1, error of the angle 3.7e-8: least squares reweighted to the least largest error."""
-_SINE = (-0.16666651, 0.00833197, -0.00019495)
-"""(sin(x) - x) / x^3 in x^2 up to an eighth of a turn, error of the sine 1.9e-9, made in the same way."""
-_COSINE = (0.0416666467, -0.00138873598, 0.0000244375325)
-"""(cos(x) - 1 + x^2 / 2) / x^4 in x^2 up to an eighth of a turn, error of the cosine 1e-10."""
-_QUARTER = (1.5703125, 0.0004837512969970703, 7.549789954891882e-08)
-"""A quarter turn in three parts, the first two of few bits, so that small multiples of them are exact."""
 _FIRST_TURN = 0.5
 """Turn of the known values that is tried first (rad): most longer ones are refused."""
 _TRACKED = 24.0
 """A step of one call is at most the size over this."""
-_BELONG = 1e-2
-"""Residual, in sizes, up to which joints and found values belong together."""
 _NOISE = 4.0
 """Roundings of the size that rows of formulas may leave: a step of Newton's method would not mend them."""
 _ROUGH = 4.0
@@ -47,10 +35,6 @@ _GUESSED = 1e-5
 """Error of a guess's own configuration, in sizes: the line begins there."""
 _NOT_DECIDED = 1e-4
 """Share of a condition's usual size below which one step decides nothing."""
-
-
-_LARGEST = 1e20
-"""Rates and torques beyond it are refused: their products stay below the largest float."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +50,11 @@ class JointMapSource:
     @property
     def name(self) -> str:
         return self.made.name
+
+    @cached_property
+    def numbers(self) -> MapValues:
+        """Statements of values and their numbers."""
+        return MapValues(self.made)
 
     @cached_property
     def code(self) -> NewtonCode:
@@ -104,7 +93,7 @@ class JointMapSource:
         for i, c in enumerate(direction.known):
             value = f"(part < {one}) ? (w->at[{i}] + part * (to[{i}] - w->at[{i}])) : to[{i}]"
             if c.kind == "angle":
-                lines.append(f"{self.name}_circle({value}, &{target}[{place}]);")
+                lines.append(f"{self.name}_cosine_and_sine({value}, &{target}[{place}]);")
                 place += 2
             else:
                 lines.append(f"{target}[{place}] = {value};")
@@ -133,6 +122,12 @@ class JointMapSource:
         return fill("map_coefficients.c", self._common | {
             "k": f"{self.name}_{direction.name}", "numbers": count, "nk": place, "lines": indent([*emitter.lines, *stores]),
         })  # fmt: skip
+
+    def _known_of_y(self, direction: Direction, target: str) -> list[str]:
+        """Statements that set the kernel's known values of a configuration."""
+        if direction.circles.is_plain:
+            return self.numbers.copies(target, direction.known)
+        return self._known_lines(direction, f"&y[{self.numbers.places(direction.known)[0]}]", target)
 
     def _known_lines(self, direction: Direction, source: str, target: str) -> list[str]:
         """Statements that set the kernel's known values by numbers of the known coordinates, which are beside each other at `source`."""
@@ -172,7 +167,7 @@ class JointMapSource:
         parts = [self._solver_text(d) + self._place_text(d) + self._sheet_text(d) for d in (made.direct, made.inverse)]
         parts += [self._state_text(made.inverse), self._state_text(made.direct)]
         parts += [self._direction_text(made.direct), self._direction_text(made.inverse)]
-        parts += [fill("map_give.c", self._common), self._rates_text]
+        parts += [fill("map_give.c", self._common), MapRates(made, self._common).text]
         body = "".join(parts)
         return fill("info.c", self._common) + self._tools(body) + body
 
@@ -180,38 +175,15 @@ class JointMapSource:
 
     def _tools(self, text: str) -> str:
         """The functions of angles that a text calls, and the checks of values."""
-        literal = self.real.literal
-        polynomials = {
-            "arctangent": _horner(self.real, _ARCTANGENT),
-            "sine": _horner(self.real, _SINE),
-            "cosine": _horner(self.real, _COSINE),
-        }
-        own = (
-            self._common
-            | polynomials
-            | {"half_turn": literal(np.pi), "quarter": literal(0.5 * np.pi), "per_quarter": literal(2 / np.pi)}
-        )
-        own |= {"eighth": literal(0.25 * np.pi), **{f"quarter{i + 1}": literal(part) for i, part in enumerate(_QUARTER)}}
-        circle = [f"circle[0] = {self.real.call('cos')}(angle);", f"circle[1] = {self.real.call('sin')}(angle);"]
-        if self.real.name == "float":
-            circle = fill("map_circle.c", own).rstrip().split("\n")
-        own |= {
-            "circle": indent(circle),
-            "circle_error": " by polynomials: the same bits on every machine" if self.real.name == "float" else "",
-        }
-        tools = {"angle": "closed_angle.c", "circle": "map_circle_function.c", "turned": "map_turned.c"}
-        found = [fill(template, own).rstrip() + "\n\n" for name, template in tools.items() if f"{self.name}_{name}(" in text]
-        low, high = (", ".join(literal(v) for v in part) for part in zip(*self._limits(self.made.given), strict=True))
-        return "".join([*found, self._checks, fill("map_blame.c", self._common | {"low": low, "high": high})])
-
-    def _limits(self, coordinates: Sequence[Coordinate], *, bounded: bool = True) -> list[tuple[float, float]]:
-        """Least and largest value of each coordinate: its limits with slack if `bounded`, else how far it may be."""
-        found = []
-        for c in coordinates:
-            scale = 1.0 if c.is_angular else self.made.size
-            slack, far = max(1e-9, 16 * self.real.epsilon) * scale, FARTHEST * scale
-            found.append((c.limits[0] - slack, c.limits[1] + slack) if bounded and c.limits else (-far, far))
-        return found
+        literal, written = self.real.literal, list[str]()
+        if f"{self.name}_angle(" in text:
+            written.append(angle_of_direction(self.real, self._common))
+        if f"{self.name}_cosine_and_sine(" in text:
+            written.append(cosine_and_sine(self.real, self._common))
+        if f"{self.name}_turned(" in text:
+            written.append(fill("map_turned.c", self._common))
+        low, high = (", ".join(literal(v) for v in part) for part in zip(*self.numbers.limits(self.made.given), strict=True))
+        return "".join([*written, self._checks, fill("map_blame.c", self._common | {"low": low, "high": high})])
 
     @property
     def _checks(self) -> str:
@@ -221,7 +193,7 @@ class JointMapSource:
             for bounded, function in ((True, f"limit_{what}"), (False, f"bound_{what}")):
                 literal = self.real.literal
                 within = [f"(values[{i}] >= {literal(low)}) && (values[{i}] <= {literal(high)})"
-                          for i, (low, high) in enumerate(self._limits(coordinates, bounded=bounded))]  # fmt: skip
+                          for i, (low, high) in enumerate(self.numbers.limits(coordinates, bounded=bounded))]  # fmt: skip
                 found.append(fill("map_check.c", self._common | {
                     "what": what if bounded else f"{what} of a guess", "ranges_word": "limits" if bounded else "bounds",
                     "function": function, "within": "\n        && ".join(within),
@@ -244,62 +216,6 @@ class JointMapSource:
         work = "\n".join(line for line in code.work.split("\n") if " x0[" not in line)
         return work + code.functions + code.target + code.linear.text + finish + text
 
-    # --- numbers -----------------------------------------------------------------------------------------------------
-
-    def _places(self, coordinates: Sequence[Coordinate]) -> list[int]:
-        """Where the numbers of coordinates stand in y."""
-        places, start = {}, 0
-        for c, count in zip(self.made.coordinates, number_counts(self.made.coordinates), strict=True):
-            places[c.name] = list(range(start, start + count))
-            start += count
-        return [i for c in coordinates for i in places[c.name]]
-
-    def _copies(self, target: str, coordinates: Sequence[Coordinate]) -> list[str]:
-        """Statements that copy numbers of coordinates from y."""
-        return [f"{target}[{i}] = y[{place}];" for i, place in enumerate(self._places(coordinates))]
-
-    def _known_of_y(self, direction: Direction, target: str) -> list[str]:
-        """Statements that set the kernel's known values of a configuration."""
-        if direction.circles.is_plain:
-            return self._copies(target, direction.known)
-        return self._known_lines(direction, f"&y[{self._places(direction.known)[0]}]", target)
-
-    def _into_y(self, source: str, coordinates: Sequence[Coordinate]) -> list[str]:
-        return [f"y[{place}] = {source}[{i}];" for i, place in enumerate(self._places(coordinates))]
-
-    def _circles(self, values: str, coordinates: Sequence[Coordinate], target: str, places: Sequence[int]) -> list[str]:
-        """Statements that set the numbers of coordinates by their values."""
-        lines, k = [], 0
-        for i, c in enumerate(coordinates):
-            if c.kind == "angle":
-                lines.append(f"{self.name}_circle({values}[{i}], &{target}[{places[k]}]);")
-                k += 2
-            else:
-                lines.append(f"{target}[{places[k]}] = {values}[{i}];")
-                k += 1
-        return lines
-
-    def _turned(self, c: Coordinate, angle: str, near: str) -> str:
-        """C text of an angle moved by whole turns next to another, within its limits."""
-        ((low, high),) = self._limits([c])
-        return f"{self.name}_turned({angle}, {near}, {self.real.literal(low)}, {self.real.literal(high)})"
-
-    def _plain_values(self, coordinates: Sequence[Coordinate], numbers: Sequence[str]) -> list[str]:
-        """C text of the values of coordinates by their numbers, angles within half a turn of 0."""
-        found, k = [], 0
-        angle = f"{self.name}_angle" if self.real.name == "float" else self.real.call("atan2")
-        for c in coordinates:
-            found.append(f"{angle}({numbers[k + 1]}, {numbers[k]})" if c.kind == "angle" else numbers[k])
-            k += 2 if c.kind == "angle" else 1
-        return found
-
-    def _values_of(self, coordinates: Sequence[Coordinate], numbers: Sequence[str], near: str) -> list[str]:
-        """C text of the values of coordinates by their numbers, angles next to `near`."""
-        found = []
-        for i, (c, value) in enumerate(zip(coordinates, self._plain_values(coordinates, numbers), strict=True)):
-            found.append(self._turned(c, value, f"{near}[{i}]") if c.kind == "angle" else value)
-        return found
-
     # --- configurations ----------------------------------------------------------------------------------------------
 
     def _words(self, direction: Direction) -> tuple[str, str]:
@@ -316,16 +232,16 @@ class JointMapSource:
             lines = [
                 f"static const {kind} sign[{names['signs']}] = {{ {names['home_signs']} }};",
                 f"{kind} k[{names['nk']}];", f"{kind} x[{names['ns']}];", f"{kind} d[{names['conditions']}];",
-                *self._circles("values", direction.known, "k", range(int(str(names["nk"])))),
+                *self.numbers.circles("values", direction.known, "k", range(int(str(names["nk"])))),
                 f"{k}_formulas(k, sign, x, d);",
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", f"    if (!(d[i] > {names['resolved']})) {{",
                 f"        status = {self.name.upper()}_OUT_OF_RANGE;", "    }", "}",
-                *self._into_y("k", direction.known), *self._into_y("x", direction.unknown), *self._other_lines(direction, "x"),
+                *self.numbers.into_y("k", direction.known), *self.numbers.into_y("x", direction.unknown), *self._other_lines(direction, "x"),
             ]  # fmt: skip
         else:
             lines = [
                 f"{k}_work w;", *self._followed_lines(direction),
-                *self._into_y("w.k" if direction.circles.is_plain else "w.numbers", direction.known), *self._into_y("w.x", direction.unknown),
+                *self.numbers.into_y("w.k" if direction.circles.is_plain else "w.numbers", direction.known), *self.numbers.into_y("w.x", direction.unknown),
             ]  # fmt: skip
         return fill("map_state.c", self._common | {"values": values, "nto": len(direction.known), "lines": indent(lines)})
 
@@ -337,7 +253,7 @@ class JointMapSource:
         literal, n = self.real.literal, len(direction.known)
         at, begin = made.reference_of(direction.known), numbers_at(direction.unknown, made.reference_of(direction.unknown))
         aims = [
-            f"to[{i}] = {self._turned(c, f'values[{i}]', f'w.at[{i}]')};"
+            f"to[{i}] = {self.numbers.turned(c, f'values[{i}]', f'w.at[{i}]')};"
             if c.kind == "angle" and c.limits is None else f"to[{i}] = values[{i}];" for i, c in enumerate(direction.known)
         ]  # fmt: skip
         line = [
@@ -351,7 +267,7 @@ class JointMapSource:
         sheet = self.home_sheets.get(direction.name)
         if sheet is None:
             return [*line, *self._other_lines(direction, "w.x")]
-        columns = self._step_columns(direction)
+        columns = step_columns(direction, self._wanted(direction), self.real, self.made.size)
         return [
             "/* near the reference configuration by one step of Newton's method from polynomials */",
             f"{kind} {out}[{len(columns)}];", f"bool near_home = {k}_near_home(values, {out});",
@@ -383,8 +299,8 @@ class JointMapSource:
     def _other_lines(self, direction: Direction, state: str) -> list[str]:
         """Statements that set `other` by the numbers of a state."""
         wanted = self._wanted(direction)
-        numbers = [f"{state}[{i}]" for i in self._unknown_places(direction, wanted)]
-        return [f"other[{i}] = {text};" for i, text in enumerate(self._plain_values(wanted, numbers))]
+        numbers = [f"{state}[{i}]" for i in places_among(direction.unknown, wanted)]
+        return [f"other[{i}] = {text};" for i, text in enumerate(self.numbers.plain_values(wanted, numbers))]
 
     def _wanted(self, direction: Direction) -> tuple[Coordinate, ...]:
         """What a direction is for."""
@@ -409,20 +325,20 @@ class JointMapSource:
         wanted = self._wanted(direction)
         known, n, literal = direction.known, len(direction.known), self.real.literal
         begin = [
-            f"w.at[{i}] = {self._turned(c, f'at[{i}]', f'{values}[{i}]') if c.kind == 'angle' else f'at[{i}]'};"
+            f"w.at[{i}] = {self.numbers.turned(c, f'at[{i}]', f'{values}[{i}]') if c.kind == 'angle' else f'at[{i}]'};"
             for i, c in enumerate(known)
         ]
-        copies = self._copies("w.x", direction.unknown)
+        copies = self.numbers.copies("w.x", direction.unknown)
         closed = self._closed.get(direction.name)
         if closed is None:
             follow = [*copies, *self._known_of_y(direction, "w.k0"), f"status = {k}_newton(&w, {values}, used, info);"]
         else:
-            follow = [*copies, *self._copies("w.k", known), f"status = {k}_follow(&w, {values}, used, info);"]
-        places = self._unknown_places(direction, wanted)
+            follow = [*copies, *self.numbers.copies("w.k", known), f"status = {k}_follow(&w, {values}, used, info);"]
+        places = places_among(direction.unknown, wanted)
         numbers = [f"w.x[{i}]" for i in places]
 
         def results(near: str) -> str:
-            texts = self._values_of(wanted, numbers, near)
+            texts = self.numbers.values_of(wanted, numbers, near)
             return indent([f"{kind} result[{n}];", *(f"result[{i}] = {t};" for i, t in enumerate(texts))], 2)
 
         weights = [1.0 * self.made.size if c.is_angular else 1.0 for c in wanted]
@@ -441,14 +357,6 @@ class JointMapSource:
             "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
             "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
         })  # fmt: skip
-
-    def _unknown_places(self, direction: Direction, wanted: Sequence[Coordinate]) -> list[int]:
-        """Places of numbers of wanted coordinates in a direction's state."""
-        places, start = {}, 0
-        for c, count in zip(direction.unknown, number_counts(direction.unknown), strict=True):
-            places[c.name] = list(range(start, start + count))
-            start += count
-        return [i for c in wanted for i in places[c.name]]
 
     def _step(self, direction: Direction) -> dict[str, str]:
         """Statements of one step: from the last values' configuration, by Newton's method or by formulas."""
@@ -483,78 +391,17 @@ class JointMapSource:
         wanted = self._wanted(direction)
         count, k = sum(number_counts(direction.known)), f"{self.name}_{direction.name}"
         target = "w->k" if direction.circles.is_plain else "w->numbers"
-        lines = self._circles(values, direction.known, target, range(count))
+        lines = self.numbers.circles(values, direction.known, target, range(count))
         if not direction.circles.is_plain:
             lines.append(f"{k}_coefficients(w->numbers, w->k);")
         if not direction.is_closed:
             lines += copy("w->k0", "w->k", int(direction.kernel.known.shape[0]))
         if self.made.passive:
-            lines += self._copies("w->x", direction.unknown)
+            lines += self.numbers.copies("w->x", direction.unknown)
         else:
-            lines += self._circles(out, wanted, "w->x", self._unknown_places(direction, wanted))
+            lines += self.numbers.circles(out, wanted, "w->x", places_among(direction.unknown, wanted))
         return fill("map_place.c", self._common | {
             "k": k, "values": values, "nto": len(direction.known), "from": "y" if self.made.passive else out,
             "nfrom": self._common["ny"] if self.made.passive else len(wanted), "lines": indent(lines), "known": values,
             "source": "the rest as in the configuration y" if self.made.passive else f"the {out} as they were last",
         })  # fmt: skip
-
-    # --- rates -------------------------------------------------------------------------------------------------------
-
-    @property
-    def _rates_text(self) -> str:
-        made, direct, literal = self.made, self.made.direct, self.real.literal
-        kernel, n, prefix = direct.kernel, len(made.given), self.name.upper()
-        y, state = [], []
-        if made.passive:
-            y = [f"{self.real.type} y[{self._common['ny']}];", f"{self.real.type} at[{n}];"]
-            state = [f"if (status == {prefix}_OK) {{", f"    status = {self.name}_state_of_found(found, y, at);", "}"]
-        set_ = [f"{self.name}_direct_place(&w, joints, {'y' if made.passive else 'found'});"]
-        rows = [f"rates[{n * i} + j] = w.f[{column}]{scale};" for i, (column, scale) in enumerate(self._step_columns(direct))]
-        return fill("map_rates.c", self._common | {
-            "largest": self.real.literal(_LARGEST),
-            "nsides": kernel.m * n, "m": kernel.m, "sides": indent(self._sides), "y": indent(y), "state": indent(state), "set": indent(set_, 2),
-            "near": literal(_BELONG * made.size), "singular": singular_condition(kernel, f"{self.name}_direct", "&w"), "rates": indent(rows, 4),
-        })  # fmt: skip
-
-    def _step_columns(self, direction: Direction) -> list[tuple[int, str]]:
-        """Place of each wanted coordinate in a step, and what turns the step's length into its unit."""
-        places, column = {}, 0
-        for c in direction.unknown:
-            places[c.name] = (column, f" * {self.real.literal(1.0 / self.made.size)}" if c.is_angular else "")
-            column += c.freedom
-        return [places[c.name] for c in self._wanted(direction)]
-
-    @property
-    def _sides(self) -> list[str]:
-        """Statements of the rows' derivatives by the given coordinates."""
-        circles, given = self.made.direct.circles, self.made.given
-        kernel, numbers = circles.kernel, circles.numbers
-        tangent, place = ca.SX(int(numbers.shape[0]), len(given)), 0
-        for i, c in enumerate(given):
-            if c.kind == "angle":
-                tangent[place, i], tangent[place + 1, i] = -numbers[place + 1], numbers[place]
-                place += 2
-            else:
-                tangent[place, i] = 1.0
-                place += 1
-        sides = snapped_expression(ca.mtimes(ca.jacobian(circles.rows_by_numbers, numbers), tangent), [kernel.state, numbers])
-        function = ca.Function("sides", [kernel.state, numbers], [ca.densify(sides)], {"cse": True})
-        emitter = Emitter(
-            function,
-            [
-                indexed("w->x", int(kernel.state.shape[0])),
-                indexed("w->k" if circles.is_plain else "w->numbers", int(numbers.shape[0])),
-            ],
-            self.real,
-        )
-        stores = [f"sides[{len(given) * i + j}] = {emitter.entry(i, j)};" for i in range(kernel.m) for j in range(len(given))]
-        return [*emitter.lines, *stores]
-
-
-def _horner(real: Real, coefficients: Sequence[float]) -> str:
-    """C text of a polynomial in `square`, by Horner's rule."""
-    *rest, last = (real.literal(c) for c in coefficients)
-    text = last
-    for c in reversed(rest):
-        text = f"{c} + square * {text if text == last else f'({text})'}"
-    return text

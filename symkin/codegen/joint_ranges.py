@@ -25,14 +25,16 @@ class Range:
 
 def ranges_of(coordinates: Sequence[Coordinate], real: Real, size: float) -> list[Range]:
     """The limits, with room for rounding; rods are not shorter than zero; without limits a value is at least finite."""
-    found = []
-    for c in coordinates:
-        slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)
-        low, high = c.limits or ((-FARTHEST, FARTHEST) if c.is_angular else (-FARTHEST * size, FARTHEST * size))
-        if c.least is not None:
-            low = max(low, c.least + 1e-6 * size)
-        found.append(Range(real.literal(low - slack), real.literal(high + slack)))
-    return found
+    return [Range(*map(real.literal, range_of(c, real, size))) for c in coordinates]
+
+
+def range_of(c: Coordinate, real: Real, size: float) -> tuple[float, float]:
+    """Least and largest value of one joint."""
+    slack = max(1e-9, 16 * real.epsilon) * (1.0 if c.is_angular else size)
+    low, high = c.limits or ((-FARTHEST, FARTHEST) if c.is_angular else (-FARTHEST * size, FARTHEST * size))
+    if c.least is not None:
+        low = max(low, c.least + 1e-6 * size)
+    return low - slack, high + slack
 
 
 def range_functions(ranges: Sequence[Range], real: Real, values: Mapping[str, object], positive: str = "") -> str:

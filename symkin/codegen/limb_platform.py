@@ -19,6 +19,8 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas, direct_formulas
 from symkin.codegen.geometry import Geometry
+from symkin.codegen.limbwise import Held
+from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.pose_core import PoseCore, pose_core
@@ -63,10 +65,17 @@ class LimbPlatform:
     mechanism: Mechanism
     options: Options
     real: Real
+    held: Held | None = None
+    """How its limbs hold it in its motion, where the line has to be watched for that."""
     templates: ClassVar[str] = "parallel"
     is_redundant: ClassVar[bool] = False
     zero: ClassVar[float] = 0.0
     """Joint values at home, where joints are changes from there."""
+
+    @property
+    def can_be_compact(self) -> bool:
+        """Whether there is code that --compact makes shorter."""
+        return self.direct_formulas is None and is_unrolled(self.direct_kernel, compact=False)
 
     @property
     def name(self) -> str:
@@ -133,7 +142,7 @@ class LimbPlatform:
         """The closed form of the direct problem, where the geometry is constant and all limbs have one too."""
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
-        return direct_formulas(self.direct, [block.system for block in self._closure_blocks], self.samples)
+        return direct_formulas(self.direct, [block.system for block in self._closure_blocks], self.samples, self.held)
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:

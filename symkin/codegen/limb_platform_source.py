@@ -13,15 +13,16 @@ from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.limb_rates import LimbRates
 from symkin.codegen.limb_source import limb_text, rates_text
+from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.platform_rates import closure_twist, decides_twist, rates_functions, square_twist
-from symkin.codegen.pose_coordinates import COLUMNS, pose_coordinates_text, pose_text
+from symkin.codegen.pose_coordinates import pose_coordinates_text, pose_text
 from symkin.codegen.pose_target import core_target
 from symkin.computed_once import cached_property
-from symkin.model.names import identifiers
 from symkin.numeric.system import System
 from symkin.text import c_comment
 
@@ -46,6 +47,10 @@ class LimbPlatformSource:
     @property
     def _ok(self) -> str:
         return f"{self.name.upper()}_OK"
+
+    @property
+    def _rates(self) -> LimbRates:
+        return LimbRates(self.made, self._ga)
 
     @property
     def _ga(self) -> str:
@@ -97,6 +102,7 @@ class LimbPlatformSource:
             first_turn=_FIRST_TURN,
             measured=made.core is not None,
             keeps_known=self._keeps_known,
+            compact=made.options.compact,
         )
 
     @property
@@ -129,7 +135,7 @@ class LimbPlatformSource:
             "enter": indent(self._enter_lines(passive)), "leave": indent([f"{p}_pose_from_coordinates({ga}&w->x[{passive}], pose);"]),
             "keep_known": indent(copy("w.k0", "w.k", int(kernel.known.shape[0])), 2) if self._keeps_known else "",
             "to": "given", "whole": ", " + literal(1.0),
-            "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga),
+            "track_factor": singular_condition(made.direct_kernel, f"{p}_direct", "&w", ga, compact=made.options.compact),
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((made.closure.characteristic_length / 24) ** 2),
         }  # fmt: skip
 
@@ -165,39 +171,24 @@ class LimbPlatformSource:
                 continue
             k = f"{self.name}_{block.name}"
             if block.formulas is not None:
-                copies = [f"    {array}[{there}] = x[{here}];" for array, there, here in self._places(block)]
+                copies = [f"    {array}[{there}] = x[{here}];" for array, there, here in self._rates.places(block)]
                 lines += [f"if (status == {self._ok}) {{", f"    {self.real.type} x[{block.system.width}];",
                           f"    status = {k}_joints(c, x);", *copies, "}"]  # fmt: skip
                 continue
-            copies = [f"    {array}[{there}] = w.x[{here}];" for array, there, here in self._places(block)]
+            copies = [f"    {array}[{there}] = w.x[{here}];" for array, there, here in self._rates.places(block)]
             lines += [f"if (status == {self._ok}) {{", f"    {k}_work w;", f"    status = {k}_follow_pose({self._ga}&w, c);",
                       *copies, "}"]  # fmt: skip
         if int(self.made.conditions.rows.shape[0]):
             lines += self._condition_lines(self.made.conditions)
         return fill("solve_limbs.c", self._common | {"limbs": indent(lines)})
 
-    def _places(self, block: LimbBlock) -> list[tuple[str, int, int]]:
-        """(array, index there, index in the block) of each number of the block's unknowns."""
-        found = []
-        for c, place in zip(block.system.unknowns, block.system.slices, strict=True):
-            group = self.made.actuated if c.role == "actuated" else self.made.passive
-            before = sum(other.width for other in group[: group.index(c)])
-            array = "q" if c.role == "actuated" else "passive"
-            found += [(array, before + i, place.start + i) for i in range(c.width)]
-        return found
-
-    def _prefix(self, block: LimbBlock) -> str:
-        """What temporaries of a rod limb begin with: its name as an identifier, different from those of the other rods."""
-        rods = [other for other in self.made.blocks if other.rod is not None]
-        return identifiers([other.system.unknowns[0].name for other in rods])[rods.index(block)] + "_"
-
     def _rod_lines(self, block: LimbBlock) -> list[str]:
         """Statements of a rod's coordinate by the pose."""
         function = ca.Function("rod", [block.system.known, self.made.geometry.symbols], [block.rod], {"cse": True})
         names = [indexed("c", int(block.system.known.shape[0])), self.made.geometry.names]
-        emitter = Emitter(function, names, self.real, prefix=self._prefix(block))
+        emitter = Emitter(function, names, self.real, prefix=self._rates.prefix(block))
         text = emitter.value(0, 0)
-        array, there, _ = self._places(block)[0]
+        array, there, _ = self._rates.places(block)[0]
         return [*emitter.lines, f"{array}[{there}] = {text};"]
 
     def _condition_lines(self, conditions: System) -> list[str]:
@@ -255,74 +246,11 @@ class LimbPlatformSource:
     @property
     def _inverse(self) -> str:
         """NAME_inverse and NAME_jacobian."""
-        lines = [line for block in self.made.blocks for line in self._rate_lines(block)]
+        lines = [line for block in self.made.blocks for line in self._rates.lines(block)]
         return fill("limb_inverse.c", self._common | {
             "within_middle": indent(self._to_middle, 3), "rates": indent(lines, 2),
             "copy_joints": indent(copy("joints", "q", len(self.made.actuated)), 3),
         })  # fmt: skip
-
-    def _rate_lines(self, block: LimbBlock) -> list[str]:
-        """Statements of the Jacobian's rows of one limb."""
-        comment = f"/* {c_comment(', '.join(c.name for c in block.system.unknowns))} */"
-        if block.rod is not None:
-            return [comment, *self._rod_rate_lines(block)]
-        if block.kernel is None:
-            return [comment, *self._closed_rate_lines(block)]
-        made, real, k, m = self.made, self.real, f"{self.name}_{block.kernel.name}", block.kernel.m
-        columns, solved = COLUMNS[made.mechanism.motion], _actuated_columns(block.system)
-        actuated = [(there, *solved[here]) for array, there, here in self._places(block) if array == "q"]
-        solve = [f"status = {k}_follow_pose({self._ga}&w, c);"]
-        if block.formulas is not None:
-            solve = [f"status = {k}_joints(c, w.x);", *copy("w.k", "c", int(block.system.known.shape[0]))]
-        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", *solve,
-                f"if (status == {self._ok}) {{", f"    {k}_twist_columns({self._ga}&w, sides);",
-                f"    if ({singular_condition(block.kernel, k, '&w', self._ga)}) {{",
-                f"        status = {self.name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
-        for j, column in enumerate(columns):
-            plus = f" + {j}" if j else ""
-            body += [f"        for (int i = 0; i < {m}; ++i) {{", f"            w.f[i] = sides[{len(columns)} * i{plus}];", "        }",
-                     f"        {k}_solve(&w);"]  # fmt: skip
-            for there, index, angular in actuated:
-                # steps of angles are lengths, angle times the size
-                scale = (
-                    f" * {real.literal(1 / made.closure.characteristic_length)}"
-                    if angular and made.closure.characteristic_length != 1.0
-                    else ""
-                )
-                body.append(f"        jacobian[{6 * there + column}] = w.f[{index}]{scale};")
-        return [comment, f"if (status == {self._ok}) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
-
-    def _closed_rate_lines(self, block: LimbBlock) -> list[str]:
-        """Statements that copy the rates of a limb in closed form."""
-        columns, k = COLUMNS[self.made.mechanism.motion], f"{self.name}_{block.name}"
-        actuated = [there for array, there, _ in self._places(block) if array == "q"]
-        if not actuated:
-            return []
-        copies = [
-            f"    jacobian[{6 * there + column}] = of_limb[{i * len(columns) + j}];"
-            for i, there in enumerate(actuated)
-            for j, column in enumerate(columns)
-        ]
-        return [f"if (status == {self._ok}) {{", f"    {self.real.type} of_limb[{len(actuated) * len(columns)}];",
-                f"    status = {k}_rates(c, of_limb);", *copies, "}"]  # fmt: skip
-
-    def _rod_rate_lines(self, block: LimbBlock) -> list[str]:
-        """Statements of the Jacobian's row of a rod, the derivative of its coordinate by the twist."""
-        made, system = self.made, block.system
-        columns, there = COLUMNS[made.mechanism.motion], self._places(block)[0][1]
-        inputs = [system.unknown, system.known, made.geometry.symbols]
-        function = ca.Function("rod", inputs, [ca.densify(block.sides)], {"cse": True})
-        names = [["0"], indexed("c", int(system.known.shape[0])), made.geometry.names]
-        emitter = Emitter(function, names, self.real, prefix=self._prefix(block))
-        texts = [emitter.value(0, j) for j in range(len(columns))]
-        stores = [f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True)]
-        if not emitter.divisions:
-            return [*emitter.lines, *stores]
-        # where the rod has no length there is no direction
-        first, length = emitter.divisions[0]
-        guarded = [*emitter.lines[first:], *stores]
-        return [*emitter.lines[:first], f"if ({length} > {self.real.literal(0.0)}) {{", *("    " + line for line in guarded), "} else {",
-                f"    status = {self.name.upper()}_SINGULAR;", "}"]  # fmt: skip
 
     @property
     def _twist(self) -> str:
@@ -348,13 +276,3 @@ class LimbPlatformSource:
 def _flags(flags: tuple[bool, ...]) -> str:
     """C text of truth values."""
     return ", ".join("true" if flag else "false" for flag in flags)
-
-
-def _actuated_columns(system: System) -> dict[int, tuple[int, bool]]:
-    """For each single-number unknown of a block: its column in the tangent space, and whether it is an angle."""
-    found, column = {}, 0
-    for c, place in zip(system.unknowns, system.slices, strict=True):
-        if c.width == 1:
-            found[place.start] = (column, c.is_angular)
-        column += c.freedom
-    return found

@@ -10,8 +10,9 @@ import numpy as np
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.line_parts import line_target
 from symkin.codegen.newton_kernel import Kernel, curvature, quaternion_place
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 
@@ -62,6 +63,7 @@ def _newton_code(made: LimbPlatform, block: LimbBlock, kernel: Kernel) -> Newton
         kappa=curvature(kernel, states, poses, made.geometry.values),
         target_lines=line_target(made.real, int(kernel.known.shape[0]), kernel.quaternion),
         on_the_way=kernel.is_square or _closes_on_the_way(made, block, states, poses),
+        compact=made.options.compact,
     )
 
 

@@ -44,6 +44,15 @@ class Reach:
 
 
 @dataclass(frozen=True, eq=False)
+class Held:
+    """How limbs hold a platform in its motion: their wrenches' `volume` must stay above zero, and of each limb the square of its wrench's
+    length (None: it has none), all by the pose."""
+
+    volume: ca.SX
+    squares: tuple[ca.SX | None, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class LimbwiseForm:
     """The closed form of all unknowns; the limbs' `reaches` stand for discriminants from number `pose_choices` on."""
 
@@ -52,9 +61,11 @@ class LimbwiseForm:
     reaches: tuple[Reach, ...]
 
 
-def limbwise_form(problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration]) -> LimbwiseForm | None:
+def limbwise_form(
+    problem: Problem, limbs: Sequence[System], samples: Sequence[Configuration], held: Held | None = None
+) -> LimbwiseForm | None:
     """The closed form of a direct problem by `limbs`, systems of a given pose; None where it is not found in this way."""
-    return _Limbwise(problem, limbs, samples).found()
+    return _Limbwise(problem, limbs, samples, held).found()
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +73,7 @@ class _Limbwise:
     problem: Problem
     limbs: Sequence[System]
     samples: Sequence[Configuration]
+    held: Held | None = None
 
     @property
     def _pose(self) -> tuple[Coordinate, ...]:
@@ -78,20 +90,23 @@ class _Limbwise:
         if any(c.width != 1 for c in (*self._pose, *self.problem.known_coordinates)):
             return None
         pose = self._pose_form()
-        passive = [system for system in map(self._passive_system, self.limbs) if system.unknowns]
-        if pose is None or not passive:
+        if pose is None:
             return None
-        forms = [closed_form(system, self._values(self._given)[:_COMPARED]) for system in passive]
-        if any(form is None for form in forms):
-            return None
-        reaches, whole = [], _Composed(self, pose)
-        for form in forms:
-            assert form is not None  # noqa: S101 - looked at above
-            found = self._reaches_of(form, whole)
-            if found is None:
+        reaches, whole = list[Reach](), _Composed(self, pose)
+        for number, limb in enumerate(self.limbs):
+            system = self._passive_system(limb)
+            if not system.unknowns:
+                continue
+            form = closed_form(system, self._values(self._given)[:_COMPARED])
+            found = None if form is None else self._reaches_of(form, whole, number)
+            if form is None or found is None:
                 return None
             reaches += found
             whole.add(form)
+        if len(whole.forms) == 1:
+            return None
+        if self.held is not None:
+            reaches.append(Reach("the motion's wrenches", self.held.volume, whole.of_known(self.held.volume)))
         made = whole.form()
         known = self._values(self.problem.known_coordinates)
         return LimbwiseForm(made, int(pose.signs.shape[0]), tuple(reaches)) if made.closes(known) else None
@@ -143,7 +158,29 @@ class _Limbwise:
     def _system(self, limb: System, unknowns: tuple[Coordinate, ...], known: Sequence[Coordinate]) -> System:
         return System(unknowns, self._symbols(unknowns), self._symbols(known), limb.rows, limb.errors, limb.characteristic_length)
 
-    def _reaches_of(self, form: ClosedForm, whole: _Composed) -> list[Reach] | None:
+    def _reaches_of(self, form: ClosedForm, whole: _Composed, number: int) -> list[Reach] | None:
+        """What has to stay above zero for a limb's choices; None where that is not known."""
+        square = None if self.held is None else self.held.squares[number]
+        return self._by_cosines(form, whole) if square is None else self._by_wrench(form, whole, square)
+
+    def _by_wrench(self, form: ClosedForm, whole: _Composed, square: ca.SX) -> list[Reach] | None:
+        """Nothing where all discriminants and divisors are multiples of a wrench's squared length, which the volume holds, or divisors of
+        the joints alone, which become those of the whole; else None."""
+        known, poses = self._values(self._given), self._values(self._pose)
+        signs = form.signs_at(self._values(form.system.unknowns)[0], known[0])
+        length = ca.Function("length", [self._symbols(self._pose)], [square])
+        lengths = np.array([float(length(v)) for v in poses])
+        values = np.hstack([form.discriminants_at(known, signs), form.divisors_at(known, signs)])
+        alone = [k for k in range(values.shape[1]) if not _is_multiple_of_any(values[:, k], lengths[:, None])]
+        count = int(form.discriminants.shape[0])
+        others = ca.vertcat(form.roots, form.signs, self._symbols(self._pose))
+        for k in alone:
+            if k < count or ca.depends_on(form.divisors[k - count], others):
+                return None
+            whole.divisors.append(form.divisors[k - count])
+        return []
+
+    def _by_cosines(self, form: ClosedForm, whole: _Composed) -> list[Reach] | None:
         """The bounds of N of each choice; None where a discriminant does not follow the law of cosines or a divisor may vanish alone."""
         if ca.depends_on(ca.vertcat(form.discriminants, form.divisors), form.roots):
             return None
@@ -183,6 +220,7 @@ class _Composed:
         self.forms = [self.pose]
         self.values = {c.name: (self.pose.first[k], self.pose.second[k]) for k, c in enumerate(own)}
         self.discriminants = [self.pose.discriminants]
+        self.divisors = [self.pose.divisors]
         known = self.parts.problem.known_coordinates
         symbols = self.parts._symbols(known)
         generators = [
@@ -203,7 +241,7 @@ class _Composed:
         """Add a limb's passive joints."""
         others = ca.vertcat(form.signs, form.roots)
         first, second = (self.of_known(e, others) for e in (form.first, form.second))
-        self.discriminants.append(self.of_known(form.discriminants))
+        self.discriminants.append(self.of_known(form.discriminants, others))
         self.values |= {c.name: (first[k], second[k]) for k, c in enumerate(form.system.unknowns)}
         self.forms.append(form)
 
@@ -217,7 +255,7 @@ class _Composed:
             first=ca.vertcat(*(p[0] for p in pairs)),
             second=ca.vertcat(*(p[1] for p in pairs)),
             discriminants=ca.vertcat(none, *self.discriminants),
-            divisors=self.pose.divisors,
+            divisors=ca.vertcat(none, *self.divisors),
             told=ca.vertcat(none, *(f.told for f in self.forms)),
             steps=tuple(step for f in self.forms for step in f.steps),
             names=tuple(name for f in self.forms for name in f.names),

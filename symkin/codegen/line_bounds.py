@@ -19,7 +19,9 @@ import numpy as np
 
 _DEGREE = 4
 """Highest wave, and degree in a length, that is looked for."""
-_POINTS = 2 * _DEGREE + 2
+_HIGHEST = 6
+"""The same of a second look, for at most so many given values:"""
+_FEW = 3
 _SHIFT = 0.0711
 """By how much more each angle's samples are shifted than those of the one before (rad): equal angles are special."""
 _MISFIT = 1e-9
@@ -50,14 +52,20 @@ class Bend:
 
 def bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span]) -> Bend | None:
     """Bounds of a function (n, given) -> (n,); None where it is no such polynomial."""
-    count = len(spans)
-    angles = 2 * np.pi * np.arange(_POINTS) / _POINTS
+    found = _bend_of(values, spans, _DEGREE)
+    return _bend_of(values, spans, _HIGHEST) if found is None and len(spans) <= _FEW else found
+
+
+def _bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], degree: int) -> Bend | None:
+    """The same for waves and degrees up to one."""
+    count, points = len(spans), 2 * degree + 2
+    angles = 2 * np.pi * np.arange(points) / points
     grid = np.array(list(product(angles, repeat=count))).reshape(-1, count)
     samples = values(_placed(grid, spans))
     if not np.isfinite(samples).all():
         return None
-    waves = np.fft.fftn(samples.reshape((_POINTS,) * count)) / _POINTS**count
-    orders = np.fft.fftfreq(_POINTS, 1.0 / _POINTS)
+    waves = np.fft.fftn(samples.reshape((points,) * count)) / points**count
+    orders = np.fft.fftfreq(points, 1.0 / points)
     frequencies = np.stack(np.meshgrid(*([orders] * count), indexing="ij"), axis=-1).reshape(-1, count)
     amplitudes = np.abs(waves).ravel()
     largest = float(np.max(np.abs(samples)))
@@ -65,7 +73,7 @@ def bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span]) -
         return None
     first = np.array([[_slope(span, k) for k in np.abs(orders)] for span in spans])
     second = np.array([[_curvature(span, k) for k in np.abs(orders)] for span in spans])
-    places = np.indices((_POINTS,) * count).reshape(count, -1)
+    places = np.indices((points,) * count).reshape(count, -1)
     once = np.stack([first[i][places[i]] for i in range(count)])
     twice = np.stack([second[i][places[i]] for i in range(count)])
     # 2 |d_i| |d_j| <= d_i^2 + d_j^2

@@ -222,9 +222,11 @@ def linear_solver(
     matrices: np.ndarray,
     values: Mapping[str, object],
     given: Sequence[str] = (),
+    *,
+    compact: bool = False,
 ) -> LinearSolver:
     """Write the solver that fits the kernel. `matrices` are samples, `given` statements that fill w->a, where something shorter
-    than the emitted ones is known."""
+    than the emitted ones is known; `compact`: loops in place of an unrolled LU."""
     dense = Emitter(kernel.jacobian_function(), inputs, real)
     matrix = indent(given or dense_statements(dense, kernel.m, kernel.n, "w->a", transposed=kernel.is_wide))
     if not kernel.is_square:
@@ -232,7 +234,7 @@ def linear_solver(
     _, column_scale = scales(matrices)
     column_scales = ", ".join(real.literal(rounded(float(s))) for s in column_scale)
     text = fill("pivoted.c", {**values, "matrix": matrix, "column_scales": column_scales}) + "\n"
-    if kernel.n > UNROLLED:
+    if not is_unrolled(kernel, compact=compact):
         counted = {**dense.operations, "multiplications": dense.operations["multiplications"] + kernel.n**3 // 3}
         return LinearSolver(text + fill("looped.c", values), counted)
     pivots = choose_pivots(matrices)
@@ -273,17 +275,22 @@ def dense_statements(emitter: Emitter, rows: int, columns: int, target: str, *, 
     return emitter.lines
 
 
-def factor_calls(kernel: Kernel, k: str, ga: str) -> dict[str, str]:
+def is_unrolled(kernel: Kernel, *, compact: bool) -> bool:
+    """Whether the LU is unrolled, with loops as its fallback, rather than loops alone."""
+    return kernel.is_square and kernel.n <= UNROLLED and not compact
+
+
+def factor_calls(kernel: Kernel, k: str, ga: str, *, compact: bool = False) -> dict[str, str]:
     """How the driver gets its factors: unrolled with the pivoting fallback, pivoting loops, or QR."""
-    if kernel.is_square and kernel.n <= UNROLLED:
+    if is_unrolled(kernel, compact=compact):
         second = ["if (turn == 0) {", f"    turn = {k}_pivoted({ga}w);", "}"]
         return {"first_factor": f"{k}_factor({ga}w)", "second_factor": indent(second, 3)}
     return {"first_factor": f"{k}_{'pivoted' if kernel.is_square else 'factor'}({ga}w)", "second_factor": ""}
 
 
-def singular_condition(kernel: Kernel, k: str, work: str, ga: str = "") -> str:
+def singular_condition(kernel: Kernel, k: str, work: str, ga: str = "", *, compact: bool = False) -> str:
     """C condition that factorises: the matrix is singular."""
     if not kernel.is_square:
         return f"{k}_factor({ga}{work}) == 0"
     pivoted = f"{k}_pivoted({ga}{work}) == 0"
-    return pivoted if kernel.n > UNROLLED else f"({k}_factor({ga}{work}) == 0) && ({pivoted})"
+    return f"({k}_factor({ga}{work}) == 0) && ({pivoted})" if is_unrolled(kernel, compact=compact) else pivoted

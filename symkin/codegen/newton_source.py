@@ -10,16 +10,12 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, copy_loop, fill
+from symkin.codegen.line_parts import LONGEST_TURN, LineParts
 from symkin.codegen.linear_solver import GUARD, LinearSolver, factor_calls, linear_solver
 from symkin.codegen.newton_kernel import Kernel, rounded
 from symkin.computed_once import cached_property
 from symkin.text import c_comment
 
-LONGEST_TURN = 1.0
-"""Largest turn of a known value in a part of the line (rad): within it the middle stands for all points between the ends."""
-_STRAIGHT2 = 0.25
-"""Square of the turn times `spread`, an estimate of |J^-1|^2, below which the rows' change is as good as straight: its bend is an
-eighth of the turn's square, which is then a small part of what Newton and Kantorovich allow."""
 _SURE = 25.0
 """Square of how much shorter than the second step a third one is that needs no fourth, though |J_0^-1| |s_0| is above the size: there
 curvatures of 1 / size leave the theorem silent, and three steps can contract towards a point where the rows have no root."""
@@ -57,7 +53,8 @@ class NewtonCode:
     `on_the_way`, whether the rows can vanish at all points of the line; `first_turn`, the largest turn of a known value (rad) that is tried first; `measured`, whether the ratio of steps says how far the next part reaches; `members`, more members of the work space; `matrix`,
     statements that fill w->a, where something shorter than the emitted ones is known; `retarget`, the call that aims anew
     and puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix reads w->k0, the known values at
-    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them.
+    the part of the line that is done, which are kept where they take long to compute: who begins a line sets them; `compact`: one
+    factorisation, in loops.
     """
 
     kernel: Kernel
@@ -75,6 +72,7 @@ class NewtonCode:
     matrix: Sequence[str] = ()
     retarget: str = ""
     keeps_known: bool = False
+    compact: bool = False
 
     @property
     def k(self) -> str:
@@ -108,7 +106,7 @@ class NewtonCode:
         inputs = [*self._inputs, indexed("w->d", int(self.kernel.shared_symbols.shape[0]))]
         if self.keeps_known:
             inputs[1] = indexed("w->k0", int(self.kernel.known.shape[0]))
-        return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix)
+        return linear_solver(self.kernel, self.real, inputs, self.matrices, self._values, self.matrix, compact=self.compact)
 
     @property
     def bends(self) -> bool:
@@ -204,13 +202,12 @@ class NewtonCode:
     def _values(self) -> dict[str, object]:
         return (
             common_values(self.name, self.real, struct=bool(self.geometry))
-            | {"k": self.k, **factor_calls(self.kernel, self.k, self._ga)}
+            | {"k": self.k, **factor_calls(self.kernel, self.k, self._ga, compact=self.compact)}
             | self._sizes
             | self._members
             | self._constants
             | self._aiming
-            | self._turning
-            | self._parts
+            | self._parts.values
             | self._still
         )
 
@@ -262,7 +259,9 @@ class NewtonCode:
         literal, tuning = self.real.literal, self.tuning
         return {
             "row_length": literal(self.kernel.row_length), "rounding": literal(tuning.rounding), "noise_of_rows": literal(tuning.noise), "floor2": literal(tuning.floor**2),
-            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "far2": literal(1.0 / 36.0), "later_fresh2": literal(0.0064 if self.on_the_way else 1.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
+            "kappa2": literal(tuning.kappa2), "contraction2": literal(1.0 / 16.0), "far2": literal(1.0 / 36.0), "very_far2": literal(1.0 / 64.0), "ten": literal(10.0),
+            "later_fresh2": literal(0.0064 if self.on_the_way else 1.0), "very_far_later2": literal(0.09 if self.on_the_way else 1.0),
+            "very_far_fresh2": literal(9e-4 if self.on_the_way else 1.0), "later2": literal(9.0 / 64.0 if self.on_the_way else 1.0),
             "chord2": literal(0.3), "near_one": literal(0.999), "least_part": literal(1.0 / 1024.0),
             "singular": literal(32.0 * self.real.epsilon), "sure": literal(_SURE), "size2": literal(self.kernel.characteristic_length**2),
             "guard": literal(GUARD**-2),
@@ -329,99 +328,9 @@ class NewtonCode:
         }  # fmt: skip
 
     @property
-    def _turning(self) -> dict[str, object]:
-        """What known values that turn ask for: a first part, a longest part, and the middle of each part."""
-        literal, floor = self.real.literal, f"(size <= {self._still['still2']})"
-        doubled = "stretch * part" if self.measured else "quick ? (part + part) : part"
-        if not self.bends:
-            return {
-                "turn": "",
-                "check_middle": "",
-                "still": floor,
-                "next_part": f"({doubled})",
-                "first_try": "The whole line is tried first",
-            }
-        two, first, middle = literal(2.0), self.first_turn, f"done + {literal(0.5)} * (aim - done)"
-        check = [
-            f"if (accepted && (taken == 1U) && ((aim - done) * (aim - done) * turn2 * w->spread > {literal(_STRAIGHT2)})) {{",
-            f"    accepted = {self.k}_reaches_middle({self._ga}w, to, {middle}, still2);",
-            *([] if self.keeps_known else [f"    {self.k}_set_target({self._ga}w, to, aim);"]), "}",
-        ]  # fmt: skip
-        start = [
-            "/* the square of the largest turn of a known value on the line (rad), and what part of the line is tried first */",
-            *self._turn_lines, f"if (turn2 > {literal(first**2)}) {{", f"    aim = {literal(first)} / {self.real.call('sqrt')}(turn2);", "}",
-        ]  # fmt: skip
-        longest = literal((0.5 * LONGEST_TURN) ** 2)
-        return {
-            "turn": indent(start), "check_middle": indent(check, 2), "still": f"((taken > 0U) && {floor})",
-            "next_part": self._longer(f"part * part * turn2 <= {longest}", two),
-            "first_try": f"A part in which known values turn by at most {first:g} rad is tried first",
-        }  # fmt: skip
-
-    def _longer(self, fits: str, two: str) -> str:
-        """The next part, where parts are bounded: `fits` says of half of it that the whole does."""
-        if not self.measured:
-            return f"(quick && ({fits})) ? ({two} * part) : part"
-        return f"((stretch < {self.real.literal(1.0)}) || ({fits})) ? (stretch * part) : part"
-
-    @property
-    def _parts(self) -> dict[str, str]:
-        """How far the next part reaches: half or twice, or, where `measured`, as far as the ratio of steps, which grows with the part,
-        lets expect."""
-        literal, two = self.real.literal, self.real.literal(2.0)
-        nearer = f"aim = done + {literal(0.375)} * (aim - done);"
-        if not self.measured:
-            return {
-                "quick_variable": "bool quick = false; /* whether the second step was far shorter than it had to be */",
-                "set_quick": f"quick = (size * {literal(100.0)} <= before);", "nearer": indent([nearer], 3),
-            }  # fmt: skip
-        root = self.real.call("sqrt")
-        return {
-            "quick_variable": f"{self.real.type} stretch = {literal(1.0)}; /* how much longer the next part may be than the last */",
-            "set_quick": f"stretch = (size * {literal(100.0)} <= before) ? {two} : ({literal(0.2)} * {root}(before / size));",
-            "nearer": indent([
-                f"if ((size > limit) && (size < {literal(4.0)} * limit)) {{",
-                f"    aim = done + {literal(0.8)} * {root}(limit / size) * (aim - done);", "} else {", "    " + nearer, "}",
-            ], 3),
-        }  # fmt: skip
-
-    @property
-    def _turn_lines(self) -> list[str]:
-        """Statements that set turn2: angles and rods' lengths over the size by their largest, a quaternion by its own turn."""
-        kind, literal, turns = self.real.type, self.real.literal, self.kernel.turns
-        lines, start = [f"{kind} turn2 = {literal(0.0)};"], self.kernel.quaternion
-        if turns:
-            places, parts = (", ".join(text) for text in zip(*((str(i), literal(weight)) for i, weight in turns), strict=True))
-            lines += [
-                f"static const uint8_t places[{len(turns)}] = {{ {places} }};", f"static const {kind} radians[{len(turns)}] = {{ {parts} }};",
-                f"for (int i = 0; i < {len(turns)}; ++i) {{", f"    const {kind} turned = radians[i] * (to[places[i]] - w->at[places[i]]);",
-                "    if (turned * turned > turn2) {", "        turn2 = turned * turned;", "    }", "}",
-            ]  # fmt: skip
-        if start is not None:
-            cosine = " + ".join(f"w->at[{i}] * to[{i}]" for i in range(start, start + 4))
-            lines += [f"const {kind} cosine = {cosine}; /* of half the turn */",
-                      f"turn2 = {literal(8.0)} * ({literal(1.0)} - {self.real.call('fabs')}(cosine));"]  # fmt: skip
-        return lines
-
-
-def line_target(real: Real, count: int, quaternion: int | None) -> list[str]:
-    """Statements that set w->k on the line from w->at to `to`; unit quaternions go along the shorter arc, with the sign of
-    the guess's."""
-    loop = f"for (int i = 0; i < {count}; ++i) {{"
-    lines = [loop, "    w->k[i] = to[i];", "}"]
-    at, to, k = (indexed(name, 4, quaternion or 0) for name in ("w->at", "to", "w->k"))
-    if quaternion is not None:
-        lines.append("/* of q and -q, one rotation, the one on the guess's side */")
-        lines.append(f"if ({' + '.join(f'{a} * {b}' for a, b in zip(at, to, strict=True))} < {real.literal(0.0)}) {{")
-        lines += [*(f"    {v} = -{v};" for v in k), "}"]
-    lines += [
-        f"if (part < {real.literal(1.0)}) {{",
-        f"    {loop}",
-        "        w->k[i] = w->at[i] + part * (w->k[i] - w->at[i]);",
-        "    }",
-    ]
-    if quaternion is not None:
-        square = " + ".join(f"{v} * {v}" for v in k)
-        lines.append(f"    const {real.type} inverse = {real.literal(1.0)} / {real.call('sqrt')}({square});")
-        lines += [f"    {v} *= inverse;" for v in k]
-    return [*lines, "}"]
+    def _parts(self) -> LineParts:
+        """How far parts of the line reach."""
+        still2 = self._still["still2"]
+        return LineParts(
+            self.kernel, self.real, self.k, self._ga, still2, self.bends, self.first_turn, self.measured, self.keeps_known
+        )

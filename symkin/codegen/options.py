@@ -21,6 +21,7 @@ class OptionValues(TypedDict, total=False):
     given: Sequence[str]
     find: Sequence[str]
     also: Collection[Literal["package", "linuxcnc", "cpp"]]
+    compact: bool
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class Options:
     """`real`: the C type of numbers. `home_relative`: joint values and positions are changes from home. `geometry`:
     numbers in the code, or a struct that is given with each call. `home`: the platform's pose about which the order
     of pivots is chosen and test poses lie (x, y, z, qw, qx, qy, qz). `given`, `find`: names of the coordinates of a map between joints.
-    `also`: more files, for package managers, LinuxCNC or C++."""
+    `also`: more files, for package managers, LinuxCNC or C++. `compact`: the least code, at some cost of instructions."""
 
     real: Literal["float", "double"] = "double"
     home_relative: bool = False
@@ -37,6 +38,7 @@ class Options:
     given: tuple[str, ...] = ()
     find: tuple[str, ...] = ()
     also: tuple[Literal["package", "linuxcnc", "cpp"], ...] = ()
+    compact: bool = False
 
     @property
     def package(self) -> bool:
@@ -67,6 +69,7 @@ class Options:
             given=tuple(values.get("given", ())),
             find=tuple(values.get("find", ())),
             also=tuple(values.get("also", ())),
+            compact=values.get("compact", False),
         )
 
     def check(self, mechanism: Mechanism) -> None:
@@ -74,6 +77,8 @@ class Options:
             raise InputError(f"{mechanism.name}: --home-relative is made for platforms on six rods with a spatial pose")
         if self.home is not None and not is_rod_platform(mechanism):
             raise InputError(f"{mechanism.name}: --home is made for platforms on six rods with a spatial pose")
+        if self.is_map and self.compact:
+            raise InputError(f"{mechanism.name}: a map between joints is written in one form only; leave --compact out")
         if self.is_map and self.geometry != "fixed":
             raise InputError(f"{mechanism.name}: a map between joints has its geometry in the code; leave --geometry struct out")
         if self.is_map and (self.linuxcnc or self.cpp):
@@ -93,6 +98,8 @@ class Options:
             parts.append(f"--geometry {self.geometry}")
         if self.home is not None:
             parts.append("--home " + ",".join(f"{v:g}" for v in self.home))
+        if self.compact:
+            parts.append("--compact")
         if self.is_map:
             parts += [f"--given {','.join(self.given)}", f"--find {','.join(self.find)}"]
         return " ".join([*parts, *(f"--{name}" for name in self.also)])

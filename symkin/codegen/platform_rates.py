@@ -11,9 +11,10 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import copy, fill
 from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel, system_kernel
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.pose_kernel import PoseKernel
 from symkin.codegen.pose_target import core_target
@@ -67,7 +68,7 @@ def closure_twist(made: LimbPlatform, values: Mapping[str, object], driver: Kern
     passive = sum(c.width for c in made.passive)
     state = [*copy("w->x", "passive", passive), *(f"w->x[{passive + i}] = c[{i}];" for i in range(int(str(values["nc"]))))]
     shown = {
-        "k": k, "into": "w->k", "state": indent(state, 2), "sides": indent(_side_lines(made, kernel), 3), "singular_there": singular_condition(kernel, k, "w", ga),
+        "k": k, "into": "w->k", "state": indent(state, 2), "sides": indent(_side_lines(made, kernel), 3), "singular_there": singular_condition(kernel, k, "w", ga, compact=made.options.compact),
         "nf": kernel.n, "store": indent(_stores(made, kernel), 2),
     }  # fmt: skip
     return text + fill("closure_twist.c", {**values, **shown})
@@ -81,7 +82,8 @@ def core_twist(made: LimbPlatform, core: PoseKernel, values: Mapping[str, object
         # the direct problem has another way: these rows are written for the twist alone
         state_at, known = zip(*(made.direct_state(s.values) for s in made.samples), strict=True)
         matrices = np.array([kernel.matrix(*at, np.zeros(0)) for at in zip(state_at, known, strict=True)])
-        code = NewtonCode(kernel, made.name, made.real, [], matrices, 1.0, core_target(core, made.real), known_count=nq)
+        lines = core_target(core, made.real)
+        code = NewtonCode(kernel, made.name, made.real, [], matrices, 1.0, lines, nq, compact=made.options.compact)
         text = code.work + code.functions + code.target + code.linear.text
     rows = ca.substitute(kernel.rows, kernel.known, core.target)
     change = ca.densify(snapped_expression(ca.jtimes(rows, core.joints, rates), [kernel.state, core.joints, rates]))
@@ -97,7 +99,7 @@ def core_twist(made: LimbPlatform, core: PoseKernel, values: Mapping[str, object
         aim += copy("w->k0", "w->k", int(kernel.known.shape[0]))
     shown = {
         "k": k, "into": "w->at", "state": indent([*copy("w->x", "c", len(state)), *aim], 2), "sides": indent([*emitter.lines, *sides], 3),
-        "singular_there": singular_condition(kernel, k, "w", ""), "nf": kernel.n, "store": indent([*stores.lines, *of_twist], 2),
+        "singular_there": singular_condition(kernel, k, "w", "", compact=made.options.compact), "nf": kernel.n, "store": indent([*stores.lines, *of_twist], 2),
     }  # fmt: skip
     return text + fill("closure_twist.c", {**values, **shown})
 
@@ -106,7 +108,8 @@ def _newton_code(made: LimbPlatform, kernel: Kernel) -> NewtonCode:
     values = made.geometry.values
     matrices = np.array([kernel.matrix(s.unknown, s.known, values) for s in made.samples])
     lines = line_target(made.real, len(made.actuated), None)
-    return NewtonCode(kernel, made.name, made.real, made.geometry.names, matrices, 1.0, lines, known_count=len(made.actuated))
+    names, nq = made.geometry.names, len(made.actuated)
+    return NewtonCode(kernel, made.name, made.real, names, matrices, 1.0, lines, nq, compact=made.options.compact)
 
 
 def _side_lines(made: LimbPlatform, kernel: Kernel) -> list[str]:

@@ -26,6 +26,7 @@ from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.rod_platform_source import RodSource
 from symkin.codegen.serial_arm import ArmSource, SerialArm
 from symkin.codegen.worst_case import WorstCase
+from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
 from symkin.text import c_comment
@@ -70,6 +71,11 @@ def build_program(mechanism: Mechanism, options: Options, measured: Mapping[str,
     check_c_name(mechanism.name)
     options.check(mechanism)
     kind = _kind(mechanism, options)
+    if options.compact and not kind.can_be_compact:
+        raise InputError(
+            f"{mechanism.name}: its code has nothing that --compact would shorten (it replaces an unrolled factorisation of Newton's "
+            "method by loops); leave --compact out"
+        )
     source = _SOURCES[type(kind)](kind)
     kind.check()
     if not isinstance(kind, RodPlatform | JointMap):
@@ -81,6 +87,7 @@ def build_program(mechanism: Mechanism, options: Options, measured: Mapping[str,
         values["speeds"] = arm_speeds_header(mechanism.characteristic_length, values)
     else:
         values["speeds"] = fill("platform_rates.h", values | {"fastest": f"{fastest(mechanism.characteristic_length):g}"})
+    values["line"] = fill("platform_line.h", values) if isinstance(kind, RodPlatform) and kind.has_limits else ""
     values["declarations"] = fill(f"{kind.templates}.h", values)
     return Program(
         described=mechanism,

@@ -102,8 +102,9 @@ matrix at the pose aimed at, and $\theta$ compares successive shortest steps. No
 _RULE = r"""The rule is therefore: the whole line is tried (a part of it where given values turn far) and accepted at $\theta \le \tfrac14$, when
 each later step is at most three eighths of the one before, two twenty-fifths where that one had new factors; elsewhere it is cut
 into pieces, each accepted after three steps by the same rule, after four where the first step is far and the third is above a fifth
-of the second. A first step is far where its square times $1 / p$ ($p$: the least pivot) is above the size's: $\theta \le \tfrac16$
-is then asked; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another
+of the second. A first step is far where its square times $1 / p$ ($p$: the least pivot) is above the size's: asked is then
+$\theta \le \tfrac16$, and ten times as far $\theta \le \tfrac18$, or $h = \tfrac14$, where later steps are at most 3/10
+($1 - \sqrt{1 - 2h}$), after new factors 3/100, of the ones before; where pieces become shorter than 1/1024@@, the status is `WRONG_BRANCH`. That no answer called OK lies on another
 branch rests on random goals compared with fine continuation.@@
 
 The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
@@ -168,6 +169,8 @@ def _branch(program: Program) -> str:
         return "\n\n".join(
             direct_by_formulas(kind, kind.direct_formulas, implied=kind.mechanism.motion != program.described.motion)
         )
+    if isinstance(kind, SerialArm) and kind.follows_closed_form:
+        return _CLOSED_LINE
     pieces = _RULE.split("@@")
     rule = pieces[0] + (_SIGN if kernel.is_square else "") + pieces[1] + _dead_centres(program) + pieces[2]
     ground = _REDUNDANT_ARM if kernel.is_wide else _BANACH if kernel.reads_known else _KANTOROVICH
@@ -203,7 +206,9 @@ $\Delta$ the changes of place, turn and joints between them; the factor 2 on the
 measured, not proved:** the whole line is tried, and cut where this does not hold, at most down to 1/4096, and within the iterations that
 the config allows. Angles go on from part to part by less than 1.5 rad, so that whole turns are told. A point without the branch is
 `WRONG_BRANCH`, the goal without it `OUT_OF_RANGE`, and `SINGULAR` where $D$ is within 256 roundings of 0. `codegen/bench/arm_lines.c` follows lines that are OK
-in thousands of points. `info->iterations` counts points of the line, `info->min_pivot` is the least
+in thousands of points. Where joints have limits, a joint is at its limit $l$ where the equation of its step holds for $l$: the value of that equation
+there is a function like $D$, and must keep its sign by the same bound; where the step's other solution is at $l$, its branch tells. A line on which
+a joint leaves its limits is `OUT_OF_RANGE`. `info->iterations` counts points of the line, `info->min_pivot` is the least
 $\sqrt{D}$ at the answer, and `info->residual` the bound that rounding leaves to the answer's pose."""
 _NEARLY_CLOSED = """The axes of this arm are only nearly as the steps ask. They give the joints of the ideal arm, and a few steps of Newton's
 method, which must end within the tolerance, those of this one: near a double root of the steps solutions may be missing."""

@@ -28,6 +28,8 @@ class RodPlatform:
     templates: ClassVar[str] = "parallel"
     is_redundant: ClassVar[bool] = False
     has_dead_centres: ClassVar[bool] = False
+    can_be_compact: ClassVar[bool] = True
+    """Whether there is code that --compact makes shorter."""
 
     @property
     def name(self) -> str:
@@ -35,6 +37,11 @@ class RodPlatform:
 
     def check(self) -> None:
         """Nothing to refuse: `home_pose` has refused homes at which no solver could work."""
+
+    @property
+    def has_limits(self) -> bool:
+        """Whether a joint has limits, which are checked along lines too."""
+        return any(c.limits is not None for c in self.mechanism.actuated)
 
     @property
     def parameters(self) -> ca.SX:

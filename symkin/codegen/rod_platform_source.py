@@ -9,13 +9,14 @@ import numpy as np
 
 from symkin.closure.snapping import snap
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
-from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
+from symkin.codegen.c_templates import FARTHEST, common_values, copy, copy_loop, farthest, fill, normalise_pose
 from symkin.codegen.joint_ranges import Range, range_functions
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.platform_rates import rates_functions, square_twist
 from symkin.codegen.rod_kernel import Rods, rod_vectors
+from symkin.codegen.rod_line import rod_line
 from symkin.codegen.rod_platform import RodPlatform, sampled
 from symkin.computed_once import cached_property
 from symkin.spatial.backend import cross, dot
@@ -58,6 +59,7 @@ class RodSource:
             members=[f"const {self.name}_pose *guess; /* where the line begins */"],
             matrix=_matrix_lines(self.platform),
             retarget=f"{self.name}_direct_retarget({self._common['ga']}w, to, aim, done);",
+            compact=self.platform.options.compact,
         )
 
     @cached_property
@@ -74,7 +76,7 @@ class RodSource:
             "copy_joints": indent(copy("joints", "w.k", 6), 3),
             "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose(guess, w->x);"]), "leave": indent(leave),
             "check_branch": "", "unwrap": "", "keep_known": "", "to": "joints", "whole": "",
-            "track_factor": singular_condition(self.kernel, f"{p}_direct", "&w", str(self._common["ga"])),
+            "track_factor": singular_condition(self.kernel, f"{p}_direct", "&w", str(self._common["ga"]), compact=self.code.compact),
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
         }  # fmt: skip
 
@@ -84,10 +86,15 @@ class RodSource:
         code, values = self.code, self.values
         retarget = fill("retarget.c", values)
         return "".join([
-            normalise_pose(values), fill("info.c", values), range_functions(_ranges(self.platform), self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
+            normalise_pose(values), fill("info.c", values), range_functions(self._ranges, self.real, values, " and rods longer than zero"), code.work, code.functions, self._rod_values,
             code.target, code.linear.text, retarget, code.driver, fill("no_step.c", values), fill("parallel_direct.c", values), "\n", self._inverse,
+            rod_line(self._ranges, self.real, values) if self.platform.has_limits else "",
             rates_functions(self.platform.mechanism, self.real, values), square_twist(self.platform.mechanism, self.real, values),
         ])  # fmt: skip
+
+    @cached_property
+    def _ranges(self) -> list[Range]:
+        return _ranges(self.platform)
 
     @property
     def _target_lines(self) -> list[str]:
@@ -126,12 +133,40 @@ class RodSource:
     @property
     def _inverse(self) -> str:
         """NAME_inverse and NAME_jacobian."""
+        options = self.platform.options
+        if options.compact and not options.home_relative:
+            looped = {
+                "jacobian": indent(self._looped_jacobian, 2),
+                "store_jacobian": indent(copy_loop("jacobian", "rows", 36), 3),
+            }
+            return fill("rod_inverse.c", self.values | looped)
         function = _jacobian_function(self.rods, self.kernel.geometry, self.platform.mechanism.characteristic_length)
         emitter = Emitter(function, [indexed("x", 7), self.platform.geometry_names], self.real)
         shortest = emitter.value(2, 0)
         stores = [f"jacobian[{k}] = {emitter.value(1, k)};" for k in range(36)]
         lines = [*emitter.lines, f"const {self.real.type} shortest = {shortest};"]
         return fill("rod_inverse.c", self.values | {"jacobian": indent(lines, 2), "store_jacobian": indent(stores, 3)})
+
+    @property
+    def _looped_jacobian(self) -> list[str]:
+        """Statements of the Jacobian's rows in a loop over the rods, whose vectors are those of the direct problem's rows: with
+        d = p + R a - b the moment (R a) x d is (b - p) x d."""
+        kind, literal, sqrt = self.real.type, self.real.literal, self.real.call("sqrt")
+        table, b = _bases(self.platform, 1.0)
+        towards = [
+            f"const {kind} {axis} = {b[k] + ' - ' if k in b else '-'}x[{k}];" for k, axis in enumerate(("forth", "aside", "up"))
+        ]
+        return [
+            *table, f"{self.name}_direct_work w;", f"{kind} rows[36];", f"{kind} shortest = {self._common['huge']};",
+            *copy_loop("w.x", "x", 7), *(f"w.k[{i}] = {literal(0.0)};" for i in range(6)), f"{self.name}_direct_rows({self._common['ga']}&w);",
+            "for (int i = 0; i < 6; ++i) {", f"    const {kind} *const d = &w.d[3 * i];", f"    {kind} *const row = &rows[6 * i];",
+            *("    " + line for line in towards), f"    const {kind} squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];",
+            f"    const {kind} inverse = {literal(1.0)} / {sqrt}((squared > {literal(0.0)}) ? squared : {literal(1.0)});",
+            "    shortest = (squared < shortest) ? squared : shortest;",
+            *(f"    row[{k}] = d[{k}] * inverse;" for k in range(3)),
+            "    row[3] = aside * row[2] - up * row[1];", "    row[4] = up * row[0] - forth * row[2];",
+            "    row[5] = forth * row[1] - aside * row[0];", "}",
+        ]  # fmt: skip
 
 
 def _rolled(function: ca.Function, names: list[list[str]], real: Real, target: str) -> list[str]:
@@ -156,20 +191,29 @@ def _matrix_lines(platform: RodPlatform) -> list[str]:
     holds 4 b without coordinates that are zero for all bases."""
     real = platform.real
     struct = platform.options.geometry == "struct"
-    rows = platform.geometry_values.reshape(6, 7)[:, :3]
-    kept = [k for k in range(3) if struct or np.any(rows[:, k] != 0.0)] or [0]
-    numbers = ", ".join("{ " + ", ".join(real.literal(4.0 * snap(float(row[k]))) for k in kept) + " }" for row in rows)
-    table = [] if struct else [f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }}; /* 4 b */"]
-    b = "geometry->base[i]" if struct else "base[i]"
+    table, b = _bases(platform, 4.0)
     four = f"{real.literal(4.0)} * " if struct else ""
     entries = [f"row[{k}] = d[{k}];" for k in range(3)]
     for k, m, n in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        plus = f"{four}b[{kept.index(m)}] * d[{n}]" if m in kept else ""
-        minus = f"{four}b[{kept.index(n)}] * d[{m}]" if n in kept else ""
+        plus = f"{four}{b[m]} * d[{n}]" if m in b else ""
+        minus = f"{four}{b[n]} * d[{m}]" if n in b else ""
         text = f"{plus} - {minus}" if plus and minus else plus or (f"-({minus})" if minus else real.literal(0.0))
         entries.append(f"row[{3 + k}] = {text};")
-    return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const b = {b};", f"    const {real.type} *const d = &w->d[3 * i];",
+    return [*table, "for (int i = 0; i < 6; ++i) {", f"    const {real.type} *const d = &w->d[3 * i];",
             f"    {real.type} *const row = &w->a[6 * i];", *("    " + text for text in entries), "}"]  # fmt: skip
+
+
+def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, str]]:
+    """Statement of a table of the bases' points times a factor, without coordinates that are zero for all of them, and C text of each
+    coordinate; of a geometry struct no table, and no factor."""
+    if platform.options.geometry == "struct":
+        return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
+    real = platform.real
+    rows = platform.geometry_values.reshape(6, 7)[:, :3]
+    kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
+    numbers = ", ".join("{ " + ", ".join(real.literal(factor * snap(float(row[k]))) for k in kept) + " }" for row in rows)
+    table = f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }};"
+    return [table + (" /* 4 b */" if factor == 4.0 else "")], {k: f"base[i][{place}]" for place, k in enumerate(kept)}
 
 
 def _ranges(platform: RodPlatform) -> list[Range]:

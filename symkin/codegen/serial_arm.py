@@ -13,16 +13,21 @@ import casadi as ca
 import numpy as np
 
 from symkin.closed.plan import Plan, plan_of
+from symkin.closed.screws import arm_screws
 from symkin.closure.snapping import snapped_expression
+from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.arm_speeds import arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
+from symkin.codegen.closed_limits import limit_check
 from symkin.codegen.closed_line import ClosedLine
 from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.joint_ranges import range_functions, ranges_of
+from symkin.codegen.line_parts import line_target
+from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
-from symkin.codegen.newton_source import NewtonCode, line_target
+from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.options import Options
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
@@ -143,6 +148,16 @@ class SerialArm:
         found = plan_of(self.mechanism, NEARLY) if exact is None else exact
         return None if found is None else (found, exact is None)
 
+    @cached_property
+    def follows_closed_form(self) -> bool:
+        """Whether the inverse problem is the closed form along the line of poses; else it is Newton's method."""
+        return self.plan is not None and not self.plan[1] and self.keeps_to_lines
+
+    @property
+    def can_be_compact(self) -> bool:
+        """Whether there is code that --compact makes shorter."""
+        return self.plan is None and is_unrolled(self.kernel, compact=False)
+
     @property
     def is_redundant(self) -> bool:
         """A tool pose does not decide the joints."""
@@ -199,6 +214,7 @@ class ArmSource:
             matrices=matrices,
             kappa=curvature(kernel, [q for q, _ in regular], [pose for _, pose in regular], geometry.values),
             target_lines=line_target(arm.real, 7, 3),
+            compact=arm.options.compact,
         )
 
     @cached_property
@@ -211,7 +227,26 @@ class ArmSource:
         literal = self.arm.real.literal
         return common | {"nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
                          "farthest_joint": literal(FARTHEST * max(size, 1.0)),
-                         "closed": "" if self.closed is None else self.closed.header}  # fmt: skip
+                         "closed": "" if self.closed is None else self.closed.header, "line_words": self._line_words}  # fmt: skip
+
+    @property
+    def _line_words(self) -> str:
+        """What the line costs at most, and where limits are checked, as lines of a comment in the header."""
+        prefix = self.arm.name.upper()
+        limited = any(c.limits is not None for c in self.arm.actuated)
+        words = []
+        if self.line is None:
+            words = [
+                f" * Newton's method: the worst case is config->max_iterations steps ({prefix}_MAX_STEPS where config is NULL), whatever pose and",
+                " * guess. The answer's error is that of the last step: predicted to be within the tolerance, its rows evaluated.",
+            ]
+            words += [" * Limits are checked at the answer, not along the line."] if limited else []
+        elif limited:
+            words = [
+                " * Joints keep their limits at all points of the line, the guess included: else, and where one comes too near to be",
+                f" * decided, {prefix}_OUT_OF_RANGE, and info->joint is the joint.",
+            ]
+        return "\n".join(words)
 
     @cached_property
     def closed(self) -> ClosedCode | None:
@@ -225,11 +260,19 @@ class ArmSource:
         return ClosedCode(plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None)
 
     @cached_property
+    def motion(self) -> ArmMotion | None:
+        """Pose and Jacobian by the screws' motions, where the geometry is that of the code and joints turn or slide."""
+        arm = self.arm
+        screws = None if arm.geometry.at_run_time else arm_screws(arm.mechanism)
+        return None if screws is None else ArmMotion(screws, arm.real, common_values(arm.name, arm.real, struct=False))
+
+    @cached_property
     def line(self) -> ClosedLine | None:
         """The closed form's check of lines, where it is the arm's own."""
-        if self.closed is None or self.closed.newton is not None or not self.arm.keeps_to_lines:
+        if self.closed is None or not self.arm.follows_closed_form:
             return None
-        return ClosedLine(self.closed, self.closed.misfit)
+        assert self.motion is not None  # noqa: S101 - a closed form is one of screws
+        return ClosedLine(self.closed, self.motion, self.closed.misfit)
 
     @property
     def _solving(self) -> dict[str, object]:
@@ -258,10 +301,10 @@ class ArmSource:
         })  # fmt: skip
         newton = "" if self.line is not None else self.code.text
         closed = "" if self.closed is None else self.closed.text
-        line = "" if self.line is None else self.line.text
+        line = "" if self.line is None else self.line.text(limit_check(self.line))
         return "".join([
             normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
-            fill("forward.c", values | {"forward": indent(self._forward_lines)}), newton, closed, line, functions, self._speeds,
+            self._forward, newton, closed, line, functions, self._speeds,
         ])  # fmt: skip
 
     @property
@@ -278,15 +321,19 @@ class ArmSource:
         return Emitter(function, [indexed(joints, len(arm.actuated)), arm.geometry.names], arm.real)
 
     @property
-    def _forward_lines(self) -> list[str]:
-        """Statements of the tool's pose."""
+    def _forward(self) -> str:
+        """NAME_forward: the tool's pose of joint values."""
+        if self.motion is not None:
+            return self.motion.text
         emitter = self._emitter(self.arm.pose, "q")
         stores = [f"x[{i}] = {emitter.value(0, i)};" for i in range(7)]
-        return [*emitter.lines, *stores]
+        return fill("forward.c", self.values | {"forward": indent([*emitter.lines, *stores])})
 
     @property
     def _jacobian_lines(self) -> list[str]:
         """Statements of the Jacobian, row by row."""
+        if self.motion is not None:
+            return self.motion.jacobian_lines
         emitter, nq = self._emitter(self.arm.jacobian, "joints"), len(self.arm.actuated)
         stores = [f"jacobian[{nq * i + j}] = {emitter.value(0, 6 * j + i)};" for i in range(6) for j in range(nq)]
         return [*emitter.lines, *stores]

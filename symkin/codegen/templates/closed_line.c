@@ -4,7 +4,8 @@ static unsigned int @{p}_read_joints(const @{real} joints[@{nn}], @{real} x[7], 
 {
     @{real} u[@{turns}];
     unsigned int wanted = 0U;
-@{turned}
+    @{p}_half_turns(joints, u);
+    @{p}_pose_of_turns(u, x);
 @{read}
     return wanted;
 }
@@ -43,6 +44,7 @@ static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *co
     @{real} way2 = @{zero};
     @{real} least = @{one};
     unsigned int count = 0U;
+@{blamed}
     const unsigned int wanted = @{p}_read_joints(joints, at, left);
     /* of q and -q, one rotation, the one on the guess's side */
     const @{real} cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
@@ -58,6 +60,7 @@ static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *co
             status = @{P}_SINGULAR;
         }
     }
+@{guess_beyond}
     while ((status == @{P}_MAX_ITERATIONS) && (count < (unsigned int)config->max_iterations)) {
         const @{real} end = (done + part < @{near_one}) ? (done + part) : @{one};
         bool undecided = false;
@@ -88,7 +91,8 @@ static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *co
                 way2 += moved[i];
             }
             const @{real} share = @{p}_line_share(left, margin, part * part * place2, part * part * turn2, moved);
-            if ((way2 <= most2) && (way2 <= @{longest2}) && (share < @{one})) {
+@{limits_kept}
+            if (@{kept}) {
                 for (int i = 0; i < @{nn}; ++i) {
                     joints[i] = found[0][i];
                 }
@@ -103,7 +107,7 @@ static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *co
             } else {
                 part *= (share < @{four}) ? @{half} : @{far_shorter};
                 if (part < @{least_part}) {
-                    status = @{P}_WRONG_BRANCH;
+                    status = @{refused};
                 }
             }
         }
@@ -112,6 +116,7 @@ static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *co
         least = (left[k] < least) ? left[k] : least;
     }
     @{p}_write_info(info, count, (status == @{P}_OK) ? @{answer_rounding} : @{huge}, way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
+@{blame}
     return status;
 }
 

@@ -1,13 +1,17 @@
 /* Newton's method along the straight line from the known values of the guess to the given ones (to).
  *
  * kappa2 is the square of kappa: a step s leaves an error of kappa |s|^2. @{first_try}.
- * Where the second step is longer than a quarter of the first (of a far one, a sixth), or a later one than three eighths of
+ * Where the second step is longer than a quarter of the first (of a far one, a sixth to an eighth), or a later one than three eighths of
  * the one before (two twenty-fifths after new factors), the theorem of Newton and Kantorovich does not tie the point to the part that is done (README.md says what
  * is proved): the state is put back and a nearer point of the line is aimed at. Factors are kept for one more step where that is predicted to
  * reach the tolerance. The answer's rows are evaluated before it is called OK. */
 static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
-    /* squares of lengths and of ratios of lengths, so that no step needs a root */
+    /* squares of lengths and of ratios of lengths, so that no step needs a root; ratio2: the largest ones that are accepted, of the
+     * second step, of later ones after new factors, and of others, as the first step is near, far or very far */
+    static const @{real} ratio2[3][3] = {
+        { @{contraction2}, @{later_fresh2}, @{later2} }, { @{far2}, @{later_fresh2}, @{later2} }, { @{very_far2}, @{very_far_fresh2}, @{very_far_later2} }
+    };
     const @{real} tolerance2 = config->tolerance * config->tolerance;
     const @{real} longest2 = config->max_step * config->max_step;
     @{p}_status status = @{P}_MAX_ITERATIONS;
@@ -28,7 +32,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool was_fresh = false; /* whether the step before had new factors */
     @{quick_variable}
     bool kept = false; /* whether the factors are those of the part that is done */
-    bool far = false; /* whether the first step is long beside the way to a singularity, as the least pivot tells it */
+    unsigned int far = 0U; /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2: very long */
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
@@ -69,17 +73,16 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             sign = turn;
 @{noise}
         }
-        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 or 1/6, later 3/8, or 2/25 after new factors (README.md) */
+        /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to 1/8, later 3/8 to 3/10 (README.md) */
         @{k}_solve(w);
         const @{real} before = size;
         size = @{k}_apply_step(@{ga}w);
         if (taken == 0U) {
             limit = longest2;
-            far = (size * w->spread > @{size2});
-        } else if (taken == 1U) {
-            limit = (far ? @{far2} : @{contraction2}) * before;
+            const @{real} reach = size * w->spread;
+            far = (reach > @{size2}) ? ((reach > @{ten} * @{size2}) ? 2U : 1U) : 0U;
         } else {
-            limit = (was_fresh ? @{later_fresh2} : @{later2}) * before;
+            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
@@ -101,7 +104,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
                 ++taken;
             } else if ((taken == 0U) || ((size > @{still2})
-                && ((taken == 1U) || (far && (taken == 2U) && (size * @{sure} > before))))) {
+                && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * @{sure} > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose third step is not far
                  * shorter than its second, a fourth one judges that */
                 if (taken < 2U) {

@@ -14,4 +14,5 @@
 
 /* Row-major @{nq} x 6: joint rates = jacobian * (velocity of the platform's origin, angular velocity). */
 @{p}_status @{p}_jacobian(@{gpd}const @{p}_pose *pose, @{p}_real jacobian[@{P}_JOINTS * 6]);
+@{line}
 @{speeds}

@@ -7,6 +7,7 @@
  * assured, @{P}_WRONG_BRANCH. Angles are near the guess's, not wrapped. Any joint values will do
  * as a guess: an error of them moves the beginning of the line by as much.
 @{meaning}
+@{line_words}
  */
 @{p}_status @{p}_inverse(@{gpd}const @{p}_config *config, const @{p}_pose *pose, const @{p}_real guess[@{P}_JOINTS],
     @{p}_real joints[@{P}_JOINTS], @{p}_info *info);

@@ -1,0 +1,124 @@
+"""Write the statements of the Jacobian's rows limb by limb: by a limb's matrix, by its formulas, or by a rod's direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+
+from symkin.codegen.c_emitter import Emitter, Real, indexed
+from symkin.codegen.c_templates import copy
+from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
+from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.model.names import identifiers
+from symkin.numeric.system import System
+from symkin.text import c_comment
+
+
+@dataclass(frozen=True, eq=False)
+class LimbRates:
+    """Rows of one platform's Jacobian; `ga` is the geometry as an argument of a call."""
+
+    made: LimbPlatform
+    ga: str
+
+    @property
+    def real(self) -> Real:
+        return self.made.real
+
+    @property
+    def name(self) -> str:
+        return self.made.name
+
+    @property
+    def _ok(self) -> str:
+        return f"{self.name.upper()}_OK"
+
+    def places(self, block: LimbBlock) -> list[tuple[str, int, int]]:
+        """(array, index there, index in the block) of each number of the block's unknowns."""
+        found = []
+        for c, place in zip(block.system.unknowns, block.system.slices, strict=True):
+            group = self.made.actuated if c.role == "actuated" else self.made.passive
+            before = sum(other.width for other in group[: group.index(c)])
+            array = "q" if c.role == "actuated" else "passive"
+            found += [(array, before + i, place.start + i) for i in range(c.width)]
+        return found
+
+    def prefix(self, block: LimbBlock) -> str:
+        """What temporaries of a rod limb begin with: its name as an identifier, different from those of the other rods."""
+        rods = [other for other in self.made.blocks if other.rod is not None]
+        return identifiers([other.system.unknowns[0].name for other in rods])[rods.index(block)] + "_"
+
+    def lines(self, block: LimbBlock) -> list[str]:
+        """Statements of the Jacobian's rows of one limb."""
+        comment = f"/* {c_comment(', '.join(c.name for c in block.system.unknowns))} */"
+        if block.rod is not None:
+            return [comment, *self._rod_rate_lines(block)]
+        if block.kernel is None:
+            return [comment, *self._closed_rate_lines(block)]
+        made, real, k, m = self.made, self.real, f"{self.name}_{block.kernel.name}", block.kernel.m
+        columns, solved = COLUMNS[made.mechanism.motion], _actuated_columns(block.system)
+        actuated = [(there, *solved[here]) for array, there, here in self.places(block) if array == "q"]
+        solve = [f"status = {k}_follow_pose({self.ga}&w, c);"]
+        if block.formulas is not None:
+            solve = [f"status = {k}_joints(c, w.x);", *copy("w.k", "c", int(block.system.known.shape[0]))]
+        body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", *solve,
+                f"if (status == {self._ok}) {{", f"    {k}_twist_columns({self.ga}&w, sides);",
+                f"    if ({singular_condition(block.kernel, k, '&w', self.ga, compact=made.options.compact)}) {{",
+                f"        status = {self.name.upper()}_SINGULAR;", "    } else {"]  # fmt: skip
+        for j, column in enumerate(columns):
+            plus = f" + {j}" if j else ""
+            body += [f"        for (int i = 0; i < {m}; ++i) {{", f"            w.f[i] = sides[{len(columns)} * i{plus}];", "        }",
+                     f"        {k}_solve(&w);"]  # fmt: skip
+            for there, index, angular in actuated:
+                # steps of angles are lengths, angle times the size
+                scale = (
+                    f" * {real.literal(1 / made.closure.characteristic_length)}"
+                    if angular and made.closure.characteristic_length != 1.0
+                    else ""
+                )
+                body.append(f"        jacobian[{6 * there + column}] = w.f[{index}]{scale};")
+        return [comment, f"if (status == {self._ok}) {{", *("    " + line for line in [*body, "    }", "}"]), "}"]
+
+    def _closed_rate_lines(self, block: LimbBlock) -> list[str]:
+        """Statements that copy the rates of a limb in closed form."""
+        columns, k = COLUMNS[self.made.mechanism.motion], f"{self.name}_{block.name}"
+        actuated = [there for array, there, _ in self.places(block) if array == "q"]
+        if not actuated:
+            return []
+        copies = [
+            f"    jacobian[{6 * there + column}] = of_limb[{i * len(columns) + j}];"
+            for i, there in enumerate(actuated)
+            for j, column in enumerate(columns)
+        ]
+        return [f"if (status == {self._ok}) {{", f"    {self.real.type} of_limb[{len(actuated) * len(columns)}];",
+                f"    status = {k}_rates(c, of_limb);", *copies, "}"]  # fmt: skip
+
+    def _rod_rate_lines(self, block: LimbBlock) -> list[str]:
+        """Statements of the Jacobian's row of a rod, the derivative of its coordinate by the twist."""
+        made, system = self.made, block.system
+        columns, there = COLUMNS[made.mechanism.motion], self.places(block)[0][1]
+        inputs = [system.unknown, system.known, made.geometry.symbols]
+        function = ca.Function("rod", inputs, [ca.densify(block.sides)], {"cse": True})
+        names = [["0"], indexed("c", int(system.known.shape[0])), made.geometry.names]
+        emitter = Emitter(function, names, self.real, prefix=self.prefix(block))
+        texts = [emitter.value(0, j) for j in range(len(columns))]
+        stores = [f"jacobian[{6 * there + c}] = {text};" for c, text in zip(columns, texts, strict=True)]
+        if not emitter.divisions:
+            return [*emitter.lines, *stores]
+        # where the rod has no length there is no direction
+        first, length = emitter.divisions[0]
+        guarded = [*emitter.lines[first:], *stores]
+        return [*emitter.lines[:first], f"if ({length} > {self.real.literal(0.0)}) {{", *("    " + line for line in guarded), "} else {",
+                f"    status = {self.name.upper()}_SINGULAR;", "}"]  # fmt: skip
+
+
+def _actuated_columns(system: System) -> dict[int, tuple[int, bool]]:
+    """For each single-number unknown of a block: its column in the tangent space, and whether it is an angle."""
+    found, column = {}, 0
+    for c, place in zip(system.unknowns, system.slices, strict=True):
+        if c.width == 1:
+            found[place.start] = (column, c.is_angular)
+        column += c.freedom
+    return found
