@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from symkin.codegen.folder import folder_files, write_folder
 from symkin.codegen.options import Options
 from symkin.errors import InputError
 
-CODEGEN = Path(__file__).parent.parent / "codegen"
+CODEGEN = tools.CODEGEN
 
 
 def _generate():

@@ -9,7 +9,7 @@ import pytest
 
 from helpers import firmware_tools as tools
 
-CODEGEN = Path(__file__).parent.parent / "codegen"
+CODEGEN = tools.CODEGEN
 TARGETS = CODEGEN / "targets"
 BOARDS = {
     "M4F": ("mps2-an386", ["-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16"]),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -14,9 +13,7 @@ from helpers import firmware_tools as tools
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 
-CODEGEN = Path(__file__).parent.parent / "codegen"
-MANIFESTS = [(path.parent.name, json.loads(path.read_text())) for path in CODEGEN.glob("*/manifest.json")]
-FOLDERS = sorted(name for name, manifest in MANIFESTS if "given" not in manifest["options"])
+CODEGEN = tools.CODEGEN
 """Folders of machines with a pose: maps between joints have an example of their own."""
 USER = """#include <NAME.h>
 int main(void) { NAME_pose pose = { { 0, 0, 0 }, { 2, 0, 0, 0 } }; NAME_real joints[NAME_COUNT]; return NAME_inverse(&pose, joints) == OUTSIDE ? 0 : 1; }
@@ -169,10 +166,10 @@ def test_cpp_header(name, tmp_path):
             tools.passed(tmp_path / "user")
 
 
-@pytest.mark.parametrize("folder", FOLDERS)
+@pytest.mark.parametrize("folder", tools.POSES)
 def test_the_example_loses_nothing(folder, tmp_path):
     """The loop answers every cycle but those it must hold: readings that are not numbers; a gap is bridged by the whole line."""
-    name = json.loads((CODEGEN / folder / "manifest.json").read_text())["mechanism"]
+    name = tools.MANIFESTS[folder]["mechanism"]
     sources = [str(CODEGEN / folder / "example_main.c"), str(CODEGEN / folder / f"{name}.c")]
     said = tools.passed(tools.built("gcc", tmp_path, sources, "example", "-O1"))
     counts = {word: int(number) for number, word in re.findall(r"(\d+) (tracked|recovered|moved|held)", said)}

@@ -16,10 +16,8 @@ from symkin import load
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 
-CODEGEN = Path(__file__).parent.parent / "codegen"
+CODEGEN = tools.CODEGEN
 
-FOLDERS = sorted(path.parent.name for path in CODEGEN.glob("*/manifest.json"))
-POSES = [name for name in FOLDERS if "find" not in json.loads((CODEGEN / name / "manifest.json").read_text())["options"]]
 """Folders that solve for poses, not maps between joints."""
 TRAPS = "trap"
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -39,7 +37,7 @@ def _called(folder: Path, tmp_path: Path, *flags: str) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", POSES)
+@pytest.mark.parametrize("folder", tools.POSES)
 def test_one_status_for_what_is_not_finite(folder, tmp_path):
     """NaN or an infinity in any number of joints, pose or guess is NONFINITE in every function that reads it, whatever else is
     wrong; a number whose square overflows is never OK."""
@@ -55,7 +53,7 @@ def _fuzzed(folder: Path, count: int) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", FOLDERS)
+@pytest.mark.parametrize("folder", tools.FOLDERS)
 def test_fuzz_under_sanitizers_and_traps(folder):
     """NaN, infinity, zero, huge, tiny, singular and ordinary inputs: a status, finite results when it is OK, no undefined behaviour, no
     division by zero, and of finite inputs no invalid operation. SYMKIN_FUZZ sets the count of inputs."""

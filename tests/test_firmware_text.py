@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -13,7 +12,7 @@ from helpers import firmware_tools as tools
 from symkin.codegen.c_emitter import Emitter, Real
 from symkin.codegen.line_width import WIDTH, narrowed
 
-CODEGEN = Path(__file__).parent.parent / "codegen"
+CODEGEN = tools.CODEGEN
 SOURCES = sorted(path for folder in CODEGEN.glob("*/manifest.json") for path in folder.parent.glob("*.[ch]"))
 
 

@@ -14,8 +14,7 @@ from helpers import firmware_tools as tools
 from symkin.codegen.operation_bound import bounds
 from symkin.codegen.worst_case import WorstCase
 
-CODEGEN = Path(__file__).parent.parent / "codegen"
-FOLDERS = sorted(path.parent.name for path in CODEGEN.glob("*/manifest.json"))
+CODEGEN = tools.CODEGEN
 OPERATIONS = ("additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")
 ANOTHER_COMPILER = 1.25
 """Another release of GCC unrolls and spills otherwise: a quarter more instructions, stack or bytes are no other code."""
@@ -123,7 +122,7 @@ def test_no_call_does_more_than_its_bound(folder, tmp_path):
 # --- what folders say -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("folder", FOLDERS)
+@pytest.mark.parametrize("folder", tools.FOLDERS)
 def test_header_and_readme_have_the_numbers_of_the_manifest(folder):
     manifest = _manifest(folder)
     worst, name = manifest["worst_case"], manifest["mechanism"]
@@ -156,7 +155,7 @@ def test_figures_of_another_code_are_left_out():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", FOLDERS)
+@pytest.mark.parametrize("folder", tools.FOLDERS)
 def test_committed_folders_state_measured_figures(folder):
     """Else the code has changed: run codegen/bench/worst.py --write, then codegen/generate.py."""
     measured = _manifest(folder)["worst_case"]["measured"]

@@ -155,9 +155,10 @@ class Problem:
 
 
 def build_problem(mechanism: Mechanism, kind: Kind, names: tuple[str, ...] = (), held: tuple[str, ...] | None = None) -> Problem:
-    """The problem of a mechanism; built once for each closure and kind, so that problems of one closure share its symbols. `names` are the known coordinates of a "given" one, in
-    the order of their values; `held` are others that the closure must hold, where they tell a start. Without `names` and `held` the
-    geometry is what is known."""
+    """The problem of a mechanism; built once for each closure and kind, so that problems of one closure share its symbols.
+
+    `names` are the known coordinates of a "given" one, in the order of their values; `held` are others that the closure must hold, where
+    they tell a start. Without `names` and `held` the geometry is what is known."""
     return _problem(build_closure(mechanism, _partition(mechanism, kind, names, held)), kind, names)
 
 

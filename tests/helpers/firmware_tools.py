@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import json
 import os
 import shutil
 import subprocess
@@ -13,6 +14,12 @@ from types import ModuleType
 import pytest
 
 HELPERS = Path(__file__).parent
+CODEGEN = HELPERS.parents[1] / "codegen"
+MANIFESTS = {path.parent.name: json.loads(path.read_text()) for path in sorted(CODEGEN.glob("*/manifest.json"))}
+"""Manifests of the committed folders."""
+FOLDERS = list(MANIFESTS)
+POSES = [name for name, manifest in MANIFESTS.items() if "given" not in manifest["options"]]
+"""Folders of platforms and arms, not of maps between joints."""
 STRICT = [
     "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-pedantic", "-Werror",
     "-fno-math-errno", "-ffp-contract=off",
