@@ -121,7 +121,7 @@ def test_maps_are_refused(tmp_path):
         write_folder(symkin.load("ankle"), tmp_path, options)
 
 
-@pytest.mark.parametrize("name", ["delta", "ur5e", "zhao2000_links"])
+@pytest.mark.parametrize("name", ["delta", "ur5e"])
 def test_machines_whose_code_is_as_short_as_it_gets_are_refused(name, tmp_path):
     """Formulas, and more unknowns than are unrolled."""
     with pytest.raises(InputError, match="nothing that --compact would shorten"):

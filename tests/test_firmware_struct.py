@@ -122,7 +122,7 @@ def test_platforms_take_another_geometry(name, tmp_path):
         assert np.allclose(joints, case.known, rtol=0, atol=1e-8 * size)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_loops_that_do_not_close_are_not_ok(tmp_path):
     """An overconstrained machine whose parameters contradict one another: no pose is called OK."""
     mechanism = load("zhao2000_links")

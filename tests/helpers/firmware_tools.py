@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from types import ModuleType
 
@@ -24,6 +25,11 @@ STRICT = [
     "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-pedantic", "-Werror",
     "-fno-math-errno", "-ffp-contract=off",
 ]  # fmt: skip
+
+
+def in_gate(values: Iterable[object], kept: Collection[object]) -> list[object]:
+    """Parameters of a test: those that are not kept are run by `-m long` alone."""
+    return [value if value in kept else pytest.param(value, marks=pytest.mark.long) for value in values]
 
 
 def compiler(name: str) -> str:
