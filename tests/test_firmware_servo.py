@@ -149,7 +149,7 @@ def test_far_and_impossible_poses_bring_no_jump(name, code):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("real", TYPES)
+@pytest.mark.parametrize("real", tools.in_gate(TYPES, ["float"]))
 @pytest.mark.parametrize("name", ARMS)
 def test_rates_make_their_twist_and_back(name, real, code):
     """The twist of rates is the tool's, by finite differences; rates of that twist make it again, and are no longer."""
