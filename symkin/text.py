@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 
 _DIRECTIONS = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}
 """Bidirectional classes of characters that reorder the text after them (Unicode, annex 9)."""
@@ -81,6 +82,25 @@ def first_of(items: Sequence[str], count: int = 5) -> str:
     """The first few of some names, and how many more there are."""
     more = len(items) - count
     return ", ".join(items[:count]) + (f" and {more} more" if more > 0 else "")
+
+
+def nearest(name: object, known: Iterable[object], count: int = 1) -> list[str]:
+    """The known names that a misspelt one is like, best first: by their letters, small and capital alike; at most `count`. Names
+    may be numbers, as columns have them.
+
+    >>> nearest("bsae", ["base", "platform"])
+    ['base']
+    """
+    by_letters: dict[str, str] = {}
+    for each in known:
+        by_letters.setdefault(str(each).lower(), str(each))
+    return [by_letters[found] for found in get_close_matches(str(name).lower(), by_letters, count)]
+
+
+def meant(name: object, known: Iterable[object], count: int = 1) -> str:
+    """A question for a message that refuses a name: " (do you mean 'base'?)", or nothing where no known name is like it."""
+    found = nearest(name, known, count)
+    return f" (do you mean {' or '.join(shown(each) for each in found)}?)" if found else ""
 
 
 # --- outputs -------------------------------------------------------------------------------------------------------

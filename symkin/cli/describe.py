@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
@@ -27,11 +28,17 @@ def list_() -> None:
 def show(
     mech: MechArgument,
     read: ReadOptions,
-    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.")] = None,
+    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.", rich_help_panel=OUTPUT)] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     names: Annotated[
         str | None,
-        typer.Option(metavar="all|loops|none", help="Sketch of a graph: names of all, of joints that close loops, of none."),
+        typer.Option(
+            metavar="all|loops|none",
+            help="Sketch of a graph: names of all, of joints that close loops, of none.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

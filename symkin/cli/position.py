@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from symkin.cli.help import HOW, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -16,6 +17,7 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
+    choice,
     joints_from,
     named_from,
     numbers_from,
@@ -49,22 +51,36 @@ def modes(
     given: GivenOption = None,
     method: Annotated[
         Method | None,
-        typer.Option(
-            help="Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
-            "continuation."
+        choice(
+            Method,
+            "--method",
+            "Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
+            "continuation.",
+            HOW,
         ),
     ] = None,
     starts: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
+        typer.Option(
+            metavar="N",
+            parser=whole_number,
+            help="Random starts of multistart, or of what is sampled. Default: 2000.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
     seed: SearchSeedOption = None,
     choose: Annotated[
         str | None,
-        typer.Option(metavar="K1,K2,...", help="Of given values: one solution of each of the first blocks, by number from 0."),
+        typer.Option(
+            metavar="K1,K2,...",
+            help="Of given values: one solution of each of the first blocks, by number from 0.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
     as_json: JsonOption = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT)
+    ] = None,
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.assembly.modes import modes as find_modes
@@ -101,7 +117,9 @@ def solve(
     pose: PoseOption = None,
     given: GivenOption = None,
     start: StartOption = None,
-    solver: Annotated[SolverName, typer.Option(help="CasADi's rootfinder, or IPOPT on the squared closure.")] = SolverName.newton,
+    solver: Annotated[
+        SolverName, choice(SolverName, "--solver", "CasADi's rootfinder, or IPOPT on the squared closure.", HOW)
+    ] = SolverName.newton,
     as_json: JsonOption = False,
 ) -> None:
     """Find one solution near a start."""

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from symkin.cli.help import ASKED, HOW, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -47,15 +48,19 @@ def singularities(
             metavar="U,V",
             help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
             "configuration's orientation), two actuated joints, or two coordinates of --given (one: points), others held.",
+            rich_help_panel=ASKED,
         ),
     ] = None,
     window: Annotated[
         str | None,
-        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units."),
+        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units.", rich_help_panel=ASKED),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     starts: Annotated[
-        int | None, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.")
+        int | None,
+        typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.", rich_help_panel=HOW),
     ] = None,
     seed: SearchSeedOption = None,
     output: Annotated[
@@ -64,11 +69,16 @@ def singularities(
             metavar="NAME,...",
             help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or joints, in place of position and "
             "orientation together.",
+            rich_help_panel=ASKED,
         ),
     ] = None,
     point: Annotated[
         str | None,
-        typer.Option(metavar="X,Y,Z", help="The output's point in the platform's frame; without --output x,y,z of it."),
+        typer.Option(
+            metavar="X,Y,Z",
+            help="The output's point in the platform's frame; without --output x,y,z of it.",
+            rich_help_panel=ASKED,
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
@@ -35,13 +36,21 @@ def track(
     begin: Annotated[
         str | None,
         typer.Option(
-            "--from", metavar="V1,V2,...", help="All actuated joints at the beginning, or NAME=VALUE,... of any coordinates."
+            "--from",
+            metavar="V1,V2,...",
+            help="All actuated joints at the beginning, or NAME=VALUE,... of any coordinates.",
+            rich_help_panel=GIVEN,
         ),
     ] = None,
-    end: Annotated[str | None, typer.Option("--to", metavar="V1,V2,...", help="The same at the end.")] = None,
-    poses: Annotated[bool, typer.Option("--poses", help="--from, --to or the CSV file are poses: the inverse problem.")] = False,
+    end: Annotated[
+        str | None, typer.Option("--to", metavar="V1,V2,...", help="The same at the end.", rich_help_panel=GIVEN)
+    ] = None,
+    poses: Annotated[
+        bool, typer.Option("--poses", help="--from, --to or the CSV file are poses: the inverse problem.", rich_help_panel=GIVEN)
+    ] = False,
     csv: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE.csv", help="A trajectory, in place of --from and --to.")
+        Path | None,
+        typer.Option("--csv", metavar="FILE.csv", help="A trajectory, in place of --from and --to.", rich_help_panel=GIVEN),
     ] = None,
     given: Annotated[
         str | None,
@@ -49,15 +58,26 @@ def track(
             metavar="NAME=FROM:TO,...",
             help="A path of any coordinates, as many as the mobility, in place of --from and --to; NAME=VALUE stands, NAME alone is a "
             "column of --csv.",
+            rich_help_panel=GIVEN,
         ),
     ] = None,
     start: StartOption = None,
     samples: Annotated[
-        int | None, typer.Option(metavar="N", parser=whole_number, help="Samples on the path; default 101, or those of the file.")
+        int | None,
+        typer.Option(
+            metavar="N", parser=whole_number, help="Samples on the path; default 101, or those of the file.", rich_help_panel=HOW
+        ),
     ] = None,
-    ignore_limits: Annotated[bool, typer.Option("--ignore-limits", help="Go on beyond joint limits.")] = False,
-    output: Annotated[Path | None, typer.Option("-o", metavar="FILE.csv", help="Write the configurations into a file.")] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.")] = None,
+    ignore_limits: Annotated[
+        bool, typer.Option("--ignore-limits", help="Go on beyond joint limits.", rich_help_panel=HOW)
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE.csv", help="Write the configurations into a file.", rich_help_panel=OUTPUT),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the first singularity or limit."""
