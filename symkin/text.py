@@ -84,23 +84,38 @@ def first_of(items: Sequence[str], count: int = 5) -> str:
     return ", ".join(items[:count]) + (f" and {more} more" if more > 0 else "")
 
 
-def nearest(name: object, known: Iterable[object], count: int = 1) -> list[str]:
-    """The known names that a misspelt one is like, best first: by their letters, small and capital alike; at most `count`. Names
-    may be numbers, as columns have them.
+LIKENESS = 0.6
+"""Share of two names that must agree (difflib's ratio) for one to be taken for the other."""
+
+
+def nearest(name: object, known: Iterable[object], likeness: float = LIKENESS) -> str | None:
+    """The known name that a misspelt one is most like, by its letters, small and capital alike; None where none is. Names may be
+    numbers, where a caller in Python has given some.
 
     >>> nearest("bsae", ["base", "platform"])
-    ['base']
+    'base'
     """
     by_letters: dict[str, str] = {}
     for each in known:
         by_letters.setdefault(str(each).lower(), str(each))
-    return [by_letters[found] for found in get_close_matches(str(name).lower(), by_letters, count)]
+    found = get_close_matches(str(name).lower(), by_letters, 1, likeness)
+    return by_letters[found[0]] if found else None
 
 
-def meant(name: object, known: Iterable[object], count: int = 1) -> str:
+def not_among(name: object, known: Iterable[object]) -> str:
+    """What a message says of a name that is none of the known ones.
+
+    >>> not_among("bsae", ["base", "platform"])
+    "'bsae' is unknown (do you mean 'base'?); allowed: base, platform"
+    """
+    allowed = [str(each) for each in known]
+    return f"{shown(name)} is unknown{meant(name, allowed)}; allowed: {', '.join(allowed) or 'none'}"
+
+
+def meant(name: object, known: Iterable[object]) -> str:
     """A question for a message that refuses a name: " (do you mean 'base'?)", or nothing where no known name is like it."""
-    found = nearest(name, known, count)
-    return f" (do you mean {' or '.join(shown(each) for each in found)}?)" if found else ""
+    found = nearest(name, known)
+    return "" if found is None else f" (do you mean {shown(found)}?)"
 
 
 # --- outputs -------------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from symkin.errors import InputError
-from symkin.text import meant, shown
+from symkin.text import meant, not_among, shown
 
 _VALUE = re.compile(r"[-+]?[\d.].*|,.*|.*=.*|.*,")
 """A word that looks like a part of a list: a number, NAME=VALUE, or what a comma follows."""
@@ -41,7 +41,7 @@ def unknown_command(word: str, path: str, commands: Sequence[str]) -> InputError
     if Path(word).exists() or _is_shipped(word):
         first = "modes" if "modes" in commands else commands[-1]
         return InputError(f"{shown(word)} is a mechanism, and the command comes first: {path} {first} {word}")
-    return InputError(f"command {shown(word)} is unknown{meant(word, commands)}; allowed: {', '.join(commands)}")
+    return InputError(f"command {not_among(word, commands)}")
 
 
 def _is_shipped(word: str) -> bool:

@@ -14,7 +14,7 @@ from symkin.cli.completion import mechanism_names
 from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
-from symkin.text import meant, shown
+from symkin.text import not_among, shown
 
 
 def whole_number(text: str) -> int:
@@ -41,7 +41,7 @@ def choice(kind: type[StrEnum], option: str, text: str, group: str) -> Any:
 
     def chosen(word: str) -> StrEnum:
         if word not in values:
-            raise InputError(f"{option} {shown(str(word))} is unknown{meant(word, values)}; allowed: {', '.join(values)}")
+            raise InputError(f"{option} {not_among(str(word), values)}")
         return kind(word)
 
     def complete(incomplete: str) -> list[str]:
