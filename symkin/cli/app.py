@@ -82,7 +82,7 @@ add_command(
     app, modes, "Every solution: assembly modes, working modes.",
     [
         "symkin modes zhao2000", "symkin modes zhao2000 --joints 80,200,330,105 --plot modes.png",
-        "symkin modes zhao2000 --pose 0,0,100,1,0,0,0", "symkin modes ankle --given upper_motor=8,lower_motor=12 --json",
+        "symkin modes zhang2009 --pose 10,0,90 --rpy 0,5,10", "symkin modes ankle --given upper_motor=8,lower_motor=12 --json",
     ],
     group=_POSITIONS,
 )  # fmt: skip

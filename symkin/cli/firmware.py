@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from symkin.cli.help import OUTPUT
-from symkin.cli.options import MechArgument, choice, numbers_from
+from symkin.cli.options import MechArgument, choice
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.reading import reads_robots
 from symkin.formats.read_options import ReadOptions
 
@@ -49,6 +50,8 @@ def firmware(
             rich_help_panel="The code",
         ),
     ] = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: Annotated[
         str | None,
         typer.Option(
@@ -85,7 +88,9 @@ def firmware(
     from symkin.formats.load import load
 
     mechanism = load(mech, read)
-    pose = numbers_from(home, "home", mechanism.angle_unit)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(home)
+    pose = reader.pose(home, "home")
     also = [name for name, wanted in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp)) if wanted]
     files = write_firmware(
         mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose,

@@ -19,13 +19,11 @@ from symkin.cli.options import (
     StartOption,
     choice,
     joints_from,
-    named_from,
-    numbers_from,
     print_result,
-    start_from,
     whole_number,
     whole_numbers,
 )
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.formats.read_options import ReadOptions
@@ -48,6 +46,8 @@ def modes(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     method: Annotated[
         Method | None,
@@ -91,12 +91,14 @@ def modes(
         from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given)
     with progress_bar("solutions") as progress:
         found = find_modes(
             mechanism,
             joints=joints_from(joints, "joints", mechanism.angle_unit),
-            pose=numbers_from(pose, "pose", mechanism.angle_unit),
-            given=named_from(given, "given", mechanism.angle_unit),
+            pose=reader.pose(pose, "pose"),
+            given=reader.given(given),
             choose=whole_numbers(choose, "choose"),
             method=None if method is None else method.value,
             starts=starts,
@@ -115,6 +117,8 @@ def solve(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     start: StartOption = None,
     solver: Annotated[
@@ -127,10 +131,11 @@ def solve(
     from symkin.position.solve import solve as solve_one
 
     mechanism = load(mech, read)
-    unit = mechanism.angle_unit
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given, start)
     result = solve_one(
-        mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
-        given=named_from(given, "given", unit), start=start_from(start, unit), solver=solver.value, check=False,
+        mechanism, joints=joints_from(joints, "joints", mechanism.angle_unit), pose=reader.pose(pose, "pose"),
+        given=reader.given(given), start=reader.start(start, is_pose=pose is None), solver=solver.value, check=False,
     )  # fmt: skip
     print_result(as_json, result.to_dict, lambda: str(result))
     raise typer.Exit(0 if result.solution is not None else 3)

@@ -18,12 +18,11 @@ from symkin.cli.options import (
     SearchSeedOption,
     StartOption,
     joints_from,
-    named_from,
     numbers_from,
     print_result,
-    start_from,
     whole_number,
 )
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.cli.streams import say
@@ -40,6 +39,8 @@ def singularities(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     start: StartOption = None,
     plane: Annotated[
@@ -98,12 +99,14 @@ def singularities(
         check_picture_path(plot)
     unit = mechanism.angle_unit
     sides = _window(window, unit)
-    values = named_from(given, "given", unit)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given, start)
+    values = reader.given(given)
     names = None if output is None else [name.strip() for name in output.split(",")]
     try:
         solution = configuration(
-            mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit), given=values,
-            start=start_from(start, unit),
+            mechanism, joints=joints_from(joints, "joints", unit), pose=reader.pose(pose, "pose"), given=values,
+            start=reader.start(start, is_pose=pose is None),
         )  # fmt: skip
     except SolveError as error:
         if as_json and error.result is not None:

@@ -23,6 +23,7 @@ from symkin.cli.options import (
     print_result,
     whole_number,
 )
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
@@ -79,6 +80,8 @@ def sweep(
             metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.", rich_help_panel=GIVEN
         ),
     ] = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     random: Annotated[int | None, _count("--random", "Random points in place of a grid.", GIVEN)] = None,
     seed: SearchSeedOption = None,
     quantity: Annotated[Quantity, choice(Quantity, "--quantity", "What is stored.", OUTPUT)] = Quantity.modes,
@@ -140,9 +143,12 @@ def sweep(
     if drawn:
         check_drawable(mechanism, quantity.value, list(values), drawn)
     check_output(table)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(at if poses else None)
+    held = reader.pose(at, "at") if poses else joints_from(at, "at", unit)
     with _kept_when_interrupted(output), _progress() as progress:
         swept = run(
-            mechanism, ranges, output, given=told, poses=poses, at=joints_from(at, "at", unit), random=random, seed=seed,
+            mechanism, ranges, output, given=told, poses=poses, at=held, random=random, seed=seed,
             quantity=quantity.value, certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
         )  # fmt: skip
     lines = [str(swept)]
