@@ -243,7 +243,7 @@ MISTAKES = [
     (["modes", "ankle", "--given", "ankle.1=10"], ["1 freedom", "give 1 more"]),
     (["modes", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"], ["mobility is 2", "upper_motor", "leave it out"]),
     (["solve", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"], ["mobility is 2", "upper_motor"]),
-    (["solve", "ankle", "--given", "upper_moter=10"], ["'upper_moter'", "nearest names are upper_motor"]),
+    (["solve", "ankle", "--given", "upper_moter=10"], ["'upper_moter'", "do you mean 'upper_motor'?"]),
     (["modes", "ankle", "--given", "10"], ["'10'", "NAME=VALUE"]),
     (["modes", "ankle", "--given", "ankle.1=10,5"], ["'5'", "NAME=VALUE"]),
     (["modes", "ankle", "--given", "ankle.1=ten"], ["ankle.1", "ten"]),

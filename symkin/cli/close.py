@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.pictures import NamesOption, picture_options
 from symkin.cli.reading import reads_robots
@@ -28,11 +29,15 @@ def close(
         Path | None,
         typer.Option(
             "-o",
+            "--output",
             metavar="FILE",
             help="Write the mechanism with the closed configuration as its reference (.toml), its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
+            rich_help_panel=OUTPUT,
         ),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> None:

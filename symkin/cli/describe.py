@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.pictures import NamesOption, picture_options
 from symkin.cli.reading import reads_robots
@@ -28,8 +29,10 @@ def list_() -> None:
 def show(
     mech: MechArgument,
     read: ReadOptions,
-    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.")] = None,
+    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.", rich_help_panel=OUTPUT)] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symkin.cli.help import OUTPUT
 from symkin.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,12 +18,15 @@ NamesOption = Annotated[
     typer.Option(
         metavar="all|joints|links|loops|none",
         help="Names in the picture of --plot: of joints and links, of one of them, of the joints that close loops of a graph, of none.",
+        rich_help_panel=OUTPUT,
     ),
 ]
 ViewsOption = Annotated[
     str | None,
     typer.Option(
-        metavar="VIEW,...", help="Sides in the picture of --plot, of main, top, front, side: a panel each. Default: main."
+        metavar="VIEW,...",
+        help="Sides in the picture of --plot, of main, top, front, side: a panel each. Default: main.",
+        rich_help_panel=OUTPUT,
     ),
 ]
 

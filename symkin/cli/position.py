@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symkin.cli.help import HOW, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -16,15 +17,14 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
+    choice,
     joints_from,
-    named_from,
-    numbers_from,
     print_result,
-    start_from,
     whole_number,
     whole_numbers,
 )
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.formats.read_options import ReadOptions
@@ -50,28 +50,49 @@ def modes(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     method: Annotated[
         Method | None,
-        typer.Option(
-            help="Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
-            "continuation."
+        choice(
+            Method,
+            "--method",
+            "Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
+            "continuation.",
+            HOW,
         ),
     ] = None,
     starts: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
+        typer.Option(
+            metavar="N",
+            parser=whole_number,
+            help="Random starts of multistart, or of what is sampled. Default: 2000.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
     seed: SearchSeedOption = None,
     choose: Annotated[
         str | None,
-        typer.Option(metavar="K1,K2,...", help="Of given values: one solution of each of the first blocks, by number from 0."),
+        typer.Option(
+            metavar="K1,K2,...",
+            help="Of given values: one solution of each of the first blocks, by number from 0.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
     as_json: JsonOption = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     shown: Annotated[
         str | None,
-        typer.Option("--modes", metavar="K1-K2,...", help="Modes in the picture, such as 1-16 or 1,3, or all. Default: 12."),
+        typer.Option(
+            "--modes",
+            metavar="K1-K2,...",
+            help="Modes in the picture, such as 1-16 or 1,3, or all. Default: 12 of them.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     names: NamesOption = None,
     views: ViewsOption = None,
@@ -82,12 +103,14 @@ def modes(
 
     mechanism = load(mech, read)
     options = picture_options(plot, mechanism, names=names, views=views, modes=shown)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given)
     with progress_bar("solutions") as progress:
         found = find_modes(
             mechanism,
             joints=joints_from(joints, "joints", mechanism.angle_unit),
-            pose=numbers_from(pose, "pose", mechanism.angle_unit),
-            given=named_from(given, "given", mechanism.angle_unit),
+            pose=reader.pose(pose, "pose"),
+            given=reader.given(given),
             choose=whole_numbers(choose, "choose"),
             method=None if method is None else method.value,
             starts=starts,
@@ -116,9 +139,13 @@ def solve(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     start: StartOption = None,
-    solver: Annotated[SolverName, typer.Option(help="CasADi's rootfinder, or IPOPT on the squared closure.")] = SolverName.newton,
+    solver: Annotated[
+        SolverName, choice(SolverName, "--solver", "CasADi's rootfinder, or IPOPT on the squared closure.", HOW)
+    ] = SolverName.newton,
     as_json: JsonOption = False,
 ) -> None:
     """Find one solution near a start."""
@@ -126,10 +153,11 @@ def solve(
     from symkin.position.solve import solve as solve_one
 
     mechanism = load(mech, read)
-    unit = mechanism.angle_unit
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given, start)
     result = solve_one(
-        mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
-        given=named_from(given, "given", unit), start=start_from(start, unit), solver=solver.value, check=False,
+        mechanism, joints=joints_from(joints, "joints", mechanism.angle_unit), pose=reader.pose(pose, "pose"),
+        given=reader.given(given), start=reader.start(start, is_pose=pose is None), solver=solver.value, check=False,
     )  # fmt: skip
     print_result(as_json, result.to_dict, lambda: str(result))
     raise typer.Exit(0 if result.solution is not None else 3)

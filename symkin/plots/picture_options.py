@@ -8,7 +8,7 @@ from typing import Any, Literal, cast, get_args
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.model.written_number import whole
-from symkin.text import shown
+from symkin.text import not_among, shown
 
 Names = Literal["all", "joints", "links", "loops", "none"]
 """What is named: all that is drawn, joints, links with base and platform, only the joints that close loops of a graph, or nothing."""
@@ -21,7 +21,7 @@ MOST_PANELS = 200
 def names_from(text: str, *, graph: bool, mechanism: str) -> Names:
     """The names of a picture. Raises InputError for another word, and for loops where no graph is drawn."""
     if text not in get_args(Names):
-        raise InputError(f"--names: {text!r} is unknown; allowed: {', '.join(get_args(Names))}")
+        raise InputError(f"--names: {not_among(text, get_args(Names))}")
     if text == "loops" and not graph:
         raise InputError(f"--names loops: {mechanism} has limbs; joints that close loops are those of graphs of links")
     return cast(Names, text)

@@ -33,6 +33,7 @@ from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.result import Result, Summary
+from symkin.text import not_among
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""
@@ -155,7 +156,7 @@ class _Options:
     def check(self, configurations: int) -> None:
         """Raise InputError for what cannot be, and for wedges that nothing stands on."""
         if self.criterion not in CRITERIA:
-            raise InputError(f"criterion = {self.criterion!r} is unknown; allowed: {', '.join(CRITERIA)}")
+            raise InputError(f"criterion = {not_among(self.criterion, CRITERIA)}")
         if configurations > _MAX_PLANNED:
             raise InputError(f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}")
         group_numbers(configurations, self.groups)
