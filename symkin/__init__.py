@@ -6,7 +6,7 @@
     print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 
 Verbs: `load`, `shipped_names`, `close`, `convert`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
-`sweep`; `calibrate`, `plan_measurements`; `write_firmware`. Each returns a result that prints its table, has a short repr, HTML
+`sweep`; `calibrate`, `plan_measurements`; `write_firmware`; `view`. Each returns a result that prints its table, has a short repr, HTML
 for notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where what is done.
 """
 
@@ -24,7 +24,7 @@ from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
-from symkin.result import Result, draw_with
+from symkin.result import Result, draw_with, view_with
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
@@ -106,6 +106,7 @@ __all__ = [
     "solve",
     "sweep",
     "track",
+    "view",
     "write_firmware",
 ]
 
@@ -162,4 +163,21 @@ def _draw(result: Result, path: Path | str | None = None, **options: Any) -> "Fi
     return draw(result, path, **options)
 
 
+def view(result: Any, **options: Any) -> Any:
+    """The page on which a mechanism or a result moves: one HTML text that needs no network.
+
+    `options` for a mechanism: `joints` (all actuated ones) or `given` (any coordinates by name), which get sliders. `.save(file)` writes
+    the page, `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError.
+
+    >>> import symkin
+    >>> page = symkin.view(symkin.load("four_bar"), given={"crank": 60.0})
+    >>> page.html.startswith("<!doctype html>")
+    True
+    """
+    from symkin.page.result_views import view_of
+
+    return view_of(result, **options)
+
+
 draw_with(_draw)
+view_with(view)

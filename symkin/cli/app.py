@@ -21,6 +21,7 @@ from symkin.cli.singularities import singularities
 from symkin.cli.streams import prepare_streams, say, silence
 from symkin.cli.sweep import sweep
 from symkin.cli.track import track
+from symkin.cli.view import view
 from symkin.errors import SymkinError
 
 INTERRUPTED = 130
@@ -64,6 +65,7 @@ app.command()(jacobian)
 app.add_typer(calibrate, name="calibrate")
 app.command()(sweep)
 app.command()(track)
+app.command()(view)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -27,7 +27,7 @@ _TURN = {"deg": 180.0, "rad": math.pi}
 
 
 @dataclass(frozen=True)
-class Path:
+class PlayedPath:
     """Rows of values of the given coordinates `names` that the page plays, at `times` (s) where there are any."""
 
     title: str
@@ -37,20 +37,23 @@ class Path:
 
 
 def page_html(
-    mechanism: Mechanism, given: Mapping[str, float] | None = None, path: Path | None = None, *, dark: bool | None = None
+    mechanism: Mechanism,
+    given: Mapping[str, float] | None = None,
+    path: PlayedPath | None = None,
+    start: Mapping[str, Any] | None = None,
 ) -> str:
     """The page of a mechanism as HTML text.
 
     `given` are the coordinates with sliders and their values at the start, in the mechanism's units (None: the actuated joints at the
-    example or the reference); `path` is what is played; `dark` is None for the reader's own setting. Raises InputError for what
-    `symkin modes --given` refuses.
+    example or the reference); `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict` tells it.
+    Raises InputError for what `symkin modes --given` refuses.
     """
     require_mechanism(mechanism)
     made = page_model(mechanism, given)
     data = {
         "model": made.model,
         "scene": scene_of(mechanism, made.model["links"]),
-        "options": _options(mechanism, made.model, path, dark),
+        "options": _options(mechanism, made.model, path, start),
     }
     return _filled(
         {
@@ -70,15 +73,15 @@ def _filled(parts: Mapping[str, str]) -> str:
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found.group(1)], _static("page.html"))
 
 
-def _options(mechanism: Mechanism, model: Mapping[str, Any], path: Path | None, dark: bool | None) -> dict[str, Any]:
+def _options(mechanism: Mechanism, model: Mapping[str, Any], path: PlayedPath | None, start: Mapping[str, Any] | None) -> dict[str, Any]:
     units = {c.name: _unit(mechanism, c) for c in mechanism.coordinates if c.kind != "quaternion"}
     options: dict[str, Any] = {
         "units": units,
         "ranges": {name: _range(mechanism, name, model["values"][name]) for name in model["names"]},
         "frameName": mechanism.frame_name,
     }
-    if dark is not None:
-        options["dark"] = dark
+    if start is not None:
+        options["start"] = {"pose": start["pose"], "joints": dict(start["joints"])}
     if path is not None:
         rows = [[float(v) for v in row] for row in path.rows]
         times = None if path.times is None else [float(t) for t in path.times]

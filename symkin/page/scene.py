@@ -67,17 +67,16 @@ class _Items:
 
     def all(self) -> list[Item]:
         edges = list(edges_of(self.mechanism))
-        closing = reference_graph_lines(self.mechanism).closing
         slides = [edge for edge in edges if _has_no_place(edge)]
         for edge in edges:
             if isinstance(edge.elements[0].part, Bar):
                 self._rod(edge, edge.elements[0].part)
             elif edge not in slides:
-                self._joint(edge, self._place(edge), closing)
+                self._joint(edge, self._place(edge))
         for point in self.mechanism.link_points:
             self._point(point.link, point.name, np.array(point.point))
         for edge in slides:
-            self._joint(edge, self._beside(edge), closing)
+            self._joint(edge, self._beside(edge))
         self._frames()
         return [*self._bodies(edges), *self.items, *self._couplings()]
 
@@ -97,7 +96,7 @@ class _Items:
         middles = [np.mean(self.points[link], axis=0) for link in edge.ends if link != BASE and self.points.get(link)]
         return np.asarray(np.mean(middles, axis=0)) if middles else self._place(edge)
 
-    def _joint(self, edge: Branch, place: np.ndarray, closing: frozenset[str]) -> None:
+    def _joint(self, edge: Branch, place: np.ndarray) -> None:
         joint = edge.elements[0].part
         assert isinstance(joint, Joint)  # noqa: S101 - the caller has asked
         before, after = edge.ends
@@ -114,7 +113,6 @@ class _Items:
                 "point": place.tolist(),
                 "axes": axes,
                 "actuated": joint.actuated,
-                "closing": joint.name in closing,
                 "coordinates": [c.name for c in joint.coordinates if c.kind != "quaternion"],
                 "slides": joint.type in "PCH",
             }

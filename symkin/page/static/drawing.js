@@ -22,6 +22,7 @@ export class Drawing {
     this._camera();
     this._lights();
     this._grid();
+    this.camera.lookAt(0, 0, 0);
     this.dirty = true;
     this.listeners = [];
   }
@@ -62,7 +63,8 @@ export class Drawing {
       ...[0, 1, 2].map((k) => (centre[0] + x * this.gridStep) * along[0][k] + (centre[1] + y * this.gridStep) * along[1][k] + level * normal[k]),
     );
     for (let k = -count; k <= count; k++) corners.push(at(k, -count), at(k, count), at(-count, k), at(count, k));
-    this.grid = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(corners), this.look.line("grid"));
+    this.grid = new THREE.LineSegments(new THREE.BufferGeometry().setFromPoints(corners), this.look.backdrop("grid"));
+    this.grid.renderOrder = -1;
     this.items.root.add(this.grid);
   }
 
@@ -74,24 +76,17 @@ export class Drawing {
 
   /** Bring everything that is drawn into the picture. */
   fit() {
-    const box = new THREE.Box3(), point = new THREE.Vector3();
-    this.items.root.updateMatrixWorld(true);
-    for (const { at } of this.items.labels) at.forEach((end) => box.expandByPoint(point.copy(this.items.at(end)).divideScalar(this.scene.size)));
-    for (const item of this.scene.items.filter((i) => i.kind === "body"))
-      for (const p of item.points) box.expandByPoint(point.copy(this.items.at({ link: item.link, point: p })).divideScalar(this.scene.size));
-    const centre = box.getCenter(new THREE.Vector3());
-    const offset = this.camera.position.clone().sub(this.controls.target).normalize().multiplyScalar(5);
+    const places = this.items.places().map((p) => p.divideScalar(this.scene.size));
+    const seen = new THREE.Box3(), offset = this.camera.position.clone().sub(this.controls.target).setLength(5);
+    this.camera.updateMatrixWorld();
+    const inverse = this.camera.matrixWorldInverse;
+    places.forEach((p) => seen.expandByPoint(p.clone().applyMatrix4(inverse)));
+    const centre = seen.getCenter(new THREE.Vector3()).applyMatrix4(this.camera.matrixWorld);
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).add(offset);
     this.camera.zoom = 1;
-    this.camera.lookAt(centre);
     this.camera.updateMatrixWorld();
-    const seen = new THREE.Box3();
-    for (let k = 0; k < 8; k++) {
-      point.set(k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y, k & 4 ? box.max.z : box.min.z);
-      seen.expandByPoint(point.applyMatrix4(this.camera.matrixWorldInverse));
-    }
-    const pad = (2.5 * this.scene.symbol) / this.scene.size;
+    const pad = (1.5 * this.scene.symbol) / this.scene.size;
     this.half = [0.5 * (seen.max.x - seen.min.x) + pad, 0.5 * (seen.max.y - seen.min.y) + pad];
     this.resize();
   }
@@ -119,11 +114,6 @@ export class Drawing {
     this.controls.update();
     if (!this.dirty) return false;
     this.dirty = false;
-    const turn = this.camera.quaternion.clone();
-    for (const object of this.items.facing) {
-      const parent = new THREE.Quaternion().setFromRotationMatrix(object.parent.matrix).invert();
-      object.quaternion.copy(parent.multiply(turn));
-    }
     this.renderer.render(this.world, this.camera);
     this.listeners.forEach((listener) => listener());
     return true;

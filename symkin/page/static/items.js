@@ -25,7 +25,6 @@ class Items {
       return group;
     });
     this.stretched = []; // {object, from, to, apply}
-    this.facing = []; // objects that turn to the eye
     this.solids = []; // what the pointer finds
     this.labels = []; // {item, at: [{link, point}, ...]}
   }
@@ -50,6 +49,13 @@ class Items {
     return shapes.vector(point).applyMatrix4(this.links[link].matrix);
   }
 
+  /** Points of everything, in the base frame. */
+  places() {
+    const bodies = this.scene.items.filter((item) => item.kind === "body");
+    const points = bodies.flatMap((item) => item.points.map((point) => this.at({ link: item.link, point })));
+    return points.length ? points : [new THREE.Vector3()];
+  }
+
   // --- links -----------------------------------------------------------------------------------------------------
 
   add_body(item) {
@@ -62,9 +68,10 @@ class Items {
       this.solids.push(plate);
     }
     if (base && !faces.length) this._baseLines(item);
+    const rim = new Set(faces.flat()), onRim = (k) => !faces.length || rim.has(k);
     const radius = s * (base ? EDGE : role === "platform" ? 1.15 * LINK : LINK);
-    const tubes = base && !faces.length ? [] : edges.map(([a, b]) => shapes.tube(points[a], points[b], radius));
-    const knots = tubes.length ? points.map((p) => shapes.ball(p, radius, 12)) : [];
+    const tubes = base && !faces.length ? [] : edges.map(([a, b]) => shapes.tube(points[a], points[b], onRim(a) && onRim(b) ? radius : 0.45 * radius));
+    const knots = tubes.length ? points.map((p, k) => shapes.ball(p, onRim(k) ? radius : 0.45 * radius, 12)) : [];
     if (tubes.length) this._solid(group, shapes.merged([...tubes, ...knots]), item.colour, item);
     if (base) points.forEach((p) => this._ground(p));
     const centre = [0, 1, 2].map((k) => points.reduce((sum, p) => sum + p[k], 0) / points.length);
@@ -130,7 +137,6 @@ class Items {
         this._solid(after, shapes.block(p, [0, 0, 1], 0.36 * s, 0.36 * s), "link", item);
     }
     if (item.slides) this._rail(item);
-    if (item.closing) this._ring(after, p);
     this.labels.push({ item, at: [{ link: item.links[1], point: p }] });
   }
 
@@ -146,13 +152,6 @@ class Items {
     this.root.add(object);
     const [from, to] = item.links.map((link) => ({ link, point: item.point }));
     this.stretched.push({ object, from, to, apply: (length) => (object.scale.z = length) });
-  }
-
-  _ring(group, point) {
-    const ring = new THREE.Mesh(new THREE.TorusGeometry(0.72 * this.symbol, 0.028 * this.symbol, 8, 48), this.look.solid("loop"));
-    ring.position.set(...point);
-    group.add(ring);
-    this.facing.push(ring);
   }
 
   add_rod(item) {

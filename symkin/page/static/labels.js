@@ -58,7 +58,7 @@ export class Labels {
     if (item.kind === "mesh") return `link ${item.name}`;
     const values = measureOf(item, this), drives = item.actuated ? "actuated " : "";
     const what = item.kind === "rod" ? `${drives}rod` : `${drives}${TYPES[item.type]} joint`;
-    return `${item.name}: ${what}${values ? `, ${values}` : ""}${item.closing ? "; closes a loop" : ""}`;
+    return `${item.name}: ${what}${values ? `, ${values}` : ""}`;
   }
 }
 

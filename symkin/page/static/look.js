@@ -35,6 +35,11 @@ export class Look {
     return this._kept(`line ${key}`, key, () => new THREE.LineBasicMaterial());
   }
 
+  /** Lines behind everything else. */
+  backdrop(key) {
+    return this._kept(`backdrop ${key}`, key, () => new THREE.LineBasicMaterial({ depthTest: false, depthWrite: false }));
+  }
+
   dashes(key, length) {
     return this._kept(`dashes ${key} ${length}`, key, () => new THREE.LineDashedMaterial({ dashSize: length, gapSize: 0.7 * length }));
   }

@@ -162,6 +162,20 @@ function frame(now) {
   requestAnimationFrame(frame);
 }
 
+/** Take the mode that is nearest to the configuration which the page was made for. */
+function takeStart() {
+  const wanted = options.start;
+  if (!wanted) return;
+  const apart = (mode) => {
+    const numbers = ([key, value]) => (typeof value === "number" ? [value - mode.joints[key]] : []);
+    const joints = Object.entries(wanted.joints).filter(([key]) => typeof mode.joints?.[key] === "number").flatMap(numbers);
+    const moved = wanted.pose && mode.position ? wanted.pose.position.map((v, k) => v - mode.position[k]) : [];
+    return Math.hypot(...joints, ...moved);
+  };
+  const gaps = solver.modes().map(apart), nearest = gaps.indexOf(Math.min(...gaps));
+  if (nearest >= 0 && nearest !== solver.modeIndex) solver.choose(nearest);
+}
+
 // --- beginning -------------------------------------------------------------------------------------------------------
 
 toggle("names", (on) => labels.set(on, labels.measures));
@@ -193,6 +207,7 @@ if (options.path) {
 $("hints").textContent = scene.items.some((item) => item.role === "platform")
   ? "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
   : "Drag to turn the view, wheel or two fingers to zoom.";
+takeStart();
 dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
 moved({ reached: true, share: 1, stop: null });
 drawing.fit();
