@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
+    from symkin.page.result_views import view
     from symkin.position.close import close
     from symkin.position.close_result import ClosedConfiguration
     from symkin.position.convert import convert
@@ -140,6 +141,7 @@ _LATER = {
     "solve": "symkin.position.solve",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
+    "view": "symkin.page.result_views",
     "write_firmware": "symkin.codegen.folder",
 }
 """Modules that are imported at the first use of a name, since no run needs them all. `Newton` and `LeastSquares` are
@@ -163,21 +165,11 @@ def _draw(result: Result, path: Path | str | None = None, **options: Any) -> "Fi
     return draw(result, path, **options)
 
 
-def view(result: Any, **options: Any) -> Any:
-    """The page on which a mechanism or a result moves: one HTML text that needs no network.
+def _view(result: Result) -> Any:
+    from symkin.page.result_views import view
 
-    `options` for a mechanism: `joints` (all actuated ones) or `given` (any coordinates by name), which get sliders. `.save(file)` writes
-    the page, `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError.
-
-    >>> import symkin
-    >>> page = symkin.view(symkin.load("four_bar"), given={"crank": 60.0})
-    >>> page.html.startswith("<!doctype html>")
-    True
-    """
-    from symkin.page.result_views import view_of
-
-    return view_of(result, **options)
+    return view(result)
 
 
 draw_with(_draw)
-view_with(view)
+view_with(_view)

@@ -23,7 +23,8 @@ def view(
     joints: JointsOption = None,
     given: GivenOption = None,
     path: Annotated[
-        Path | None, typer.Option("--path", metavar="FILE.csv", help="A trajectory to play: columns of the given coordinates, or poses.")
+        Path | None,
+        typer.Option("--path", metavar="FILE.csv", help="A trajectory to play: columns of the given coordinates, or poses."),
     ] = None,
     html: Annotated[Path | None, typer.Option("--html", metavar="FILE.html", help="Write the page, and open no browser.")] = None,
 ) -> None:
@@ -46,7 +47,9 @@ def _shown(page: View, html: Path | None) -> str:
     if html is not None:
         return f"page: {page.save(html)}"
     place = page.open()
-    return f"page: {place}\nopened in the browser; if none appears, open this file in one, or write your own with --html FILE.html"
+    return (
+        f"page: {place}\nopened in the browser; if none appears, open this file in one, or write your own with --html FILE.html"
+    )
 
 
 def _plain(values: dict[str, float | list[float]] | None) -> dict[str, float] | None:
@@ -54,5 +57,7 @@ def _plain(values: dict[str, float | list[float]] | None) -> dict[str, float] | 
     if values is None:
         return None
     if any(isinstance(value, list) for value in values.values()):
-        raise InputError("--given: pose=... is a whole pose; a page takes its coordinates one by one: x, y, z, azimuth, tilt, torsion")
+        raise InputError(
+            "--given: pose=... is a whole pose; a page takes its coordinates one by one: x, y, z, azimuth, tilt, torsion"
+        )
     return {name: value for name, value in values.items() if isinstance(value, (int, float))}

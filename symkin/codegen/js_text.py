@@ -149,12 +149,22 @@ def javascript(name: str, x: ca.SX, outputs: list[ca.SX], *, over_complex: bool 
     outputs = [ca.SX(output) for output in outputs]
     function = ca.Function(name, [x], outputs, {"cse": True})
     places = [_row_major(output) for output in outputs]
-    evaluator = _Complex(places) if over_complex else _Real(places)
-    walk(function, evaluator)  # type: ignore[arg-type]
     arguments = ", ".join(["x", *(f"out{k}" for k in range(len(outputs)))])
-    body = "\n".join(f"  {line}" for line in evaluator.lines)
+    body = "\n".join(f"  {line}" for line in (_complex_lines if over_complex else _real_lines)(function, places))
     helpers = _ROOTS if over_complex and "rootReal(" in body else ""
     return f"{helpers}export function {name}({arguments}) {{\n{body}\n}}\n"
+
+
+def _real_lines(function: ca.Function, places: list[list[int]]) -> list[str]:
+    evaluator = _Real(places)
+    walk(function, evaluator)
+    return evaluator.lines
+
+
+def _complex_lines(function: ca.Function, places: list[list[int]]) -> list[str]:
+    evaluator = _Complex(places)
+    walk(function, evaluator)
+    return evaluator.lines
 
 
 def _row_major(output: ca.SX) -> list[int]:

@@ -58,7 +58,7 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
         "start": solution.variables.tolist(),
         "hasPlatform": mechanism.platform_link is not None,
         "bridges": _bridges(frames),
-        "readings": _readings(mechanism, closure, frames),
+        "readings": _readings(closure, frames),
         **_roots(problem, known, solution),
     }
     generated, sizes = _functions(problem, frames)
@@ -111,12 +111,10 @@ def _elsewhere(problem: Problem, known: Sequence[Coordinate], names: Mapping[str
     rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(_PLACES)]
     if not known:
         return []
-    if problem.kind == "direct":
-        found = modes(mechanism, joints=rows)
-    else:
-        found = modes(mechanism, given={c.name: [row[k] for row in rows] for k, c in enumerate(known)})
+    columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
+    many: Any = modes(mechanism, joints=rows) if problem.kind == "direct" else modes(mechanism, given=columns)
     partition = problem.closure.partition
-    return [mode.variables.tolist() for many in found for mode in many if mode.partition == partition][:_MOST_ROOTS]
+    return [mode.variables.tolist() for found in many for mode in found if mode.partition == partition][:_MOST_ROOTS]
 
 
 def _near(mechanism: Mechanism, c: Coordinate, value: float, rng: np.random.Generator) -> float:
@@ -169,7 +167,7 @@ def _bridges(frames: LinkFrames) -> list[dict[str, Any]]:
     ]
 
 
-def _readings(mechanism: Mechanism, closure: Closure, frames: LinkFrames) -> list[dict[str, Any]]:
+def _readings(closure: Closure, frames: LinkFrames) -> list[dict[str, Any]]:
     """The joints whose coordinates the closure leaves out, and the links on both sides."""
     held, number = {c.name for c in closure.coordinates}, {name: k for k, name in enumerate(frames.frames)}
     found = []
@@ -186,7 +184,8 @@ def _readings(mechanism: Mechanism, closure: Closure, frames: LinkFrames) -> lis
                 "zero": joint.zero,
                 "pitch": joint.pitch,
                 "coordinates": [
-                    {"name": c.name, "kind": c.kind, "limits": None if c.limits is None else list(c.limits)} for c in joint.coordinates
+                    {"name": c.name, "kind": c.kind, "limits": None if c.limits is None else list(c.limits)}
+                    for c in joint.coordinates
                 ],
             }
         )
@@ -215,7 +214,12 @@ def _functions(problem: Problem, frames: LinkFrames) -> tuple[str, dict[str, Any
         javascript("links", x, [links]),
         javascript("pose", x, [pose, ca.jacobian(pose, x) @ ca.diag(ca.SX(ca.DM(columns)))]),
     ]
-    sizes = {"rows": int(rows.shape[0]), "errors": int(problem.system.errors.shape[0]), "columns": columns.tolist(), "complex": True}
+    sizes = {
+        "rows": int(rows.shape[0]),
+        "errors": int(problem.system.errors.shape[0]),
+        "columns": columns.tolist(),
+        "complex": True,
+    }
     try:
         texts.append(javascript("complexSystem", x, [rows, jacobian], over_complex=True))
     except NotImplementedError:
@@ -238,5 +242,3 @@ def _row_scales(x: ca.SX, rows: ca.SX, columns: np.ndarray, closure: Closure) ->
     point = random_values(closure.coordinates, closure.characteristic_length, np.random.default_rng(3))
     norms = np.linalg.norm(np.asarray(jacobian(point)) * columns, axis=1)
     return np.where(norms > 0.0, norms, 1.0)
-
-

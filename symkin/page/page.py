@@ -11,7 +11,6 @@ from html import escape
 from importlib.resources import files
 from typing import Any
 
-from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.page.model_data import page_model
 from symkin.page.scene import scene_of
@@ -73,10 +72,10 @@ def _filled(parts: Mapping[str, str]) -> str:
     return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found.group(1)], _static("page.html"))
 
 
-def _options(mechanism: Mechanism, model: Mapping[str, Any], path: PlayedPath | None, start: Mapping[str, Any] | None) -> dict[str, Any]:
-    units = {c.name: _unit(mechanism, c) for c in mechanism.coordinates if c.kind != "quaternion"}
+def _options(
+    mechanism: Mechanism, model: Mapping[str, Any], path: PlayedPath | None, start: Mapping[str, Any] | None
+) -> dict[str, Any]:
     options: dict[str, Any] = {
-        "units": units,
         "ranges": {name: _range(mechanism, name, model["values"][name]) for name in model["names"]},
         "frameName": mechanism.frame_name,
     }
@@ -87,10 +86,6 @@ def _options(mechanism: Mechanism, model: Mapping[str, Any], path: PlayedPath | 
         times = None if path.times is None else [float(t) for t in path.times]
         options["path"] = {"title": path.title, "names": list(path.names), "rows": rows, "times": times}
     return options
-
-
-def _unit(mechanism: Mechanism, coordinate: Coordinate) -> str:
-    return mechanism.angle_unit if coordinate.is_angular else mechanism.length_unit
 
 
 def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:
@@ -118,7 +113,9 @@ def _modules(generated: str) -> str:
     solvers = sorted(entry.name for entry in files("symkin.page").joinpath("static").iterdir() if _is_solver(entry.name))
     texts |= {name.removesuffix(".js"): _static(name) for name in solvers}
     texts["generated"] = generated
-    return "\n".join(f'<script type="text/module" data-name="{name}">\n{_in_script(text)}\n</script>' for name, text in texts.items())
+    return "\n".join(
+        f'<script type="text/module" data-name="{name}">\n{_in_script(text)}\n</script>' for name, text in texts.items()
+    )
 
 
 def _is_solver(name: str) -> bool:

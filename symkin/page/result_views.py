@@ -15,9 +15,18 @@ from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
 
 
-def view_of(result: object, **options: Any) -> View:
-    """The page of a mechanism, of modes (the first one is shown), a solution or a track, which is played. Raises InputError for what
-    has no page, and for options that it does not take."""
+def view(result: object, **options: Any) -> View:
+    """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
+
+    `result` is a mechanism, modes (the first one is shown), a solution or a track, which is played. `options` of a mechanism: `joints` (all
+    actuated ones) or `given` (any coordinates by name), which get sliders, and `path`, what is played. `.save(file)` writes the page,
+    `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
+
+    >>> import symkin
+    >>> page = symkin.view(symkin.load("four_bar"), given={"crank": 60.0})
+    >>> page.html.startswith("<!doctype html>")
+    True
+    """
     if isinstance(result, Mechanism):
         return view_mechanism(result, **options)
     if options:

@@ -158,9 +158,7 @@ class _Items:
         if link is not None:
             position = np.asarray(reference.position)
             self._attach(link, position)
-            self.items.append(
-                _frame(self.number[link], self.mechanism.frame_name, position, np.asarray(reference.rotation))
-            )
+            self.items.append(_frame(self.number[link], self.mechanism.frame_name, position, np.asarray(reference.rotation)))
 
     def _bodies(self, edges: Sequence[Branch]) -> list[Item]:
         self._hands(edges)

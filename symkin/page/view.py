@@ -46,7 +46,9 @@ class View:
         try:
             place.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise InputError(f"{place.parent}: the folder cannot be made ({error.strerror}); write the page with --html") from None
+            raise InputError(
+                f"{place.parent}: the folder cannot be made ({error.strerror}); write the page with --html"
+            ) from None
         write_output(place, self.html)
         webbrowser.open(place.as_uri())
         return place

@@ -65,7 +65,7 @@ class Items {
       const plate = new THREE.Mesh(shapes.plates(points, faces), this.look.glass(item.colour));
       plate.userData.item = item;
       group.add(plate);
-      this.solids.push(plate);
+      if (!base) this.solids.push(plate);
     }
     if (base && !faces.length) this._baseLines(item);
     const rim = new Set(faces.flat()), onRim = (k) => !faces.length || rim.has(k);

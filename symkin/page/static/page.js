@@ -11,7 +11,7 @@ import { Strip } from "symkin/strip";
 const $ = (id) => document.getElementById(id);
 const { model, scene, options } = JSON.parse($("data").textContent);
 const solver = createSolver(model, generated);
-solver.unitOf ??= (name) => solver.units[name] ?? options.units[name] ?? "";
+solver.unitOf = (name) => solver.units[name] ?? "";
 const start = { ...solver.values };
 const drawing = new Drawing($("view"), scene, solver.links.length);
 const inputs = new Inputs($("inputs"), { names: solver.names, units: solver.units, values: solver.values, ranges: options.ranges, limits: solver.limits }, wish);
@@ -21,6 +21,7 @@ const drag = new PlatformDrag(drawing, solver, { itemAt, onMove: moved });
 const wishes = new Map(); // values that sliders ask for, taken once a frame
 let player = null, slow = 0;
 
+window.symkinPage = drawing;
 window.symkin = {
   names: [...solver.names],
   units: { ...solver.units },
@@ -39,7 +40,10 @@ function wish(name, value) {
 
 function choose(index) {
   const taken = solver.choose(index);
-  if (taken) moved({ reached: true, share: 1, stop: null });
+  if (taken) {
+    moved({ reached: true, share: 1, stop: null });
+    strip.refresh();
+  }
   return taken;
 }
 
@@ -70,8 +74,8 @@ function tell(stop) {
 function ranges() {
   const before = performance.now();
   for (const name of solver.names) {
-    const left = solver.rangeLeft?.(name);
-    if (left) inputs.mark(name, left, false);
+    const left = solver.rangeLeft(name, options.ranges[name]);
+    inputs.mark(name, left, false);
     if (performance.now() - before > 400) break;
   }
 }
@@ -91,8 +95,8 @@ function readout() {
   $("passive").hidden = !others.length;
   $("passive").firstElementChild.textContent = `${others.length} other joint coordinates`;
   if ($("passive").open) fill($("passive").querySelector("tbody"), others.map(([name, value]) => [name, shown(value), solver.unitOf(name)]));
-  const distance = solver.distanceToSingularity?.();
-  $("gauge").hidden = distance === undefined || distance === null;
+  const distance = solver.distanceToSingularity();
+  $("gauge").hidden = distance === null;
   if (!$("gauge").hidden) {
     // decades from 1e-4 to 1
     $("distance").value = Math.min(1, Math.max(0, 1 + Math.log10(Math.max(distance, 1e-12)) / 4));

@@ -5,7 +5,7 @@
 // that are real are the modes.
 import { complexLeastSquares } from "solver-algebra";
 
-const LONGEST = 0.35, SHORTEST = 1e-7; // steps of a path's parameter
+const LONGEST = 0.35, SHORTEST = 1e-10; // steps of a path's parameter
 const FAR = 1e6; // of a solution at infinity, in units of the size
 const SAME = 1e-6; // between two writings of one solution
 const REAL = 1e-6; // imaginary part of a real end before Newton's method makes it real
@@ -35,7 +35,7 @@ export class Roots {
     if (!follows) return `${complexCount} complex solutions are too many to follow here: the mode shown is followed, and symkin modes lists them all.`;
     if (this.alone) return "";
     const found = this.starts.length;
-    if (complexCount !== null && found < complexCount) return `${found} of ${complexCount} complex solutions were found here; there may be more modes.`;
+    if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.`;
     return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.`;
   }
 
@@ -190,9 +190,14 @@ export class Roots {
     return this._newton(here, 1e-13, 6) ? here : null;
   }
 
+  /** Whether a solution has gone to infinity: a length, or the imaginary part of an angle, whose sine grows with it. */
   _far(x) {
-    const { columns } = this.model;
-    return this.solver.unknown.some((k) => Math.hypot(x[2 * k], x[2 * k + 1]) > FAR * columns[k] || (columns[k] === 1 && Math.abs(x[2 * k + 1]) > 25));
+    const { columns, coordinates } = this.model;
+    return coordinates.some((c) => {
+      const k = 2 * c.place;
+      if (c.known || c.kind === "quaternion") return !c.known && Math.hypot(x[k], x[k + 1]) > FAR;
+      return c.kind === "length" ? Math.hypot(x[k], x[k + 1]) > FAR * columns[c.place] : Math.abs(x[k + 1]) > 25;
+    });
   }
 
   /** A step of Runge and Kutta's fourth order, then Newton's method; its first correction is the step's error. */

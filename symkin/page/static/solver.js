@@ -228,9 +228,13 @@ class Solver {
     functions.errors(x, errors);
     const residual = errors.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
     const platform = model.hasPlatform;
-    const found = { position: platform ? [...pose.subarray(0, 3)] : null, quaternion: platform ? positive(pose.subarray(3)) : null };
-    Object.defineProperty(found, "variables", { value: Float64Array.from(x), enumerable: false });
-    return { ...found, joints, residual, within_limits: within, variables: Array.from(x) };
+    const position = platform ? [...pose.subarray(0, 3)] : null, quaternion = platform ? positive(pose.subarray(3)) : null;
+    return { position, quaternion, joints, residual, within_limits: within, variables: Array.from(x) };
+  }
+
+  /** Search for all complex solutions for some milliseconds; whether they are found. `modes` waits for the end of the search. */
+  prepare(milliseconds) {
+    return this.roots.prepare(milliseconds);
   }
 
   /** All modes at the present values. */

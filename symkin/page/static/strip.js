@@ -2,6 +2,7 @@
 import { drawSketch, frameOf } from "symkin/sketch";
 
 const MOST = 64; // small views at most
+const SEARCH = 25; // milliseconds of a search for all solutions between two frames
 const QUICK = 12; // milliseconds within which the modes are found at every movement
 
 export class Strip {
@@ -25,6 +26,14 @@ export class Strip {
   }
 
   refresh() {
+    if (!this.solver.prepare(SEARCH)) {
+      this.text.textContent = "Finding all modes …";
+      this.timer = setTimeout(() => {
+        this.timer = 0;
+        this.refresh();
+      });
+      return;
+    }
     const before = performance.now();
     this.modes = this.solver.modes();
     this.took = performance.now() - before;
