@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
@@ -27,11 +28,15 @@ def close(
         Path | None,
         typer.Option(
             "-o",
+            "--output",
             metavar="FILE",
             help="Write the mechanism with the closed configuration as its reference (.toml), its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
+            rich_help_panel=OUTPUT,
         ),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find the closed configuration nearest to the file's own: how far loops were open, rank, mobility. Exit status 3: none closes."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import shorten
 from typing import Annotated
 
 import typer
 
+from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
+from symkin.result import TERMINAL_WIDTH
 
 
 def list_() -> None:
@@ -19,19 +22,26 @@ def list_() -> None:
     from symkin.model.file import shipped_names
 
     names = shipped_names()
+    width = max(map(len, names))
     for name in names:
-        print(f"{name:{max(map(len, names))}}  {load(name).title}")
+        print(f"{name:{width}}  {shorten(load(name).title or '', TERMINAL_WIDTH - width - 2, placeholder=' ...')}")
 
 
 @reads_robots
 def show(
     mech: MechArgument,
     read: ReadOptions,
-    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.")] = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.")] = None,
+    latex: Annotated[bool, typer.Option("--latex", help="Print the closure equations as LaTeX.", rich_help_panel=OUTPUT)] = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     names: Annotated[
         str | None,
-        typer.Option(metavar="all|loops|none", help="Sketch of a graph: names of all, of joints that close loops, of none."),
+        typer.Option(
+            metavar="all|loops|none",
+            help="Sketch of a graph: names of all, of joints that close loops, of none.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from symkin.cli.help import ASKED, HOW, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -17,12 +18,11 @@ from symkin.cli.options import (
     SearchSeedOption,
     StartOption,
     joints_from,
-    named_from,
     numbers_from,
     print_result,
-    start_from,
     whole_number,
 )
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.cli.streams import say
@@ -39,6 +39,8 @@ def singularities(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     start: StartOption = None,
     plane: Annotated[
@@ -47,15 +49,19 @@ def singularities(
             metavar="U,V",
             help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
             "configuration's orientation), two actuated joints, or two coordinates of --given (one: points), others held.",
+            rich_help_panel=ASKED,
         ),
     ] = None,
     window: Annotated[
         str | None,
-        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units."),
+        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units.", rich_help_panel=ASKED),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     starts: Annotated[
-        int | None, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.")
+        int | None,
+        typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.", rich_help_panel=HOW),
     ] = None,
     seed: SearchSeedOption = None,
     output: Annotated[
@@ -64,11 +70,16 @@ def singularities(
             metavar="NAME,...",
             help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or joints, in place of position and "
             "orientation together.",
+            rich_help_panel=ASKED,
         ),
     ] = None,
     point: Annotated[
         str | None,
-        typer.Option(metavar="X,Y,Z", help="The output's point in the platform's frame; without --output x,y,z of it."),
+        typer.Option(
+            metavar="X,Y,Z",
+            help="The output's point in the platform's frame; without --output x,y,z of it.",
+            rich_help_panel=ASKED,
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -88,12 +99,14 @@ def singularities(
         check_picture_path(plot)
     unit = mechanism.angle_unit
     sides = _window(window, unit)
-    values = named_from(given, "given", unit)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given, start)
+    values = reader.given(given)
     names = None if output is None else [name.strip() for name in output.split(",")]
     try:
         solution = configuration(
-            mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit), given=values,
-            start=start_from(start, unit),
+            mechanism, joints=joints_from(joints, "joints", unit), pose=reader.pose(pose, "pose"), given=values,
+            start=reader.start(start, is_pose=pose is None),
         )  # fmt: skip
     except SolveError as error:
         if as_json and error.result is not None:

@@ -26,6 +26,7 @@ from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.sheet import direction, make_sheet, symbol_size, text_extent
 from symkin.plots.sketch_layout import JointMark, Layout, apart, make_layout
 from symkin.plots.style import COLOURS, drawing
+from symkin.text import not_among
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +58,7 @@ def draw_sketch(mechanism: Mechanism, path: Path | str, names: str | None = None
     InputError for a file that cannot be written, and for names of limbs."""
     target = check_picture_path(path)
     if names is not None and names not in get_args(Names):
-        raise InputError(f"--names: {names!r} is unknown; allowed: {', '.join(get_args(Names))}")
+        raise InputError(f"--names: {not_among(names, get_args(Names))}")
     if names is not None and not mechanism.is_graph:
         raise InputError(f"--names: {mechanism.name} has limbs; the names of a sketch are chosen for graphs of links")
     write_picture(figure_of_sketch(mechanism, cast(Names, names or "all")), target)
