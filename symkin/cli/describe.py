@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import shorten
 from typing import Annotated
 
 import typer
@@ -13,6 +14,7 @@ from symkin.cli.pictures import NamesOption, picture_options
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
+from symkin.result import TERMINAL_WIDTH
 
 
 def list_() -> None:
@@ -21,8 +23,9 @@ def list_() -> None:
     from symkin.model.file import shipped_names
 
     names = shipped_names()
+    width = max(map(len, names))
     for name in names:
-        print(f"{name:{max(map(len, names))}}  {load(name).title}")
+        print(f"{name:{width}}  {shorten(load(name).title or '', TERMINAL_WIDTH - width - 2, placeholder=' ...')}")
 
 
 @reads_robots

@@ -98,6 +98,11 @@ JsonOption = Annotated[
 ]
 
 
+AllOption = Annotated[
+    bool, typer.Option("--all", help="Passive joints and named points in the table too.", rich_help_panel=OUTPUT)
+]
+
+
 class Interrupted(Exception):  # noqa: N818 - no error: the user's wish
     """Ctrl-C in a command whose work is not lost; the text says what is kept."""
 

@@ -10,6 +10,7 @@ import typer
 
 from symkin.cli.help import HOW, OUTPUT
 from symkin.cli.options import (
+    AllOption,
     GivenOption,
     JointsOption,
     JsonOption,
@@ -81,6 +82,7 @@ def modes(
             rich_help_panel=HOW,
         ),
     ] = None,
+    everything: AllOption = False,
     as_json: JsonOption = False,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT)
@@ -118,7 +120,7 @@ def modes(
             progress=progress,
         )
     drawn = _drawn(found, plot, options)
-    print_result(as_json, found.to_dict, lambda: str(found) + drawn)
+    print_result(as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn)
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
 
 
@@ -146,6 +148,7 @@ def solve(
     solver: Annotated[
         SolverName, choice(SolverName, "--solver", "CasADi's rootfinder, or IPOPT on the squared closure.", HOW)
     ] = SolverName.newton,
+    everything: AllOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find one solution near a start."""
@@ -159,5 +162,5 @@ def solve(
         mechanism, joints=joints_from(joints, "joints", mechanism.angle_unit), pose=reader.pose(pose, "pose"),
         given=reader.given(given), start=reader.start(start, is_pose=pose is None), solver=solver.value, check=False,
     )  # fmt: skip
-    print_result(as_json, result.to_dict, lambda: str(result))
+    print_result(as_json, result.to_dict, lambda: result.summary(everything=everything).text())
     raise typer.Exit(0 if result.solution is not None else 3)

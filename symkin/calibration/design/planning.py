@@ -94,7 +94,8 @@ class Plan(Result):
             f"the same of random configurations: {accuracy_text(m, self.random)}",
         ]
         head = f"plan for {m.name}: {len(rows)} configurations, {self.criterion}-optimal, seed {self.seed}"
-        return Summary([head], ["#", "group", *(c.name for c in m.actuated)], shown, [*left, *accuracy])
+        titles = [f"{c.name} [{m.angle_unit if c.is_angular else m.length_unit}]" for c in m.actuated]
+        return Summary([head], ["#", "group", *titles], shown, [*left, *accuracy])
 
     @property
     def _joints(self) -> list[list[float]]:
