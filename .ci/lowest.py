@@ -47,9 +47,9 @@ def try_commands() -> None:
     run(["modes", "zhang2009", "--plot", "lowest.png"])
     run(["modes", "ankle", "--given", "upper_motor=8,lower_motor=12", "--plot", "ankle.png"])
     run(["jacobian", "ankle", "--of", "ankle.1,ankle.2", "--by", "upper_motor,lower_motor", "--format", "numpy"])
-    run(["--help"])
-    run(["modes", "--help"])
-    for mistake in (["modes"], ["modes", "zhang2009", "--method", "none"], ["modes", "zhang2009", "--starts", "x"], ["none"]):
+    for words in ([], ["-h"], ["modes", "--help"], ["calibrate"], ["calibrate", "fit", "-h"]):
+        run(words)
+    for mistake in (["modes"], ["modes", "zhang2009", "--method", "none"], ["modes", "zhang2009", "--joints", "1", "2"], ["none"]):
         run(mistake, 2)
 
 

@@ -21,6 +21,8 @@ LONGEST_REPR = 2500
 """Characters of a result's repr at most: a screen of a terminal."""
 _REPR_ROWS = (10, 5, 2, 0)
 """Rows of the table in a repr; the first that is short enough is taken."""
+TERMINAL_WIDTH = 80
+"""Columns of characters that a table takes at most."""
 _HTML_ROWS = 40
 """Rows of the table in a notebook."""
 
@@ -35,8 +37,8 @@ class Summary:
     below: Sequence[str] = ()
 
     def text(self) -> str:
-        """For a terminal: columns flush right, two spaces between them."""
-        table = aligned([self.header, *self.rows]) if self.rows else []
+        """For a terminal: columns flush right, two spaces between them, in blocks where they are wider than a terminal."""
+        table = folded([self.header, *self.rows]) if self.rows else []
         return "\n".join([*self.above, *table, *self.below])
 
     def html(self) -> str:
@@ -62,7 +64,7 @@ class Result:
     def plot(self, path: Path | str | None = None, **options: Any) -> Figure:
         """Draw the result; with `path` also write the picture to a file whose suffix is its format (.png, .svg, .pdf).
 
-        `options` are those of the result's picture (docs/contracts.md, "Pictures"). Raises InputError for a file that cannot be
+        `options` are those of the result's picture (docs/reference/pictures.md). Raises InputError for a file that cannot be
         written, and where there is nothing to draw.
         """
         return _draw(self, path, **options)
@@ -92,10 +94,25 @@ def _draw(result: Result, path: Path | str | None, **options: Any) -> Figure:
     raise NotImplementedError("no drawing function is set; `import symkin` sets one")
 
 
-def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+def folded(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table: those of `aligned`; where they are wider than a terminal, with one space between columns, and in blocks
+    of columns, one below the other, each with the first column."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    if sum(widths) + 2 * (len(widths) - 1) <= TERMINAL_WIDTH:
+        return aligned(rows)
+    blocks: list[list[int]] = [[0]]
+    for k in range(1, len(widths)):
+        if sum(widths[i] + 1 for i in blocks[-1]) + widths[k] > TERMINAL_WIDTH and len(blocks[-1]) > 1:
+            blocks.append([0])
+        blocks[-1].append(k)
+    lines = [aligned([[row[k] for k in block] for row in rows], " ") for block in blocks]
+    return [line for k, block in enumerate(lines) for line in ([""] * (k > 0) + block)]
+
+
+def aligned(rows: Sequence[Sequence[str]], gap: str = "  ") -> list[str]:
     """Lines of a table: cells flush right, as wide as the widest of their column."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+    return [gap.join(text.rjust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows]
 
 
 def _html_table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

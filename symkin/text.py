@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 
 _DIRECTIONS = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}
 """Bidirectional classes of characters that reorder the text after them (Unicode, annex 9)."""
@@ -81,6 +82,40 @@ def first_of(items: Sequence[str], count: int = 5) -> str:
     """The first few of some names, and how many more there are."""
     more = len(items) - count
     return ", ".join(items[:count]) + (f" and {more} more" if more > 0 else "")
+
+
+LIKENESS = 0.6
+"""Share of two names that must agree (difflib's ratio) for one to be taken for the other."""
+
+
+def nearest(name: object, known: Iterable[object], likeness: float = LIKENESS) -> str | None:
+    """The known name that a misspelt one is most like, by its letters, small and capital alike; None where none is. Names may be
+    numbers, where a caller in Python has given some.
+
+    >>> nearest("bsae", ["base", "platform"])
+    'base'
+    """
+    by_letters: dict[str, str] = {}
+    for each in known:
+        by_letters.setdefault(str(each).lower(), str(each))
+    found = get_close_matches(str(name).lower(), by_letters, 1, likeness)
+    return by_letters[found[0]] if found else None
+
+
+def not_among(name: object, known: Iterable[object]) -> str:
+    """What a message says of a name that is none of the known ones.
+
+    >>> not_among("bsae", ["base", "platform"])
+    "'bsae' is unknown (do you mean 'base'?); allowed: base, platform"
+    """
+    allowed = [str(each) for each in known]
+    return f"{shown(name)} is unknown{meant(name, allowed)}; allowed: {', '.join(allowed) or 'none'}"
+
+
+def meant(name: object, known: Iterable[object]) -> str:
+    """A question for a message that refuses a name: " (do you mean 'base'?)", or nothing where no known name is like it."""
+    found = nearest(name, known)
+    return "" if found is None else f" (do you mean {shown(found)}?)"
 
 
 # --- outputs -------------------------------------------------------------------------------------------------------

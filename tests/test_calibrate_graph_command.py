@@ -132,7 +132,7 @@ def test_angles_alone_need_a_length(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["plan", "four_bar", "--groups", "0", "--readings", "folower"], "the nearest names are follower"),
+        (["plan", "four_bar", "--groups", "0", "--readings", "folower"], "do you mean 'follower'?"),
         (["plan", "four_bar"], "groups: equal inclination is that of a platform, and four_bar has no platform link"),
         (
             ["plan", "four_bar", "--groups", "0", "--readings", "pose"],
@@ -148,7 +148,7 @@ def test_angles_alone_need_a_length(capsys, tmp_path):
             ["simulate", "double_wishbone", "--readings", "lower_ball"],
             "'lower_ball' is a spherical joint, which no encoder reads",
         ),
-        (["simulate", "ankle", "--readings", "distance.toe"], "the nearest names are distance.toe.heel"),
+        (["simulate", "ankle", "--readings", "distance.toe"], "do you mean 'distance.toe.heel'?"),
     ],
 )
 def test_what_cannot_be_is_one_sentence(capsys, tmp_path, arguments, words):

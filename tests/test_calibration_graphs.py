@@ -308,9 +308,9 @@ def test_columns_of_the_platforms_link_are_those_of_the_platform(tmp_path):
 @pytest.mark.parametrize(
     ("name", "columns", "words"),
     [
-        ("four_bar", "folower[deg]", "column 'folower' is unknown; did you mean 'follower'?"),
-        ("stephenson_six_bar", "point.coupler_pt.x[mm]", "did you mean 'point.coupler_point.x'"),
-        ("ankle", "distance.toe.hel[mm]", "did you mean 'distance.toe.heel'?"),
+        ("four_bar", "folower[deg]", "column 'folower' is unknown (do you mean 'follower'?"),
+        ("stephenson_six_bar", "point.coupler_pt.x[mm]", "do you mean 'point.coupler_point.x'"),
+        ("ankle", "distance.toe.hel[mm]", "do you mean 'distance.toe.heel'?"),
         ("ankle", "point.x[mm]", "column 'point.x' is unknown"),
         ("four_bar", "coupler.roll[deg]", "column 'coupler.roll' is unknown"),
         ("four_bar", "x[mm]", "column 'x' is of a platform, and four_bar has no platform link"),
@@ -334,7 +334,7 @@ def test_wrong_columns_are_refused(tmp_path, name, columns, words):
     ("name", "reading", "words"),
     [
         ("double_wishbone", "lower_ball", "is a spherical joint, which no encoder reads"),
-        ("ankle", "point.tow", "the nearest names are point.toe"),
+        ("ankle", "point.tow", "do you mean 'point.toe'?"),
         ("stephenson_six_bar", "crank", "nothing of stephenson_six_bar is read as 'crank'"),
     ],
 )

@@ -197,7 +197,7 @@ def test_mechanism_files(name: str) -> None:
     ("arguments", "sentence"),
     [
         (["close", "none.xml"], "none.xml: there is no such file"),
-        (["close", "none.stl"], "allowed: a path to a .toml"),
+        (["close", "none.stl"], "or a path to a file (.toml"),
         (["close", "four_bar", "-o", "out.xml"], "a keyframe is written into a copy of an MJCF file"),
         (["close", "four_bar", "-o", "out.png"], "another suffix than .toml, .json, .xml"),
     ],

@@ -286,7 +286,7 @@ BAD = {
     "unknown key of the tool": (ARM + 'motion = "planar"', ["tool.motion", "unknown", "quaternion"]),
     "couplings": (
         MIXED + '\n[[coupling]]\njoint = "waist"\nof = { slides = 2.0 }',
-        ["coupling of 'waist'", "of = 'slides' is unknown", "slide?", "coordinates are waist, slide"],
+        ["coupling of 'waist'", "of = 'slides' is unknown", "do you mean 'slide'?", "coordinates are waist, slide"],
     ),
     "a mimicking joint": (swap(MIXED, 'type = "R"', 'type = "R"\nmimic = "a"'), ["joint[0] (waist).mimic", "[[coupling]]"]),
     "links of a joint": (
@@ -373,7 +373,7 @@ def test_a_mistake_is_one_line_with_file_key_and_value(case, tmp_path):
     assert_refused_in_one_line(tmp_path / "robot.toml", text, fragments)
 
 
-@pytest.mark.parametrize("name", ["zhang", "ZHANG2009", "", " ", "zhang2009.tml", "../zhang2009", "zhang2009/", "\x00", "a" * 50])
+@pytest.mark.parametrize("name", ["zhang", "ZHANG2009", "zhang2009/", "\x00", "a" * 50])
 def test_an_unknown_mechanism_is_named_with_the_choice(name):
     """InputError: the name as given, a path to a .toml, and every shipped name."""
     with pytest.raises(InputError) as error:

@@ -291,7 +291,7 @@ def _refused(name, given, find):
 
 def test_what_cannot_be_is_a_sentence():
     """Names that nothing has, too few or too many, both at once, and coordinates that decide nothing."""
-    assert "has no coordinate 'uper_motor'; the nearest names are upper_motor" in _refused("ankle", ["uper_motor"], ["ankle.1"])
+    assert "has no coordinate 'uper_motor' (do you mean 'upper_motor'?)" in _refused("ankle", ["uper_motor"], ["ankle.1"])
     assert "--given needs --find beside it" in _refused("ankle", ["upper_motor"], [])
     assert "--find needs --given beside it" in _refused("ankle", [], ["ankle.1"])
     assert "upper_motor: given and to be found at once" in _refused(

@@ -141,15 +141,15 @@ BAD = {
     "no link is the base": (GRAPH.replace('"base"', '"frame"'), ["names the link 'base'", "fixed link"]),
     "a table of a link that nothing holds": (
         swap('[[link]]\nname = "foot"', '[[link]]\nname = "fooot"'),
-        ["link[0] (fooot)", "nothing holds it", "foot?"],
+        ["link[0] (fooot)", "nothing holds it", "do you mean 'foot'?"],
     ),
     "a coupling of an unknown joint": (
         swap('joint = "elbow"\nof', 'joint = "elbo"\nof'),
-        ["coupling: joint = 'elbo'", "unknown", "elbow?", "coordinates are crank, elbow"],
+        ["coupling: joint = 'elbo'", "unknown", "do you mean 'elbow'?", "coordinates are crank, elbow"],
     ),
     "a coupling to an unknown joint": (
         swap("{ crank = 2.0 }", "{ cranky = 2.0 }"),
-        ["coupling of 'elbow'", "'cranky'", "unknown", "crank?"],
+        ["coupling of 'elbow'", "'cranky'", "unknown", "do you mean 'crank'?"],
     ),
     "a circle of couplings": (
         GRAPH + '[[coupling]]\njoint = "crank"\nof = { elbow = 0.5 }\n',
@@ -200,18 +200,21 @@ BAD = {
     "a platform link that is the base": (swap('link = "foot"\n', 'link = "base"\n'), ["platform.link = 'base'", "does not move"]),
     "a platform link that is unknown": (
         swap('link = "foot"\n', 'link = "foots"\n'),
-        ["platform.link = 'foots'", "unknown", "foot?"],
+        ["platform.link = 'foots'", "unknown", "do you mean 'foot'?"],
     ),
     "a platform frame on no link": (
         swap('link = "foot"\n', "position = [1, 2, 3]\n"),
         ["platform.link is missing", "carries the platform frame"],
     ),
-    "an unknown key of a joint": (swap("actuated", "actuate"), ["joint[0] (crank).actuate", "unknown key", "near: actuated"]),
+    "an unknown key of a joint": (
+        swap("actuated", "actuate"),
+        ["joint[0] (crank).actuate", "unknown key", "do you mean 'actuated'?"],
+    ),
     "an unknown key of a rod": (swap("from =", "form ="), ["rod[0] (bar)"]),
-    "an unknown key of a rod more": (swap("from =", "lenght = 5\nfrom ="), ["rod[0] (bar).lenght", "near: length"]),
+    "an unknown key of a rod more": (swap("from =", "lenght = 5\nfrom ="), ["rod[0] (bar).lenght", "do you mean 'length'?"]),
     "an unknown key of a coupling": (swap("of =", "off = 2.0\nof ="), ["coupling[0].off", "unknown key", "allowed"]),
-    "an unknown key of a link": (swap("points =", "point ="), ["link[0] (foot).point", "near: points"]),
-    "an unknown key of the platform": (swap('link = "foot"\n', 'links = "foot"\n'), ["platform.links", "near: link"]),
+    "an unknown key of a link": (swap("points =", "point ="), ["link[0] (foot).point", "do you mean 'points'?"]),
+    "an unknown key of the platform": (swap('link = "foot"\n', 'links = "foot"\n'), ["platform.links", "do you mean 'link'?"]),
     "joints with and without links": (
         swap('links = ["arm", "foot"]\n', ""),
         ["joint 'elbow'", "links is missing", "names the two links"],

@@ -170,7 +170,7 @@ def test_elbows_of_the_ankle_stay_apart_over_pitch_and_roll() -> None:
     ("axes", "given", "part"),
     [
         ([("crank", 0.0, 10.0)], {"follower": 0.0}, "allowed: follower"),
-        ([("folower", 0.0, 10.0)], {"folower": 0.0}, "nearest names are follower"),
+        ([("folower", 0.0, 10.0)], {"folower": 0.0}, "do you mean 'follower'?"),
         ([("crank", 0.0, 10.0)], {"crank": 0.0, "follower": 3.0}, "leave"),
     ],
 )

@@ -219,12 +219,12 @@ def test_all_actuated_joints_by_name_are_the_direct_problem_of_limbs(capsys: pyt
 
 
 def test_tables_name_joints_and_points(capsys: pytest.CaptureFixture[str]) -> None:
-    _, out, _ = run(capsys, "modes", "klann_leg", "--given", "crank=100")
-    assert "foot x" in out
-    assert "upper_pivot" in out
+    _, out, _ = run(capsys, "modes", "klann_leg", "--given", "crank=100", "--all")
+    assert "foot.x [mm]" in out
+    assert "upper_pivot [deg]" in out
     _, out, _ = run(capsys, "solve", "four_bar", "--given", "follower=20")
-    assert "x, mm" not in out
-    assert "crank" in out
+    assert "x [mm]" not in out
+    assert "crank [deg]" in out
 
 
 def test_limits_of_a_cut_joint_count(tmp_path: Path) -> None:
@@ -243,7 +243,7 @@ MISTAKES = [
     (["modes", "ankle", "--given", "ankle.1=10"], ["1 freedom", "give 1 more"]),
     (["modes", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"], ["mobility is 2", "upper_motor", "leave it out"]),
     (["solve", "ankle", "--given", "ankle.1=10,ankle.2=5,upper_motor=3"], ["mobility is 2", "upper_motor"]),
-    (["solve", "ankle", "--given", "upper_moter=10"], ["'upper_moter'", "nearest names are upper_motor"]),
+    (["solve", "ankle", "--given", "upper_moter=10"], ["'upper_moter'", "do you mean 'upper_motor'?"]),
     (["modes", "ankle", "--given", "10"], ["'10'", "NAME=VALUE"]),
     (["modes", "ankle", "--given", "ankle.1=10,5"], ["'5'", "NAME=VALUE"]),
     (["modes", "ankle", "--given", "ankle.1=ten"], ["ankle.1", "ten"]),

@@ -103,7 +103,7 @@ def test_every_format_is_written(capsys: pytest.CaptureFixture[str], language: s
 REFUSED = [
     (["jacobian", "four_bar", "--format", "numpy"], "--of NAMES --by NAMES"),
     (["jacobian", "four_bar", "--format", "numpy", "--of", "follower"], "give both"),
-    (["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"], "nearest names are follower"),
+    (["jacobian", "four_bar", "--format", "numpy", "--of", "folower", "--by", "crank"], "do you mean 'follower'?"),
     (["jacobian", "ankle", "--format", "numpy", "--of", "upper_motor", "--by", "ankle.1"], "1 freedom"),
     (["jacobian", "four_bar", "--format", "numpy", "--of", "follower", "--by", "crank", "--kind", "direct"], "no --kind"),
     (["firmware", "ankle", "-o", "fw"], "firmware takes limbs"),

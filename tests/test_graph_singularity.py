@@ -261,7 +261,7 @@ def test_json_and_text_and_picture(capsys: pytest.CaptureFixture[str], tmp_path)
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [
-        (["four_bar", "--given", "folower=3"], "nearest names are follower"),
+        (["four_bar", "--given", "folower=3"], "do you mean 'follower'?"),
         (["four_bar", "--given", "crank=10", "--output", "x"], "no platform link"),
         (["four_bar", "--given", "crank=10", "--output", "coupler"], "or joints by name"),
         (["four_bar", "--given", "crank=10", "--output", "crank"], "crank is given"),

@@ -328,7 +328,7 @@ def test_a_stop_names_block_and_loop(capsys: pytest.CaptureFixture[str]) -> None
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [
-        (["four_bar", "--given", "folower=0:60"], "nearest names are follower"),
+        (["four_bar", "--given", "folower=0:60"], "do you mean 'follower'?"),
         (["four_bar", "--given", "crank=0"], "nothing moves"),
         (["four_bar", "--given", "crank"], "has no values"),
         (["four_bar", "--given", "crank=0:1:2"], "is no path"),

@@ -67,14 +67,14 @@ def test_actuated_joints_are_those_that_are_told(four_bar: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        (["--loop", "closing_e=R"], "loop: no closure is named 'closing_e'; closing_d?; closures: closing_d"),
+        (["--loop", "closing_e=R"], "loop: no closure is named 'closing_e' (do you mean 'closing_d'?); closures: closing_d"),
         (["--loop", "a=R"], "loop: 'a' is a joint of the tree and closes no loop"),
         (["--loop", "closing_d=Q"], "allowed: S, U, R, C, P, weld"),
         (["--loop", "closing_d=S:x"], "names an axis, and S has none"),
         (["--loop", "closing_d"], "--loop: 'closing_d' is no NAME=VALUE"),
         (["--loop", "closing_d=R,closing_d=S"], "--loop: 'closing_d' is given twice"),
         (["--loop", ""], "--loop '': a name is empty"),
-        (["--actuated", "aa"], "actuated: no joint is named 'aa'; a?; joints that may be: a, c, b"),
+        (["--actuated", "aa"], "actuated: no joint is named 'aa' (do you mean 'a'?); joints that may be: a, c, b"),
         (["--actuated", "closing_d"], "actuated: 'closing_d' is of type S, which no one motor drives"),
         (["--actuated", "a,a"], "actuated: 'a' is given twice"),
         (["--arguments", "x=1"], "arguments (--arguments) has no meaning for"),
@@ -192,7 +192,9 @@ def test_mistakes_in_xacro_are_one_sentence(text: str, sentence: str, tmp_path: 
 
 def test_an_argument_that_the_file_has_not_is_refused(tmp_path: Path) -> None:
     pytest.importorskip("xacro")
-    with pytest.raises(InputError, match=r"arguments: .* has no argument 'reech'; reach\?; its arguments: name, reach"):
+    with pytest.raises(
+        InputError, match=r"arguments: .* has no argument 'reech' \(do you mean 'reach'\?\); its arguments: name, reach"
+    ):
         load(in_file(tmp_path, MACROS), ReadOptions(arguments={"name": "rod", "reech": "3"}))
 
 

@@ -325,7 +325,7 @@ def test_a_loop_that_a_plugin_makes_at_run_time_is_told(tmp_path: Path) -> None:
 GOOD = JOINT.format(pose="0 0 0 0 0 0", axis="<xyz>0 0 1</xyz>")
 BAD = {
     "two links": ("<link name='a'/>" + BODIES, "1.7", "the name 'a' is taken"),
-    "unknown link": (BODIES + GOOD.replace(">b<", ">bb<"), "1.7", "the frame 'bb' is unknown; b?"),
+    "unknown link": (BODIES + GOOD.replace(">b<", ">bb<"), "1.7", "the frame 'bb' is unknown (do you mean 'b'?)"),
     "itself": (BODIES + GOOD.replace(">b<", ">a<"), "1.7", "joins the link 'a' to itself"),
     "no axis": (BODIES + GOOD.replace("axis", "axes"), "1.7", "<axis> is missing"),
     "zero axis": (BODIES + GOOD.replace("0 0 1", "0 0 0"), "1.7", "is the zero vector"),

@@ -39,7 +39,7 @@ def test_one_of_several_models_by_name(tmp_path: Path, capsys: pytest.CaptureFix
     assert out.startswith("left")
     status, _, err = run(capsys, "show", path, "--model", "rigth")
     assert status == 2
-    assert "has no model 'rigth'; right?; its models: left, right" in err
+    assert "has no model 'rigth' (do you mean 'right'?); its models: left, right" in err
 
 
 def test_models_that_joints_of_the_world_join_are_one_robot(tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ def test_what_of_a_world_is_left_out_is_named(tmp_path: Path) -> None:
     [
         ("", None, r"line 1: <sdf>: 0 models are found; one is needed"),
         (FLOOR, None, r"<static>: the model is static"),
-        (TWO + HINGE.format(name="j", parent="left::low", child="right::lo", at="0 0 0"), None, r"line 4: .*the frame 'right::lo' is unknown; right::low\?"),
+        (TWO + HINGE.format(name="j", parent="left::low", child="right::lo", at="0 0 0"), None, r"line 4: .*the frame 'right::lo' is unknown \(do you mean 'right::low'"),
         ("<include><uri>model://none</uri></include>", None, r"line 2: <include>: the included model 'model://none' is not found"),
         ("", "m", r"has no model 'm'; its models: none"),
     ],

@@ -229,7 +229,7 @@ def test_nothing_is_printed_as_0():
     found = track(bars(100.0, 40.0, 100.0, 40.0, "spatial"), joints=[[1.0], [-1.0]], name_modes=False)
     header, *rows = str(found).splitlines()[1:4]
     assert all(len(row) == len(header) for row in rows)
-    assert rows[-1].split()[2:-1] == ["0", "0", "1.000000", "0.000000", "0.000000", "0.000000", "0"]
+    assert rows[-1].split()[2:-1] == ["0", "0", "1.00000", "0.00000", "0.00000", "0.00000", "0"]
 
 
 def test_far_starts_are_noted(capsys):

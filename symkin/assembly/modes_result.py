@@ -11,7 +11,7 @@ import numpy as np
 from symkin.computed_once import cached_property
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution, finite, heading
-from symkin.position.table import given_text, solution_columns
+from symkin.position.table import given_text, solution_table
 from symkin.result import Result, Summary
 
 Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
@@ -139,8 +139,8 @@ class Modes(Result):
 
     # --- text ------------------------------------------------------------------------------------------------------
 
-    def summary(self, most_rows: int | None = None) -> Summary:
-        """The modes as a table, and what is known of their completeness."""
+    def summary(self, most_rows: int | None = None, *, everything: bool = False) -> Summary:
+        """The modes as a table, and what is known of their completeness; with `everything` all joints and named points too."""
         mechanism = self.problem.mechanism
         title = mechanism.name + (f" ({mechanism.title})" if mechanism.title else "")
         above = [f"{title}: {self.problem.name} problem, {given_text(self.given)}"]
@@ -148,8 +148,9 @@ class Modes(Result):
         shown = self._shown(most_rows)
         if len(shown) < len(self):
             below.insert(0, self._left_out(len(shown), most_rows))
-        header, rows = solution_columns(self.problem, shown)
-        return Summary(above, header, rows, below)
+        table = solution_table(self.problem, shown, everything)
+        below = [*([table.left_out] if table.left_out else []), *below]
+        return Summary(above, table.header, table.rows, below)
 
     def _shown(self, most_rows: int | None) -> list[Solution]:
         most = _PRINTED_ROWS if most_rows is None else most_rows

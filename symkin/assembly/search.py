@@ -11,6 +11,7 @@ from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
 from symkin.position.problem import Problem
+from symkin.text import not_among
 
 MOST_STARTS = 1_000_000
 DEFAULT_SEED = 0
@@ -38,7 +39,7 @@ class Search:
         """A checked search; a solver without a method means multistart. Raises InputError."""
         chosen = method or ("continuation" if solver is None else "multistart")
         if chosen not in METHODS:
-            raise InputError(f"method = {chosen!r} is unknown; allowed: {', '.join(METHODS)}")
+            raise InputError(f"method = {not_among(chosen, METHODS)}")
         if starts is not None and not 1 <= starts <= MOST_STARTS:
             raise InputError(f"starts = {starts}; allowed: 1 to {MOST_STARTS}")
         if seed is not None and seed < 0:

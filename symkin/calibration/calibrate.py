@@ -38,6 +38,7 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.quiet import without_float_warnings
+from symkin.text import not_among
 
 __all__ = [
     "METHODS",
@@ -105,7 +106,7 @@ class _Options:
             refuse_ignored({"level": self.level}, "outliers = 'ignore' tests no reading")
         for name, allowed in (("method", METHODS), ("loss", LOSSES), ("outliers", OUTLIER_RULES)):
             if getattr(self, name) not in allowed:
-                raise InputError(f"{name} = {getattr(self, name)!r} is unknown; allowed: {', '.join(allowed)}")
+                raise InputError(f"{name} = {not_among(getattr(self, name), allowed)}")
         if not 0.0 < self.significance < 1.0:
             raise InputError(f"level = {self.level!r}: a probability between 0 and 1 is needed")
 

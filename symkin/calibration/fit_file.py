@@ -31,7 +31,7 @@ from symkin.calibration.report import FitReport
 from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
-from symkin.text import first_of, printable
+from symkin.text import first_of, meant, printable
 
 ALL_PARAMETERS = "all"
 """The pattern that stands for every parameter that moves poses."""
@@ -253,7 +253,7 @@ def _match_patterns(mechanism: Mechanism, patterns: str, read: tuple[str, ...]) 
         found = own if pattern == ALL_PARAMETERS else {name for name in known if fnmatchcase(name, pattern)}
         if not found:
             raise InputError(
-                f"parameter {pattern!r} matches nothing of {mechanism.name}; allowed: {ALL_PARAMETERS}, {_list_names(known)}, and patterns "
+                f"parameter {pattern!r} matches nothing of {mechanism.name}{meant(pattern, known)}; allowed: {ALL_PARAMETERS}, {_list_names(known)}, and patterns "
                 "such as 'leg*.base.*'"
             )
         wanted |= found

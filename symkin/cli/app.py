@@ -1,4 +1,4 @@
-"""The command line (docs/contracts.md). Exit status: 0 done, or its reader had enough; 2 bad input, 3 no real solution or not
+"""The command line (docs/reference/commands.md). Exit status: 0 done, or its reader had enough; 2 bad input, 3 no real solution or not
 converged, 130 interrupted by Ctrl-C."""
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from symkin.cli.close import close
 from symkin.cli.convert import convert
 from symkin.cli.describe import list_, show
 from symkin.cli.firmware import firmware
+from symkin.cli.help import HELP_NAMES, Group, add_command
 from symkin.cli.jacobian import jacobian
 from symkin.cli.options import Interrupted
 from symkin.cli.position import modes, solve
@@ -27,9 +28,17 @@ INTERRUPTED = 130
 """Exit status after Ctrl-C, which Typer gives too: 128 and the number of the signal."""
 
 app = typer.Typer(
+    cls=Group,
     help="Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from one description.",
-    no_args_is_help=True,
-    add_completion=False,
+    epilog="\n".join(
+        (
+            "symkin show zhao2000                    what a shipped mechanism is",
+            "symkin modes zhao2000 --plot modes.png  all its poses for its file's joints",
+            "symkin modes my_robot.toml              the same of your own file",
+            "symkin modes -h                         options and examples of one command",
+        )
+    ),
+    context_settings=HELP_NAMES,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
@@ -52,18 +61,79 @@ def options(
     """Kinematics of robots with closed loops: closure equations, every solution, Jacobians, from one description."""
 
 
-app.command(name="list")(list_)
-app.command()(show)
-app.command()(close)
-app.command()(convert)
-app.command()(modes)
-app.command()(solve)
-app.command()(singularities)
-app.command()(firmware)
-app.command()(jacobian)
-app.add_typer(calibrate, name="calibrate")
-app.command()(sweep)
-app.command()(track)
+_FILES, _POSITIONS, _VELOCITIES = "Mechanisms and files", "Positions and paths", "Velocities and singularities"
+_MACHINE = "Your machine"
+
+add_command(app, list_, "List the shipped mechanisms.", ["symkin list"], group=_FILES, name="list")
+add_command(
+    app, show, "Limbs, unknowns, rank, mobility, redundant constraints.",
+    ["symkin show zhao2000", "symkin show zhao2000 --plot sketch.png", "symkin show zhao2000 --latex"], group=_FILES,
+)  # fmt: skip
+add_command(
+    app, close, "The closed configuration nearest to a file's own.",
+    ["symkin close ankle", "symkin close ankle -o closed.toml --plot closed.png", "symkin close robot.urdf"],
+    group=_FILES,
+)  # fmt: skip
+add_command(
+    app, convert, "Write a mechanism as TOML, MJCF, URDF or SDF.",
+    ["symkin convert ankle -o ankle.xml", "symkin convert robot.urdf -o robot.toml"], group=_FILES,
+)  # fmt: skip
+add_command(
+    app, modes, "Every solution: assembly modes, working modes.",
+    [
+        "symkin modes zhao2000", "symkin modes zhao2000 --joints 80,200,330,105 --plot modes.png",
+        "symkin modes zhang2009 --pose 10,0,90 --rpy 0,5,10", "symkin modes ankle --given upper_motor=8,lower_motor=12 --json",
+    ],
+    group=_POSITIONS,
+)  # fmt: skip
+add_command(
+    app, solve, "One solution near a start.",
+    [
+        "symkin solve zhang2009", "symkin solve zhao2000 --joints theta1=80,theta2=200,theta3=330,op=105",
+        "symkin solve zhao2000 --pose 0,0,100,1,0,0,0",
+    ],
+    group=_POSITIONS,
+)  # fmt: skip
+add_command(
+    app, track, "Follow one mode along a path, up to the first stop.",
+    [
+        "symkin track zhao2000 --from 81,202,330,105 --to 85,200,330,110 -o path.csv",
+        "symkin track ankle --given upper_motor=8:20,lower_motor=12", "symkin track zhao2000 --csv path.csv",
+    ],
+    group=_POSITIONS,
+)  # fmt: skip
+add_command(
+    app, sweep, "Every solution over a grid or a random sample.",
+    [
+        "symkin sweep zhao2000 --grid theta1=70:90:5 --at 81,202,330,105 -o map",
+        "symkin sweep zhao2000 --poses --grid x=-20:20:5,y=-20:20:5 -o poses",
+    ],
+    group=_POSITIONS,
+)  # fmt: skip
+add_command(
+    app, singularities, "Kind of one configuration's singularity; loci.",
+    [
+        "symkin singularities zhao2000", "symkin singularities zhao2000 --plane x,y --starts 50 --plot loci.png",
+    ],
+    group=_VELOCITIES,
+)  # fmt: skip
+add_command(
+    app, jacobian, "A symbolic Jacobian for CasADi, C, NumPy, SymPy, LaTeX.",
+    [
+        "symkin jacobian zhao2000 --format numpy -o jacobian.py",
+        "symkin jacobian ankle --of ankle.1 --by upper_motor,lower_motor --format c",
+    ],
+    group=_VELOCITIES,
+)  # fmt: skip
+add_command(
+    app, firmware, "C99 for your controller, with tests and build files.",
+    [
+        "symkin firmware zhang2009 -o firmware --real float",
+        "symkin firmware zhao2000 -o zhao2000_c --package --linuxcnc --cpp",
+    ],
+    group=_MACHINE,
+)  # fmt: skip
+app.add_typer(calibrate, name="calibrate", rich_help_panel=_MACHINE)
 
 
 def main(arguments: list[str] | None = None) -> None:

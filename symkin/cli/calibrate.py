@@ -26,7 +26,8 @@ from symkin.cli.calibrate_options import (
     SigmaOption,
     ToleranceOption,
 )
-from symkin.cli.options import MechArgument, SeedOption
+from symkin.cli.help import HELP_NAMES, HOW, OUTPUT, Group, add_command
+from symkin.cli.options import MechArgument, SeedOption, choice
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
 from symkin.cli.reading import reads_robots
 from symkin.formats.read_options import ReadOptions
@@ -34,29 +35,50 @@ from symkin.formats.read_options import ReadOptions
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
 
-calibrate = typer.Typer(help="Identify a mechanism's geometry from measurements.", no_args_is_help=True, rich_markup_mode=None)
+calibrate = typer.Typer(
+    cls=Group,
+    help="Identify a mechanism's geometry from measurements: plan them, take or simulate them, fit.",
+    short_help="Geometry from measurements: plan, simulate, fit.",
+    context_settings=HELP_NAMES,
+    rich_markup_mode=None,
+)
 
 
-@calibrate.command()
 @reads_robots
 def fit(
     mech: MechArgument,
     read: ReadOptions,
     data: DataArgument,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder for the mechanism file and the report.")],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Folder for the mechanism file and the report.", rich_help_panel=OUTPUT
+        ),
+    ],
     parameters: PatternOption = None,
     hold: HoldOption = None,
     frames: Annotated[
         str,
-        typer.Option(metavar="least|joints:...", help="Frames that no reading tells: least change, or joints:P1,P2,P3/B1,B2."),
+        typer.Option(
+            metavar="least|joints:...",
+            help="Frames that no reading tells: least change, or joints:P1,P2,P3/B1,B2.",
+            rich_help_panel=HOW,
+        ),
     ] = "least",
-    method: Annotated[Method, typer.Option(help="Poses solved inside, or as unknowns, or by IPOPT.")] = Method.nested,
-    residual: Annotated[Residual, typer.Option(help="How groups and joint noise enter.")] = Residual.means,
-    outliers: Annotated[Outliers, typer.Option(help="What to do with readings that do not belong.")] = Outliers.remove,
+    method: Annotated[
+        Method, choice(Method, "--method", "Poses solved inside, or as unknowns, or by IPOPT.", HOW)
+    ] = Method.nested,
+    residual: Annotated[Residual, choice(Residual, "--residual", "How groups and joint noise enter.", HOW)] = Residual.means,
+    outliers: Annotated[
+        Outliers, choice(Outliers, "--outliers", "What to do with readings that do not belong.", HOW)
+    ] = Outliers.remove,
     loss: Annotated[
         Loss,
-        typer.Option(
-            help="How far readings count that are far off: in full, or less the farther (robust, with a note on figures)."
+        choice(
+            Loss,
+            "--loss",
+            "How far readings count that are far off: in full, or less the farther (robust, with a note on figures).",
+            HOW,
         ),
     ] = Loss.squared,
     sigma_joints: SigmaOption = None,
@@ -113,5 +135,15 @@ def _note_earlier(output: Path, mechanism: Mechanism) -> None:
             print(f"note: {left} is of an earlier fit, not of this one")
 
 
-calibrate.command()(simulate)
-calibrate.command()(plan)
+add_command(
+    calibrate, plan, "Choose the postures that are worth measuring.",
+    ["symkin calibrate plan zhang2009 -o plan.csv --postures 30 --groups 3"],
+)  # fmt: skip
+add_command(
+    calibrate, simulate, "Measurements as a measuring system would take them.",
+    ["symkin calibrate simulate zhang2009 -o data.csv --postures 60 --readings pose"],
+)  # fmt: skip
+add_command(
+    calibrate, fit, "Identify the geometry, and say how well.",
+    ["symkin calibrate fit zhang2009 data.csv -o fitted", "symkin calibrate fit zhang2009 data.csv -o fitted --hold-out 20%"],
+)  # fmt: skip

@@ -32,7 +32,8 @@ from symkin.cli.calibrate_options import (
     SpinOption,
     TiltOption,
 )
-from symkin.cli.options import MechArgument, SeedOption, check_output
+from symkin.cli.help import HOW, OUTPUT, POSTURES, READINGS
+from symkin.cli.options import MechArgument, SeedOption, check_output, choice
 from symkin.cli.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
@@ -64,9 +65,14 @@ def simulate(
     groups: RandomGroupsOption = None,
     readings: ReadingsOption = "",
     truth: Annotated[
-        str | None, typer.Option(metavar="TRUTH", help="Mechanism that is measured, name or file. Default: MECH itself.")
+        str | None,
+        typer.Option(
+            metavar="TRUTH", help="Mechanism that is measured, name or file. Default: MECH itself.", rich_help_panel=POSTURES
+        ),
     ] = None,
-    plan: Annotated[Path | None, typer.Option(metavar="PLAN.csv", help="Take the postures and groups of a plan.")] = None,
+    plan: Annotated[
+        Path | None, typer.Option(metavar="PLAN.csv", help="Take the postures and groups of a plan.", rich_help_panel=POSTURES)
+    ] = None,
     noise_joints: NoiseJoints = None,
     noise_group: NoiseGroup = None,
     noise_inclination: NoiseInclination = None,
@@ -75,10 +81,15 @@ def simulate(
     distance: DistanceOption = None,
     noise_distance: NoiseDistance = None,
     noise_shape: Annotated[
-        Shape, typer.Option(help="Distribution of the noise, of the standard deviations given.")
+        Shape, choice(Shape, "--noise-shape", "Distribution of the noise, of the standard deviations given.", READINGS)
     ] = Shape.normal,
-    euler: Annotated[str | None, typer.Option(metavar="ZYX", help="Write orientations as Euler angles of this sequence.")] = None,
-    hide_sequence: Annotated[bool, typer.Option("--hide-sequence", help="Leave the sequence out of the header.")] = False,
+    euler: Annotated[
+        str | None,
+        typer.Option(metavar="ZYX", help="Write orientations as Euler angles of this sequence.", rich_help_panel=OUTPUT),
+    ] = None,
+    hide_sequence: Annotated[
+        bool, typer.Option("--hide-sequence", help="Leave the sequence out of the header.", rich_help_panel=OUTPUT)
+    ] = False,
     box: BoxOption = None,
     tilt: TiltOption = None,
     spin: SpinOption = None,
@@ -149,16 +160,24 @@ def plan(
     postures: PosturesOption = 40,
     groups: GroupsOption = 5,
     criterion: Annotated[
-        CriterionName, typer.Option(help="I: pose variance over the workspace; A: parameters; D: their determinant.")
+        CriterionName,
+        choice(CriterionName, "--criterion", "I: pose variance over the workspace; A: parameters; D: their determinant.", HOW),
     ] = CriterionName.I,
     wedges: Annotated[
         str | None,
-        typer.Option(metavar="A:B,...", help="Inclinations alpha:beta that groups may have. Default: level, and +-tilt."),
+        typer.Option(
+            metavar="A:B,...",
+            help="Inclinations alpha:beta that groups may have. Default: level, and +-tilt.",
+            rich_help_panel=POSTURES,
+        ),
     ] = None,
     readings: ReadingsOption = "",
     parameters: PatternOption = None,
     raw: Annotated[
-        bool, typer.Option("--raw", help="Judge poses in their own frames, not after the best base and tool alignment.")
+        bool,
+        typer.Option(
+            "--raw", help="Judge poses in their own frames, not after the best base and tool alignment.", rich_help_panel=HOW
+        ),
     ] = False,
     noise_joints: NoiseJoints = None,
     noise_group: NoiseGroup = None,

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.pictures import NamesOption, picture_options
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
@@ -27,11 +29,16 @@ def close(
         Path | None,
         typer.Option(
             "-o",
+            "--output",
             metavar="FILE",
             help="Write the mechanism with the closed configuration as its reference (.toml), its JSON (.json), or an MJCF file with it as a keyframe (.xml).",
+            rich_help_panel=OUTPUT,
         ),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.", rich_help_panel=OUTPUT)
+    ] = None,
+    names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find the closed configuration nearest to the file's own: how far loops were open, rank, mobility. Exit status 3: none closes."""
@@ -39,17 +46,14 @@ def close(
     from symkin.position.close import close as close_one
 
     _check_output(output, mech)
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
+    options = picture_options(plot, names=names)
     found = close_one(mech, read)
     written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
         written = f"\nwritten: {output}"
     if plot is not None and found.closed:
-        found.plot(plot)
+        found.plot(plot, **options)
         written += f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + written)
     raise typer.Exit(0 if found.closed else 3)

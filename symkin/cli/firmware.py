@@ -8,7 +8,9 @@ from typing import Annotated
 
 import typer
 
-from symkin.cli.options import MechArgument, numbers_from
+from symkin.cli.help import OUTPUT
+from symkin.cli.options import MechArgument, choice
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.reading import reads_robots
 from symkin.formats.read_options import ReadOptions
 
@@ -27,33 +29,56 @@ class GeometryChoice(StrEnum):
 def firmware(
     mech: MechArgument,
     read: ReadOptions,
-    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.")],
-    real: Annotated[RealType, typer.Option(help="The C type of numbers.")] = RealType.double,
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="Folder to write.", rich_help_panel=OUTPUT)],
+    real: Annotated[RealType, choice(RealType, "--real", "The C type of numbers.", "The code")] = RealType.double,
     home_relative: Annotated[
-        bool, typer.Option("--home-relative", help="Joint values and positions as changes from home (platforms on six rods).")
+        bool,
+        typer.Option(
+            "--home-relative",
+            help="Joint values and positions as changes from home (platforms on six rods).",
+            rich_help_panel="The code",
+        ),
     ] = False,
     geometry: Annotated[
-        GeometryChoice, typer.Option(help="Numbers in the code, or a struct given with each call.")
+        GeometryChoice, choice(GeometryChoice, "--geometry", "Numbers in the code, or a struct given with each call.", "The code")
     ] = GeometryChoice.fixed,
     home: Annotated[
         str | None,
-        typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="Pose about which pivots are chosen (platforms on six rods)."),
+        typer.Option(
+            metavar="X,Y,Z,QW,QX,QY,QZ",
+            help="Pose about which pivots are chosen (platforms on six rods).",
+            rich_help_panel="The code",
+        ),
     ] = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: Annotated[
         str | None,
         typer.Option(
-            metavar="A,B,...", help="Joint coordinates of which a map is written, as many as the mobility; needs --find."
+            metavar="A,B,...",
+            help="Joint coordinates of which a map is written, as many as the mobility; needs --find.",
+            rich_help_panel="A map between joints",
         ),
     ] = None,
     find: Annotated[
-        str | None, typer.Option(metavar="C,D,...", help="Joint coordinates that the map finds, and from which it leads back.")
+        str | None,
+        typer.Option(
+            metavar="C,D,...",
+            help="Joint coordinates that the map finds, and from which it leads back.",
+            rich_help_panel="A map between joints",
+        ),
     ] = None,
     compact: Annotated[
-        bool, typer.Option("--compact", help="The least code, at some cost of instructions (not of maps).")
+        bool,
+        typer.Option("--compact", help="The least code, at some cost of instructions (not of maps).", rich_help_panel="The code"),
     ] = False,
-    package: Annotated[bool, typer.Option("--package", help="Also files for PlatformIO, Arduino and Zephyr.")] = False,
-    linuxcnc: Annotated[bool, typer.Option("--linuxcnc", help="Also a LinuxCNC kinematics component.")] = False,
-    cpp: Annotated[bool, typer.Option("--cpp", help="Also a header for C++17 and later.")] = False,
+    package: Annotated[
+        bool, typer.Option("--package", help="Also files for PlatformIO, Arduino and Zephyr.", rich_help_panel=OUTPUT)
+    ] = False,
+    linuxcnc: Annotated[
+        bool, typer.Option("--linuxcnc", help="Also a LinuxCNC kinematics component.", rich_help_panel=OUTPUT)
+    ] = False,
+    cpp: Annotated[bool, typer.Option("--cpp", help="Also a header for C++17 and later.", rich_help_panel=OUTPUT)] = False,
 ) -> None:
     """Write C99 for controllers: direct and inverse kinematics, Jacobian, test and build files.
 
@@ -63,7 +88,9 @@ def firmware(
     from symkin.formats.load import load
 
     mechanism = load(mech, read)
-    pose = numbers_from(home, "home", mechanism.angle_unit)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(home)
+    pose = reader.pose(home, "home")
     also = [name for name, wanted in (("package", package), ("linuxcnc", linuxcnc), ("cpp", cpp)) if wanted]
     files = write_firmware(
         mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose,

@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from symkin.cli.options import MechArgument, check_output
+from symkin.cli.help import ASKED, OUTPUT
+from symkin.cli.options import MechArgument, check_output, choice
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
@@ -33,18 +34,27 @@ class Kind(StrEnum):
 def jacobian(
     mech: MechArgument,
     read: ReadOptions,
-    language: Annotated[Format, typer.Option("--format", help="The language to write.")],
+    language: Annotated[Format, choice(Format, "--format", "The language to write.", ASKED)],
     kind: Annotated[
         Kind | None,
-        typer.Option(help="Twist by joint rates, joint rates by twist, pose rates, passive joint rates. Default: direct."),
+        choice(
+            Kind, "--kind", "Twist by joint rates, joint rates by twist, pose rates, passive joint rates. Default: direct.", ASKED
+        ),
     ] = None,
     of: Annotated[
-        str | None, typer.Option(metavar="NAME,...", help="Coordinates whose rates are wanted, by those of --by.")
+        str | None,
+        typer.Option(metavar="NAME,...", help="Coordinates whose rates are wanted, by those of --by.", rich_help_panel=ASKED),
     ] = None,
     by: Annotated[
-        str | None, typer.Option(metavar="NAME,...", help="Coordinates that decide the motion, as many as the mobility.")
+        str | None,
+        typer.Option(
+            metavar="NAME,...", help="Coordinates that decide the motion, as many as the mobility.", rich_help_panel=ASKED
+        ),
     ] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="FILE", help="File to write; default: stdout.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE", help="File to write; default: stdout.", rich_help_panel=OUTPUT),
+    ] = None,
 ) -> None:
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
     from symkin.codegen.jacobian_formats import jacobian_text

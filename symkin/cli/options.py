@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from symkin.cli.completion import mechanism_names
+from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
-from symkin.text import shown
+from symkin.text import not_among, shown
 
 
 def whole_number(text: str) -> int:
@@ -32,10 +35,29 @@ def whole_numbers(text: str | None, option: str) -> list[int]:
     return [number for number in numbers if number is not None]
 
 
+def choice(kind: type[StrEnum], option: str, text: str, group: str) -> Any:
+    """An option whose values are those of `kind`; others are refused with the nearest one."""
+    values = [str(value) for value in kind]
+
+    def chosen(word: str) -> StrEnum:
+        if word not in values:
+            raise InputError(f"{option} {not_among(str(word), values)}")
+        return kind(word)
+
+    def complete(incomplete: str) -> list[str]:
+        return [value for value in values if value.startswith(incomplete)]
+
+    return typer.Option(
+        option, metavar="|".join(values), parser=chosen, autocompletion=complete, help=text, rich_help_panel=group
+    )
+
+
 MechArgument = Annotated[
     str,
     typer.Argument(
-        metavar="MECH", help="A name from `symkin list`, or a path to a .toml, .xml (MJCF), .urdf, .xacro or .sdf file."
+        metavar="MECH",
+        autocompletion=mechanism_names,
+        help="A name from `symkin list`, or a path to a .toml, .xml (MJCF), .urdf, .xacro or .sdf file.",
     ),
 ]
 JointsOption = Annotated[
@@ -43,10 +65,12 @@ JointsOption = Annotated[
     typer.Option(
         metavar="V1,V2,...",
         help="All actuated joints, in file order or as NAME=VALUE,..., in the file's units: the direct problem.",
+        rich_help_panel=GIVEN,
     ),
 ]
 PoseOption = Annotated[
-    str | None, typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="The platform's or tool's pose: the inverse problem.")
+    str | None,
+    typer.Option(metavar="X,Y,Z,QW,QX,QY,QZ", help="The platform's or tool's pose: the inverse problem.", rich_help_panel=GIVEN),
 ]
 GivenOption = Annotated[
     str | None,
@@ -54,6 +78,7 @@ GivenOption = Annotated[
         metavar="NAME=VALUE,...",
         help="Any coordinates, as many as the mobility: joints, passive ones too, and x, y, z, azimuth, tilt, torsion of the "
         "platform, or pose=X,Y,Z,QW,QX,QY,QZ.",
+        rich_help_panel=GIVEN,
     ),
 ]
 StartOption = Annotated[
@@ -61,13 +86,21 @@ StartOption = Annotated[
     typer.Option(
         metavar="V1,V2,...",
         help="A pose for the direct problem, all actuated joints for the inverse one; NAME=VALUE,... with --given and for graphs.",
+        rich_help_panel=HOW,
     ),
 ]
-SeedOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Seed of random numbers.")]
+SeedOption = Annotated[int, typer.Option(metavar="N", parser=whole_number, help="Seed of random numbers.", rich_help_panel=HOW)]
 SearchSeedOption = Annotated[
-    int | None, typer.Option(metavar="N", parser=whole_number, help="Seed of the random starts. Default: 0.")
+    int | None, typer.Option(metavar="N", parser=whole_number, help="Seed of the random starts. Default: 0.", rich_help_panel=HOW)
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.")]
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Write one JSON object to stdout and nothing else.", rich_help_panel=OUTPUT)
+]
+
+
+AllOption = Annotated[
+    bool, typer.Option("--all", help="Passive joints and named points in the table too.", rich_help_panel=OUTPUT)
+]
 
 
 class Interrupted(Exception):  # noqa: N818 - no error: the user's wish

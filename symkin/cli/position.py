@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symkin.cli.help import HOW, OUTPUT
 from symkin.cli.options import (
+    AllOption,
     GivenOption,
     JointsOption,
     JsonOption,
@@ -16,17 +18,20 @@ from symkin.cli.options import (
     PoseOption,
     SearchSeedOption,
     StartOption,
+    choice,
     joints_from,
-    named_from,
-    numbers_from,
     print_result,
-    start_from,
     whole_number,
     whole_numbers,
 )
+from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.formats.read_options import ReadOptions
+
+if TYPE_CHECKING:
+    from symkin.assembly.modes_result import Modes
 
 
 class Method(StrEnum):
@@ -46,51 +51,88 @@ def modes(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     method: Annotated[
         Method | None,
-        typer.Option(
-            help="Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
-            "continuation."
+        choice(
+            Method,
+            "--method",
+            "Track all complex solutions, or keep what random starts reach. Default: formulas of arms that have some, else "
+            "continuation.",
+            HOW,
         ),
     ] = None,
     starts: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=whole_number, help="Random starts of multistart, or of what is sampled. Default: 2000."),
+        typer.Option(
+            metavar="N",
+            parser=whole_number,
+            help="Random starts of multistart, or of what is sampled. Default: 2000.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
     seed: SearchSeedOption = None,
     choose: Annotated[
         str | None,
-        typer.Option(metavar="K1,K2,...", help="Of given values: one solution of each of the first blocks, by number from 0."),
+        typer.Option(
+            metavar="K1,K2,...",
+            help="Of given values: one solution of each of the first blocks, by number from 0.",
+            rich_help_panel=HOW,
+        ),
     ] = None,
+    everything: AllOption = False,
     as_json: JsonOption = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT)
+    ] = None,
+    shown: Annotated[
+        str | None,
+        typer.Option(
+            "--modes",
+            metavar="K1-K2,...",
+            help="Modes in the picture, such as 1-16 or 1,3, or all. Default: 12 of them.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+    names: NamesOption = None,
+    views: ViewsOption = None,
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.assembly.modes import modes as find_modes
     from symkin.formats.load import load
 
     mechanism = load(mech, read)
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
+    options = picture_options(plot, mechanism, names=names, views=views, modes=shown)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given)
     with progress_bar("solutions") as progress:
         found = find_modes(
             mechanism,
             joints=joints_from(joints, "joints", mechanism.angle_unit),
-            pose=numbers_from(pose, "pose", mechanism.angle_unit),
-            given=named_from(given, "given", mechanism.angle_unit),
+            pose=reader.pose(pose, "pose"),
+            given=reader.given(given),
             choose=whole_numbers(choose, "choose"),
             method=None if method is None else method.value,
             starts=starts,
             seed=seed,
             progress=progress,
         )
-    if plot is not None:
-        found.plot(plot)
-    print_result(as_json, found.to_dict, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
+    drawn = _drawn(found, plot, options)
+    print_result(as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn)
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
+
+
+def _drawn(found: Modes, plot: Path | None, options: dict[str, Any]) -> str:
+    """Draw the modes; the line that names the picture and what it leaves out."""
+    if plot is None:
+        return ""
+    from symkin.plots.modes_plot import left_out, shown_numbers
+
+    found.plot(plot, **options)
+    missing = left_out(found, shown_numbers(found, options.get("modes")))
+    return f"\npicture: {plot}" + (f" ({missing})" if missing else "")
 
 
 @reads_robots
@@ -99,9 +141,14 @@ def solve(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     start: StartOption = None,
-    solver: Annotated[SolverName, typer.Option(help="CasADi's rootfinder, or IPOPT on the squared closure.")] = SolverName.newton,
+    solver: Annotated[
+        SolverName, choice(SolverName, "--solver", "CasADi's rootfinder, or IPOPT on the squared closure.", HOW)
+    ] = SolverName.newton,
+    everything: AllOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Find one solution near a start."""
@@ -109,10 +156,11 @@ def solve(
     from symkin.position.solve import solve as solve_one
 
     mechanism = load(mech, read)
-    unit = mechanism.angle_unit
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given, start)
     result = solve_one(
-        mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit),
-        given=named_from(given, "given", unit), start=start_from(start, unit), solver=solver.value, check=False,
+        mechanism, joints=joints_from(joints, "joints", mechanism.angle_unit), pose=reader.pose(pose, "pose"),
+        given=reader.given(given), start=reader.start(start, is_pose=pose is None), solver=solver.value, check=False,
     )  # fmt: skip
-    print_result(as_json, result.to_dict, lambda: str(result))
+    print_result(as_json, result.to_dict, lambda: result.summary(everything=everything).text())
     raise typer.Exit(0 if result.solution is not None else 3)

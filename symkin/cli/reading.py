@@ -9,6 +9,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
+from symkin.cli.help import ROBOT_FILES
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
@@ -17,21 +18,26 @@ LoopOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME=KIND,...",
-        help="Robot files: the kind of a closure, R, S, C, P, U or weld, about the z axis of its frames; R:x names another axis.",
+        help="The kind of a closure, R, S, C, P, U or weld, about the z axis of its frames; R:x names another axis.",
+        rich_help_panel=ROBOT_FILES,
     ),
 ]
 ActuatedOption = Annotated[
     list[str] | None,
-    typer.Option(metavar="NAME,...", help="Robot files: the joints that motors drive, in place of what the file tells."),
+    typer.Option(
+        metavar="NAME,...", help="The joints that motors drive, in place of what the file tells.", rich_help_panel=ROBOT_FILES
+    ),
 ]
 ArgumentsOption = Annotated[
-    list[str] | None, typer.Option(metavar="NAME=VALUE,...", help="Robot files: arguments of a file in xacro.")
+    list[str] | None, typer.Option(metavar="NAME=VALUE,...", help="Arguments of a file in xacro.", rich_help_panel=ROBOT_FILES)
 ]
 PackagesOption = Annotated[
     list[Path] | None,
-    typer.Option(metavar="FOLDER", help="Robot files: a package, or a folder of packages; may be given several times."),
+    typer.Option(
+        metavar="FOLDER", help="A package, or a folder of packages; may be given several times.", rich_help_panel=ROBOT_FILES
+    ),
 ]
-ModelOption = Annotated[str | None, typer.Option(metavar="NAME", help="Robot files: which model of an SDF file.")]
+ModelOption = Annotated[str | None, typer.Option(metavar="NAME", help="Which model of an SDF file.", rich_help_panel=ROBOT_FILES)]
 _OPTIONS: dict[str, Any] = {
     "loop": LoopOption,
     "actuated": ActuatedOption,

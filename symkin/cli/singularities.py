@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from symkin.cli.help import ASKED, HOW, OUTPUT
 from symkin.cli.options import (
     GivenOption,
     JointsOption,
@@ -17,12 +18,12 @@ from symkin.cli.options import (
     SearchSeedOption,
     StartOption,
     joints_from,
-    named_from,
     numbers_from,
     print_result,
-    start_from,
     whole_number,
 )
+from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.cli.streams import say
@@ -39,6 +40,8 @@ def singularities(
     read: ReadOptions,
     joints: JointsOption = None,
     pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     start: StartOption = None,
     plane: Annotated[
@@ -47,15 +50,24 @@ def singularities(
             metavar="U,V",
             help="Loci over two pose coordinates (x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the "
             "configuration's orientation), two actuated joints, or two coordinates of --given (one: points), others held.",
+            rich_help_panel=ASKED,
         ),
     ] = None,
     window: Annotated[
         str | None,
-        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units."),
+        typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units.", rich_help_panel=ASKED),
     ] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.")] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the configuration, or the loci of --plane, into a file.", rich_help_panel=OUTPUT
+        ),
+    ] = None,
+    names: NamesOption = None,
+    views: ViewsOption = None,
     starts: Annotated[
-        int | None, typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.")
+        int | None,
+        typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.", rich_help_panel=HOW),
     ] = None,
     seed: SearchSeedOption = None,
     output: Annotated[
@@ -64,11 +76,16 @@ def singularities(
             metavar="NAME,...",
             help="What type 1 and 2 are about, of x, y, z, rx, ry, rz (velocities, base frame) or joints, in place of position and "
             "orientation together.",
+            rich_help_panel=ASKED,
         ),
     ] = None,
     point: Annotated[
         str | None,
-        typer.Option(metavar="X,Y,Z", help="The output's point in the platform's frame; without --output x,y,z of it."),
+        typer.Option(
+            metavar="X,Y,Z",
+            help="The output's point in the platform's frame; without --output x,y,z of it.",
+            rich_help_panel=ASKED,
+        ),
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -77,23 +94,26 @@ def singularities(
     from symkin.singularities.configuration import configuration
 
     if plane is None:
-        loci_only = {"--range": window, "--plot": plot, "--starts": starts, "--seed": seed}
+        loci_only = {"--range": window, "--starts": starts, "--seed": seed}
         refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
     if plane is not None and (output is not None or point is not None):
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
     mechanism = load(mech, read)
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
+    if plane is not None and (names is not None or views is not None):
+        raise InputError(
+            "--names and --views belong to the picture of one configuration, not to that of --plane, which shows curves"
+        )
+    options = picture_options(plot, mechanism, names=names, views=views)
     unit = mechanism.angle_unit
     sides = _window(window, unit)
-    values = named_from(given, "given", unit)
-    names = None if output is None else [name.strip() for name in output.split(",")]
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose, given, start)
+    values = reader.given(given)
+    outputs = None if output is None else [name.strip() for name in output.split(",")]
     try:
         solution = configuration(
-            mechanism, joints=joints_from(joints, "joints", unit), pose=numbers_from(pose, "pose", unit), given=values,
-            start=start_from(start, unit),
+            mechanism, joints=joints_from(joints, "joints", unit), pose=reader.pose(pose, "pose"), given=values,
+            start=reader.start(start, is_pose=pose is None),
         )  # fmt: skip
     except SolveError as error:
         if as_json and error.result is not None:
@@ -104,8 +124,10 @@ def singularities(
         from symkin.singularities.classification import singularity
 
         driven = None if values is None else list(values)
-        found = singularity(solution, given=driven, output=names, point=numbers_from(point, "point", unit))
-        print_result(as_json, found.to_dict, lambda: str(found))
+        found = singularity(solution, given=driven, output=outputs, point=numbers_from(point, "point", unit))
+        if plot is not None:
+            found.plot(plot, **options)
+        print_result(as_json, found.to_dict, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
         return
     from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 

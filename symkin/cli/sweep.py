@@ -11,16 +11,19 @@ from typing import Annotated, Any
 
 import typer
 
+from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.cli.options import (
     Interrupted,
     JsonOption,
     MechArgument,
     SearchSeedOption,
     check_output,
+    choice,
     joints_from,
     print_result,
     whole_number,
 )
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
@@ -33,8 +36,8 @@ class Quantity(StrEnum):
     reach = "reach"
 
 
-def _count(name: str, text: str) -> Any:
-    return typer.Option(name, metavar="N", parser=whole_number, help=text)
+def _count(name: str, text: str, group: str = HOW) -> Any:
+    return typer.Option(name, metavar="N", parser=whole_number, help=text, rich_help_panel=group)
 
 
 @reads_robots
@@ -42,13 +45,17 @@ def sweep(
     mech: MechArgument,
     read: ReadOptions,
     output: Annotated[
-        Path, typer.Option("-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.")
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Folder of the arrays (Zarr); a begun sweep goes on.", rich_help_panel=OUTPUT
+        ),
     ],
     grid: Annotated[
         str | None,
         typer.Option(
             metavar="NAME=LOW:HIGH:COUNT,...",
             help="What is swept of the actuated joints, or of poses; NAME=LOW:HIGH with --random, NAME=VALUE for one value.",
+            rich_help_panel=GIVEN,
         ),
     ] = None,
     given: Annotated[
@@ -56,6 +63,7 @@ def sweep(
         typer.Option(
             metavar="NAME=LOW:HIGH:COUNT,NAME=VALUE,...",
             help="In place of --grid: any coordinates, as many as the mobility, swept or held; as --given of modes.",
+            rich_help_panel=GIVEN,
         ),
     ] = None,
     poses: Annotated[
@@ -63,33 +71,54 @@ def sweep(
         typer.Option(
             "--poses",
             help="Sweep x, y, z, gamma from the reference, or the rotation vector rx, ry, rz before the orientation of --at; those of the motion.",
+            rich_help_panel=GIVEN,
         ),
     ] = False,
     at: Annotated[
-        str | None, typer.Option(metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.")
+        str | None,
+        typer.Option(
+            metavar="V1,V2,...", help="What is not swept: all actuated joints, or a pose with --poses.", rich_help_panel=GIVEN
+        ),
     ] = None,
-    random: Annotated[int | None, _count("--random", "Random points in place of a grid.")] = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
+    random: Annotated[int | None, _count("--random", "Random points in place of a grid.", GIVEN)] = None,
     seed: SearchSeedOption = None,
-    quantity: Annotated[Quantity, typer.Option(help="What is stored.")] = Quantity.modes,
-    certify: Annotated[bool, typer.Option("--certify", help="Prove every mode; takes many times as long.")] = False,
+    quantity: Annotated[Quantity, choice(Quantity, "--quantity", "What is stored.", OUTPUT)] = Quantity.modes,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Prove every mode; takes many times as long.", rich_help_panel=HOW)
+    ] = False,
     starts: Annotated[int | None, _count("--starts", "Random starts where paths do not decide. Default: 2000.")] = None,
     workers: Annotated[int | None, _count("--workers", "Local processes; 0: this one. Default: one a processor.")] = None,
     dask: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler that computes in place of local processes.")
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Dask scheduler that computes in place of local processes.", rich_help_panel=HOW),
     ] = None,
     chunk: Annotated[int | None, _count("--chunk", "Points that are computed and written at a time.")] = None,
     as_json: JsonOption = False,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw a map of the result into a file.")] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw a map of the result into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     of: Annotated[
         str | None,
-        typer.Option(metavar="NAME,...", help="What is drawn in place of the map: the paths of named points, or joints."),
+        typer.Option(
+            metavar="NAME,...",
+            help="What is drawn in place of the map: the paths of named points, or joints.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
     table: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE.csv", help="Write the result as a table too, a row a mode.")
+        Path | None,
+        typer.Option("--csv", metavar="FILE.csv", help="Write the result as a table too, a row a mode.", rich_help_panel=OUTPUT),
     ] = None,
     slices: Annotated[
         str | None,
-        typer.Option("--slice", metavar="NAME=VALUE,...", help="Where the map cuts a grid of more than two dimensions."),
+        typer.Option(
+            "--slice",
+            metavar="NAME=VALUE,...",
+            help="Where the map cuts a grid of more than two dimensions.",
+            rich_help_panel=OUTPUT,
+        ),
     ] = None,
 ) -> None:
     """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
@@ -114,9 +143,12 @@ def sweep(
     if drawn:
         check_drawable(mechanism, quantity.value, list(values), drawn)
     check_output(table)
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(at if poses else None)
+    held = reader.pose(at, "at") if poses else joints_from(at, "at", unit)
     with _kept_when_interrupted(output), _progress() as progress:
         swept = run(
-            mechanism, ranges, output, given=told, poses=poses, at=joints_from(at, "at", unit), random=random, seed=seed,
+            mechanism, ranges, output, given=told, poses=poses, at=held, random=random, seed=seed,
             quantity=quantity.value, certify=certify, starts=starts, chunk=chunk, workers=workers, dask=dask, progress=progress,
         )  # fmt: skip
     lines = [str(swept)]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from symkin.cli.help import GIVEN, HOW, OUTPUT
 from symkin.cli.options import (
     JsonOption,
     MechArgument,
@@ -15,9 +16,9 @@ from symkin.cli.options import (
     joints_from,
     numbers_from,
     print_result,
-    start_from,
     whole_number,
 )
+from symkin.cli.poses import EulerOption, PoseReader
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
@@ -25,7 +26,7 @@ from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
 
 if TYPE_CHECKING:
-    from symkin.model.mechanism import Mechanism
+    pass
 
 
 @reads_robots
@@ -35,13 +36,22 @@ def track(
     begin: Annotated[
         str | None,
         typer.Option(
-            "--from", metavar="V1,V2,...", help="All actuated joints at the beginning, or NAME=VALUE,... of any coordinates."
+            "--from",
+            metavar="V1,V2,...",
+            help="All actuated joints at the beginning, or NAME=VALUE,... of any coordinates.",
+            rich_help_panel=GIVEN,
         ),
     ] = None,
-    end: Annotated[str | None, typer.Option("--to", metavar="V1,V2,...", help="The same at the end.")] = None,
-    poses: Annotated[bool, typer.Option("--poses", help="--from, --to or the CSV file are poses: the inverse problem.")] = False,
+    end: Annotated[
+        str | None, typer.Option("--to", metavar="V1,V2,...", help="The same at the end.", rich_help_panel=GIVEN)
+    ] = None,
+    poses: Annotated[
+        bool, typer.Option("--poses", help="--from, --to or the CSV file are poses: the inverse problem.", rich_help_panel=GIVEN)
+    ] = False,
+    euler: EulerOption = None,
     csv: Annotated[
-        Path | None, typer.Option("--csv", metavar="FILE.csv", help="A trajectory, in place of --from and --to.")
+        Path | None,
+        typer.Option("--csv", metavar="FILE.csv", help="A trajectory, in place of --from and --to.", rich_help_panel=GIVEN),
     ] = None,
     given: Annotated[
         str | None,
@@ -49,15 +59,26 @@ def track(
             metavar="NAME=FROM:TO,...",
             help="A path of any coordinates, as many as the mobility, in place of --from and --to; NAME=VALUE stands, NAME alone is a "
             "column of --csv.",
+            rich_help_panel=GIVEN,
         ),
     ] = None,
     start: StartOption = None,
     samples: Annotated[
-        int | None, typer.Option(metavar="N", parser=whole_number, help="Samples on the path; default 101, or those of the file.")
+        int | None,
+        typer.Option(
+            metavar="N", parser=whole_number, help="Samples on the path; default 101, or those of the file.", rich_help_panel=HOW
+        ),
     ] = None,
-    ignore_limits: Annotated[bool, typer.Option("--ignore-limits", help="Go on beyond joint limits.")] = False,
-    output: Annotated[Path | None, typer.Option("-o", metavar="FILE.csv", help="Write the configurations into a file.")] = None,
-    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.")] = None,
+    ignore_limits: Annotated[
+        bool, typer.Option("--ignore-limits", help="Go on beyond joint limits.", rich_help_panel=HOW)
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="FILE.csv", help="Write the configurations into a file.", rich_help_panel=OUTPUT),
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.", rich_help_panel=OUTPUT)
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the first singularity or limit."""
@@ -71,6 +92,8 @@ def track(
         from symkin.plots.picture_file import check_picture_path
 
         check_picture_path(plot)
+    reader = PoseReader(mechanism, euler=euler)
+    reader.check_used(start, *((begin, end) if poses else ()))
     if given is not None and poses:
         raise InputError("both --given and --poses are given; --given names the coordinates of the path")
     if csv is not None:
@@ -78,9 +101,9 @@ def track(
             raise InputError("both --csv and --from or --to are given; give one of them")
         path = read_trajectory(mechanism, csv, poses=poses, given=_columns(given, mechanism.angle_unit))
     else:
-        path = _straight(begin, end, poses, mechanism) if given is None else _named(given, begin, end, mechanism.angle_unit)
+        path = _straight(begin, end, poses, reader) if given is None else _named(given, begin, end, mechanism.angle_unit)
         samples = 101 if samples is None else samples
-    begun = start_from(start, mechanism.angle_unit)
+    begun = reader.start(start, is_pose=not poses)
     with progress_bar("samples") as progress:
         found = follow_mode(mechanism, **path, start=begun, samples=samples, limits=not ignore_limits, progress=progress)
     if output is not None:
@@ -93,20 +116,22 @@ def track(
     raise typer.Exit(0 if found.reached else 3)
 
 
-def _straight(begin: str | None, end: str | None, poses: bool, mechanism: Mechanism) -> dict[str, Any]:
+def _straight(begin: str | None, end: str | None, poses: bool, reader: PoseReader) -> dict[str, Any]:
     """The path of --from and --to: joints, poses, or values by name that are not those of all actuated joints."""
     if begin is None or end is None:
         missing = "--from" if begin is None else "--to"
         raise InputError(f"{missing} is missing; a path is --from and --to, --given NAME=FROM:TO,..., or --csv FILE")
-    unit = mechanism.angle_unit
+    if poses:
+        return {"poses": [reader.pose(begin, "from"), reader.pose(end, "to")]}
+    mechanism, unit = reader.mechanism, reader.mechanism.angle_unit
     ends = [joints_from(begin, "from", unit), joints_from(end, "to", unit)]
     named = [e for e in ends if isinstance(e, dict)]
-    if len(named) == 2 and not poses and {*named[0], *named[1]} != {c.name for c in mechanism.actuated}:
+    if len(named) == 2 and {*named[0], *named[1]} != {c.name for c in mechanism.actuated}:
         lone = sorted(set(named[0]) ^ set(named[1]))
         if lone:
             raise InputError(f"--from and --to: {lone[0]} stands in one of them only; both name the same coordinates")
         return {"given": {name: [named[0][name], named[1][name]] for name in named[0]}}
-    return {"poses" if poses else "joints": ends}
+    return {"joints": ends}
 
 
 def _named(given: str, begin: str | None, end: str | None, unit: str) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from symkin.codegen.jacobian_latex import latex_source
 from symkin.codegen.jacobian_python import numpy_source, sympy_source
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
+from symkin.text import not_among
 from symkin.velocity.jacobian import AnyJacobian
 
 
@@ -37,7 +38,7 @@ FORMATS: dict[str, Callable[[AnyJacobian], str]] = {
 def jacobian_text(jacobian: AnyJacobian, language: str) -> str:
     """The Jacobian in a format of FORMATS; the same bytes for the same model. InputError for an unknown format."""
     if language not in FORMATS:
-        raise InputError(f"format = {language!r} is unknown; allowed: {', '.join(FORMATS)}")
+        raise InputError(f"format = {not_among(language, FORMATS)}")
     return FORMATS[language](jacobian)
 
 

@@ -27,6 +27,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.position.given import Joints, given_from
 from symkin.position.given_by_name import Values, given_by_name, plain_kind
 from symkin.result import Result, Summary
+from symkin.text import meant
 
 _MOST_POINTS = 10_000
 """Grid points at most."""
@@ -226,7 +227,9 @@ def _checked(
         raise InputError(f"axes: {len(chosen)} given; one or two different known coordinates are needed, each with a range")
     for axis in chosen:
         if axis.name not in names:
-            raise InputError(f"axes: {axis.name!r} is no known coordinate of {mechanism.name}; allowed: {', '.join(names)}")
+            raise InputError(
+                f"axes: {axis.name!r} is no known coordinate of {mechanism.name}{meant(axis.name, names)}; allowed: {', '.join(names)}"
+            )
         if not (np.isfinite([axis.low, axis.high]).all() and axis.low < axis.high):
             raise InputError(f"axes: the range {axis.low} to {axis.high} of {axis.name} is none; low below high is needed")
     if n < 2 or n * n > _MOST_POINTS:

@@ -179,16 +179,16 @@ class Track(Result):
     def _row(self, sample: Sample, cells: list[str]) -> list[str]:
         size, sigma = self.trajectory.mechanism.characteristic_length, sample.smallest_singular_value
         return [
-            f"{sample.parameter:.6f}",
+            f"{sample.parameter:.4g}",
             *cells,
-            f"{plain(sigma, 1.0):.2e}" if sigma >= NOTHING else "0",
+            f"{plain(sigma, 1.0):.3g}" if sigma >= NOTHING else "0",
             f"{sample.residual:.1e}" if sample.residual >= 1e-8 * NOTHING * size else "0",
         ]
 
 
 def _pose_cells(sample: Sample, size: float) -> list[str]:
     cells = [f"{plain(float(v), size):.6g}" for v in np.asarray(sample.pose.position)]
-    return [*cells, *(f"{plain(float(v), 1.0, 5e-7):.6f}" for v in np.asarray(sample.pose.quaternion))]
+    return [*cells, *(f"{plain(float(v), 1.0, 5e-6):.5f}" for v in np.asarray(sample.pose.quaternion))]
 
 
 def _told(row: Any) -> Any:

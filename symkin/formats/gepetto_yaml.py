@@ -13,7 +13,7 @@ from symkin.errors import InputError, MechanismError
 from symkin.formats.joint_graph import Direction
 from symkin.formats.xml_text import LARGEST_FILE
 from symkin.model.joint import JointType
-from symkin.text import first_of, shown
+from symkin.text import first_of, not_among, shown
 
 _CLOSURES: dict[str, JointType] = {"3d": "S", "6d": "weld"}
 YAML_ENDINGS = (".yaml", ".yml")
@@ -66,7 +66,7 @@ def _loops(file: Path, data: Mapping[str, Any]) -> LoopsBeside:
         raise MechanismError(f"type has {len(kinds)} entries and closed_loop {len(pairs)}; one for each loop is needed")
     unknown = next((kind for kind in kinds if kind.lower() not in _CLOSURES), None)
     if unknown is not None:
-        raise MechanismError(f"type: {shown(unknown)} is unknown; allowed: {', '.join(_CLOSURES)}")
+        raise MechanismError(f"type: {not_among(unknown, _CLOSURES)}")
     closures = tuple((_CLOSURES[kind.lower()], first, second) for kind, (first, second) in zip(kinds, pairs, strict=True))
     other = [str(key) for key in data if key not in _KEYS]
     notes = (f"{file.name}: left out, of no meaning here: {first_of(other)}",) if other else ()

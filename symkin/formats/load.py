@@ -13,7 +13,7 @@ from symkin.formats.robot import Robot
 from symkin.model.file import read as read_file
 from symkin.model.file import shipped, shipped_names
 from symkin.model.mechanism import Mechanism
-from symkin.text import shown
+from symkin.text import meant, shown
 
 
 def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
@@ -33,14 +33,35 @@ def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
     if text in shipped_names():
         _refuse_for_files_of_ours(read, text)
         return shipped(text)
-    if path.suffix == ".toml":
+    if path.suffix.lower() == ".toml":
         _refuse_for_files_of_ours(read, text)
         return read_file(path)
     if is_robot(path):
         with _naming(path):
             return mechanism_of(read_robot(path, read))
-    raise InputError(
-        f"mechanism {shown(text)} is unknown; allowed: a path to a .toml, {', '.join(_READERS)} file, or {', '.join(shipped_names())}"
+    raise InputError(_no_mechanism(text, path))
+
+
+def _no_mechanism(text: str, path: Path) -> str:
+    """Why a text is neither the name of a shipped mechanism nor the path of a file that is read."""
+    suffixes = ", ".join((".toml", *_READERS))
+    if not text.strip():
+        return "the mechanism is an empty text; a name from `symkin list` or the path of a file is needed"
+    if path.is_dir():
+        return f"{path}: is a folder; the path of a file in it is needed ({suffixes})"
+    if path.suffix.lower() in _OTHER_SUFFIXES and path.exists():
+        return f"{path}: {_OTHER_SUFFIXES[path.suffix.lower()]}; allowed: {suffixes}"
+    if path.exists():
+        ending = f"the suffix {path.suffix!r}" if path.suffix else "no suffix"
+        return f"{path}: the file has {ending}, which tells no format of a mechanism; allowed: {suffixes}"
+    beside = [name for name in (f"{text}{suffix}" for suffix in (".toml", *_READERS)) if Path(name).exists()]
+    if beside:
+        return f"mechanism {shown(text)} is unknown; the file is named {beside[0]}"
+    if path.suffix or len(path.parts) > 1:
+        return f"{path}: there is no such file; allowed: a name from `symkin list`, or a path to a file ({suffixes})"
+    names = shipped_names()
+    return (
+        f"mechanism {shown(text)} is unknown{meant(text, names)}; allowed: {', '.join(names)}, or a path to a file ({suffixes})"
     )
 
 
@@ -89,6 +110,18 @@ def _sdf(path: Path, read: ReadOptions) -> Robot:
     return read_sdf(path, read)
 
 
+_YAML = "a YAML file tells the loops of a URDF file beside it, and that file is the one to name"
+_OTHER_SUFFIXES = {
+    ".yaml": _YAML,
+    ".yml": _YAML,
+    ".json": "a JSON file holds results, which are not read as mechanisms",
+    ".csv": "a CSV file holds measurements or a trajectory; the mechanism is another file",
+    ".world": "a world of Gazebo is SDF; give it the suffix .sdf",
+    ".mjcf": "an MJCF file is read with the suffix .xml",
+    ".step": "a STEP file has no joints; describe them in a .toml",
+    ".stl": "an STL file has no joints; describe them in a .toml",
+}
+"""By suffix: what files are that are no mechanisms."""
 _URDF = (_urdf, ("loop", "actuated", "arguments", "packages"), "a URDF file describes one robot")
 _READERS: dict[str, tuple[Callable[[Path, ReadOptions], Robot], tuple[str, ...], str]] = {
     ".xml": (_mjcf, ("loop", "actuated"), "an MJCF file names its parts by paths, and describes one model without macros"),

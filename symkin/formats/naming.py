@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from difflib import get_close_matches
 from pathlib import Path
 
 from symkin.model.names import LONGEST_NAME, identifier, is_device, name_fault
@@ -54,13 +53,3 @@ def _unused(name: str, used: Collection[str]) -> str:
     while text in used:
         text, number = f"{name}_{number}", number + 1
     return text
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """What is added to a sentence about an unknown name: the known one that is most like it; nothing where none is.
-
-    >>> nearest("kne", ["hip", "knee"])
-    '; knee?'
-    """
-    found = get_close_matches(name, list(known), 1)
-    return f"; {found[0]}?" if found else ""

@@ -9,10 +9,9 @@ from typing import get_args
 
 from symkin.errors import InputError
 from symkin.formats.joint_graph import frame_along
-from symkin.formats.naming import nearest
 from symkin.formats.robot import Closure, ClosureType, Robot
 from symkin.model.graph import LinkJoint
-from symkin.text import first_of, shown
+from symkin.text import first_of, meant, shown
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _KINDS = {kind.lower(): kind for kind in get_args(ClosureType) if kind != "H"}
@@ -101,7 +100,7 @@ def _with_kinds(robot: Robot, told: Mapping[str, str]) -> Robot:
         if any(entry.joint.name == name for entry in robot.joints):
             raise InputError(f"loop: {name!r} is a joint of the tree and closes no loop; closures: {first_of(names) or 'none'}")
         raise InputError(
-            f"loop: no closure is named {shown(name)}{nearest(name, names)}; closures: {first_of(names, 20) or 'none'}"
+            f"loop: no closure is named {shown(name)}{meant(name, names)}; closures: {first_of(names, 20) or 'none'}"
         )
     closures = [_of_kind(c, *_closure_kind(c.name, told[c.name])) if c.name in told else c for c in robot.closures]
     notes = [f"the closure {c.name!r} is of type {c.type}, as told" for c in closures if c.name in told]
@@ -121,7 +120,7 @@ def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:
     for name in names:
         if name not in kinds:
             raise InputError(
-                f"actuated: no joint is named {shown(name)}{nearest(name, able)}; joints that may be: {first_of(able, 20)}"
+                f"actuated: no joint is named {shown(name)}{meant(name, able)}; joints that may be: {first_of(able, 20)}"
             )
         if name not in able:
             raise InputError(

@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from symkin.errors import InputError
-from symkin.formats.naming import nearest
 from symkin.formats.packages import Packages
 from symkin.formats.xml_text import Element, read_xml
 from symkin.spatial.pose import Pose
+from symkin.text import meant
 
 Version = tuple[int, int]
 OLDEST, NEWEST = (1, 4), (1, 12)
@@ -125,7 +125,7 @@ class SdfFrames:
         known = self._full(scope.prefix + name)
         if known not in self.frames:
             own = [key[len(scope.prefix) :] for key in self.frames if key.startswith(scope.prefix)]
-            raise element.error(f"the frame {name!r} is unknown{nearest(name, own)}")
+            raise element.error(f"the frame {name!r} is unknown{meant(name, own)}")
         return known
 
     def relative(self, element: Element, scope: Scope, default: str) -> tuple[Pose, str]:

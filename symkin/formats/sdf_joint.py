@@ -12,6 +12,7 @@ from symkin.formats.urdf_parts import unit
 from symkin.formats.xml_text import Element
 from symkin.model.joint import JointType
 from symkin.spatial.pose import Pose
+from symkin.text import not_among
 
 TYPES: dict[str, JointType] = {
     "revolute": "R",
@@ -33,7 +34,7 @@ def sdf_type(element: Element, allowed: Collection[str] = tuple(TYPES)) -> Joint
     """The joint's type. Raises MechanismError for one that is not among the allowed."""
     word = element.attribute("type")
     if word not in allowed:
-        raise element.error(f"type = {word!r} is unknown; allowed: {', '.join(allowed)}")
+        raise element.error(f"type = {not_among(word, allowed)}")
     return TYPES[word]
 
 

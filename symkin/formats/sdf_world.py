@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from symkin.errors import InputError
-from symkin.formats.naming import nearest
 from symkin.formats.xml_text import Element
-from symkin.text import first_of, shown
+from symkin.text import first_of, meant, shown
 
 
 def robot_model(root: Element, named: str | None, notes: list[str]) -> Element:
@@ -23,7 +22,7 @@ def robot_model(root: Element, named: str | None, notes: list[str]) -> Element:
         if chosen is None:
             names = [_name(e) for e in candidates]
             raise InputError(
-                f"model: {root.file} has no model {shown(named)}{nearest(named, names)}; its models: {first_of(names, 20) or 'none'}"
+                f"model: {root.file} has no model {shown(named)}{meant(named, names)}; its models: {first_of(names, 20) or 'none'}"
             )
         return _alone(chosen, worlds, notes)
     joined = next((world for world in worlds if world.all("joint")), None)

@@ -11,7 +11,7 @@ from symkin.formats.couplings import couplings_told
 from symkin.formats.gepetto_yaml import loops_beside
 from symkin.formats.graph_reader import GraphReader
 from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, frame_along, place, robot_of, spanning_tree
-from symkin.formats.naming import nearest, robot_name
+from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
@@ -23,6 +23,7 @@ from symkin.formats.xacro_text import expanded, is_xacro, macros
 from symkin.formats.xml_text import Element, read_xml
 from symkin.model.joint import JointType
 from symkin.spatial.pose import Pose
+from symkin.text import meant, not_among
 
 _TYPES: dict[str, JointType] = {
     "revolute": "R",
@@ -136,7 +137,7 @@ class _Reader(GraphReader):
 
     def _known_link(self, name: str, element: Element) -> str:
         if name not in self.links:
-            raise element.error(f"the link {name!r} is unknown{nearest(name, self.links)}")
+            raise element.error(f"the link {name!r} is unknown{meant(name, self.links)}")
         return name
 
     def _root_link(self, joints: Sequence[GraphJoint]) -> str:
@@ -213,7 +214,7 @@ class _Reader(GraphReader):
         if kind == "planar":
             return _chain(made, _planar(direction(element)))
         if kind not in _TYPES:
-            raise element.error(f"type = {kind!r} is unknown; allowed: {', '.join(_TYPES)}, floating, planar")
+            raise element.error(f"type = {not_among(kind, [*_TYPES, 'floating', 'planar'])}")
         return [self._plain(replace(made, type=_TYPES[kind]), element, kind)]
 
     def _plain(self, made: GraphJoint, element: Element, kind: str) -> GraphJoint:
@@ -268,7 +269,7 @@ class _Reader(GraphReader):
         if name not in self.links and name not in children:
             raise MechanismError(
                 f"{where} names the frame {name!r}, which is no link or joint of {self.path.name}"
-                + nearest(name, [*self.links, *children])
+                + meant(name, [*self.links, *children])
             )
         return name if name in self.links else children[name]
 

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 from symkin.formats.couplings import ToldCoupling
 from symkin.formats.joint_graph import Direction, GraphJoint, Z, frame_along
-from symkin.formats.naming import nearest
 from symkin.formats.sdf_joint import sdf_axis, sdf_type
 from symkin.formats.urdf_parts import direction, origin, pose_of
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
 from symkin.model.joint import JointType
 from symkin.spatial.pose import Pose
+from symkin.text import meant, not_among
 
 LOOP_TAGS = ("loop_joint", "loop", "coupling", "constraint", "ball_constraint")
 """Elements of a robot that close loops or couple joints, without their maker's prefix."""
@@ -214,7 +214,7 @@ class _Reader:
     def _type(self, element: Element) -> JointType:
         word = element.attribute("type").lower().removesuffix("_joint")
         if word not in _TYPES:
-            raise element.error(f"type = {element.attribute('type')!r} is unknown for a closure; allowed: {', '.join(_TYPES)}")
+            raise element.error(f"type of closure = {not_among(element.attribute('type'), _TYPES)}")
         return _TYPES[word]
 
     def _link(self, element: Element) -> str:
@@ -222,7 +222,7 @@ class _Reader:
 
     def _known(self, name: str, element: Element) -> str:
         if name not in self.links:
-            raise element.error(f"the link {name!r} is unknown{nearest(name, self.links)}")
+            raise element.error(f"the link {name!r} is unknown{meant(name, self.links)}")
         return name
 
 

@@ -8,10 +8,9 @@ from dataclasses import replace
 from symkin.formats.couplings import ToldCoupling
 from symkin.formats.gepetto_yaml import LoopsBeside
 from symkin.formats.joint_graph import GraphJoint
-from symkin.formats.naming import nearest
 from symkin.formats.xml_text import Element
 from symkin.model.graph import Coupling
-from symkin.text import first_of
+from symkin.text import first_of, meant
 
 ONE_COORDINATE = ("R", "P", "H")
 """Joints that a mimic may follow, and that are driven where nothing says which are."""
@@ -45,7 +44,7 @@ def mimics(elements: Sequence[Element], joints: Sequence[GraphJoint]) -> list[To
         if other == name:
             raise mimic.error(f"the joint {name!r} mimics itself; name another joint")
         if other not in made:
-            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{nearest(other, made)}")
+            raise mimic.error(f"the joint {other!r} that {name!r} mimics is unknown{meant(other, made)}")
         if name in made and made[name].type == "weld":
             continue
         wrong = next((n for n in (name, other) if n not in made or made[n].type not in ONE_COORDINATE), None)

@@ -14,10 +14,9 @@ from typing import Any
 from xml.parsers import expat
 
 from symkin.errors import InputError, MechanismError
-from symkin.formats.naming import nearest
 from symkin.formats.packages import Packages
 from symkin.formats.xml_text import Element, parse_xml, read_text
-from symkin.text import first_of, one_line, shown
+from symkin.text import first_of, meant, one_line, shown
 
 _INSTALL = "is written in xacro, which takes the package `xacro`; pip install 'symkin[urdf]' installs it"
 _ARGUMENT = re.compile(r"""<xacro:arg\b[^>]*?\bname\s*=\s*["']([^"']+)|\$\(arg\s+([^)\s]+)\s*\)""")
@@ -71,7 +70,7 @@ def _refuse_unknown(arguments: Mapping[str, str], files: list[Path]) -> None:
     wrong = next((name for name in arguments if name not in known), None)
     if wrong is not None:
         raise InputError(
-            f"arguments: {files[0]} has no argument {shown(wrong)}{nearest(wrong, known)}; its arguments: {first_of(known, 20) or 'none'}"
+            f"arguments: {files[0]} has no argument {shown(wrong)}{meant(wrong, known)}; its arguments: {first_of(known, 20) or 'none'}"
         )
 
 

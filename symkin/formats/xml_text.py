@@ -13,6 +13,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from symkin.errors import InputError, MechanismError
+from symkin.model.file import no_such_file
 from symkin.text import first_of, shown
 
 LARGEST_FILE = 8_000_000
@@ -203,7 +204,7 @@ def read_text(path: Path) -> bytes:
         with path.open("rb") as file:
             return file.read(LARGEST_FILE + 1)
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
+        raise InputError(no_such_file(path)) from None
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})") from None
 

@@ -11,6 +11,7 @@ from symkin.model.joint import finite, interval
 from symkin.spatial.backend import Array, vector
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_axis_angle
+from symkin.text import not_among
 
 _X, _Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -37,7 +38,7 @@ class DHRow:
 
     def __post_init__(self) -> None:
         if self.type not in ("R", "P"):
-            raise MechanismError(f"dh row {self.name!r}: type = {self.type!r} is unknown; allowed: R, P")
+            raise MechanismError(f"dh row {self.name!r}: type = {not_among(self.type, ('R', 'P'))}")
         for key in ("theta", "d", "a", "alpha"):
             object.__setattr__(self, key, finite(getattr(self, key), f"dh row {self.name!r}: {key}"))
         object.__setattr__(self, "limits", interval(self.limits, f"dh row {self.name!r}: limits"))
@@ -66,7 +67,7 @@ class DHTable:
     def __post_init__(self) -> None:
         object.__setattr__(self, "rows", tuple(self.rows))
         if self.convention not in ("standard", "modified"):
-            raise MechanismError(f"dh.convention = {self.convention!r} is unknown; allowed: standard, modified")
+            raise MechanismError(f"dh.convention = {not_among(self.convention, ('standard', 'modified'))}")
         if not self.rows:
             raise MechanismError("dh.rows is empty; a serial arm needs at least one joint")
 

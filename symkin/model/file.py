@@ -5,10 +5,10 @@ Every mistake becomes one line: file, key path, value, what is allowed.
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from symkin.model.joint import BASE, PLATFORM, Joint, interval
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
 from symkin.model.names import name_fault
-from symkin.text import shown
+from symkin.text import meant, shown
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
 
@@ -45,12 +45,18 @@ def read(path: Path) -> Mechanism:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
+        raise InputError(no_such_file(path)) from None
     except UnicodeDecodeError:
         raise MechanismError(f"{path}: the file is not UTF-8 text") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{path}: the file cannot be read ({getattr(error, 'strerror', None) or error})") from None
     return parse(text, str(path))
+
+
+def no_such_file(path: Path) -> str:
+    """What is said of a path that leads nowhere, with the file of its folder whose name is most like it."""
+    beside = [file.name for file in path.parent.iterdir() if file.suffix == path.suffix] if path.parent.is_dir() else []
+    return f"{path}: there is no such file{meant(path.name, beside)}"
 
 
 def parse(text: str, file: str = "mechanism") -> Mechanism:
@@ -266,10 +272,8 @@ def _check_link_tables(table: Any, limbs: Sequence[Any]) -> None:
     held = [link for entry in (*table.joint, *table.rod, *limbs) for link in entry.links or ()]
     for k, link in enumerate(table.link):
         if link.name not in held and link.name != BASE:
-            near = get_close_matches(link.name, held, 1)
             raise MechanismError(
-                f"link[{k}] ({link.name}): nothing holds it; name it in the links of a joint or rod"
-                + (f", or do you mean {near[0]}?" if near else "")
+                f"link[{k}] ({link.name}): nothing holds it{meant(link.name, held)}; name it in the links of a joint or rod"
             )
 
 
@@ -279,9 +283,16 @@ def _validated(model: Any, data: Any, path: tuple[str | int, ...], context: dict
     try:
         return model.model_validate(data, context=context)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
+        first = _first(error.errors(include_url=False))
         keys = (*path, *first["loc"])
         raise MechanismError(_sentence(_key_path(data, keys, path), first, model)) from None
+
+
+def _first(errors: Sequence[Any]) -> Any:
+    """The first error; where it is a key that is missing, one that is unknown in the same table: the key misspelt."""
+    table = errors[0]["loc"][:-1]
+    unknown = (e for e in errors if e["type"] == "extra_forbidden" and e["loc"][:-1] == table)
+    return next(unknown, errors[0]) if errors[0]["type"] == "missing" else errors[0]
 
 
 def _key_path(data: Any, keys: tuple[str | int, ...], prefix: tuple[str | int, ...]) -> str:
@@ -311,8 +322,10 @@ def _sentence(path: str, error: Any, model: Any) -> str:
             return _unknown_key(path, str(error["loc"][-1]), _allowed_keys(model, error["loc"]))
         case "literal_error":
             instead = JOINT_TYPES.get(value) if path.endswith(".type") and isinstance(value, str) else None
-            allowed = f"{path} = {shown(value)} is not allowed; allowed: {error['ctx']['expected'].replace(' or ', ', ')}"
-            return f"{allowed}; {instead}" if instead else allowed
+            allowed = error["ctx"]["expected"].replace(" or ", ", ")
+            guess = meant(value, re.findall("'(.*?)'", allowed)) if isinstance(value, str) else ""
+            refused = f"{path} = {shown(value)} is not allowed{guess}; allowed: {allowed}"
+            return f"{refused}; {instead}" if instead else refused
         case "too_short" | "too_long":
             limit = error["ctx"].get("min_length", error["ctx"].get("max_length"))
             return f"{path} = {shown(value)} has {error['ctx']['actual_length']} entries; {limit} needed"
@@ -324,8 +337,7 @@ def _unknown_key(path: str, key: str, allowed: list[str]) -> str:
     """What is said of a key that a table has not, with the nearest that it has."""
     if key == "links" and ".joint[" in path:
         return f"{path} is an unknown key; {LINKS_IN_A_LIMB}"
-    near = get_close_matches(key, allowed, 1)
-    return f"{path} is an unknown key{f' (near: {near[0]})' if near else ''}; allowed: {', '.join(allowed)}"
+    return f"{path} is an unknown key{meant(key, allowed)}; allowed: {', '.join(allowed)}"
 
 
 def _allowed_keys(model: Any, loc: tuple[str | int, ...]) -> list[str]:

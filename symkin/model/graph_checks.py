@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 
 from symkin.errors import MechanismError
 from symkin.model.description import Graph
 from symkin.model.joint import BASE
 from symkin.model.names import check_name
+from symkin.text import meant, shown
 
 
 def links_of(graph: Graph) -> tuple[str, ...]:
@@ -66,9 +66,7 @@ def _check_held(graph: Graph, links: Sequence[str]) -> None:
 
 def _check_known(name: str, known: Sequence[str], where: str, what: str) -> None:
     if name not in known:
-        near = get_close_matches(name, known, 1)
-        guess = f"{near[0]}? " if near else ""
-        raise MechanismError(f"{where} = {name!r} is unknown: {guess}{what} are {', '.join(known)}")
+        raise MechanismError(f"{where} = {shown(name)} is unknown{meant(name, known)}; {what} are {', '.join(known)}")
 
 
 def _check_couplings(graph: Graph) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from symkin.errors import MechanismError
+from symkin.text import not_among
 
 JointType = Literal["R", "P", "H", "C", "U", "S", "weld"]
 Kind = Literal["length", "angle", "turns", "quaternion"]
@@ -105,7 +106,7 @@ class Joint:
     def __post_init__(self) -> None:
         where = f"joint {self.name!r}"
         if self.type not in FREEDOMS:
-            raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(FREEDOMS)}")
+            raise MechanismError(f"{where}: type = {not_among(self.type, FREEDOMS)}")
         if self.actuated and self.type in ("S", "weld"):
             raise MechanismError(
                 f"{where}: actuated = true is allowed for R, P, H, C and U joints only, not for {self.type}"

@@ -12,6 +12,7 @@ from symkin.errors import MechanismError
 from symkin.model.bar import Bar, RodEnd
 from symkin.model.joint import BASE, PLATFORM, Coordinate, Joint, finite, interval, link_pair, vector3
 from symkin.spatial.pose import Pose
+from symkin.text import not_among
 
 RodType = Literal["SPS", "UPS", "SPU"]
 ROD_TYPES: tuple[RodType, ...] = ("SPS", "UPS", "SPU")
@@ -50,7 +51,7 @@ class RodLimb:
         where = f"limb {self.name!r}"
         object.__setattr__(self, "links", link_pair(self.links, where))
         if self.type not in ROD_TYPES:
-            raise MechanismError(f"{where}: type = {self.type!r} is unknown; allowed: {', '.join(ROD_TYPES)}")
+            raise MechanismError(f"{where}: type = {not_among(self.type, ROD_TYPES)}")
         object.__setattr__(self, "base", vector3(self.base, f"{where}: base"))
         object.__setattr__(self, "platform", vector3(self.platform, f"{where}: platform"))
         object.__setattr__(self, "offset", finite(self.offset, f"{where}: offset"))

@@ -23,6 +23,7 @@ from symkin.model.mesh import LinkMesh
 from symkin.model.names import check_mechanism_name, check_name, check_text
 from symkin.model.placement import placed_points
 from symkin.spatial.pose import Pose
+from symkin.text import meant, not_among
 
 Motion = Literal["spatial", "schoenflies", "planar", "translation", "spherical"]
 MOTIONS: tuple[Motion, ...] = ("spatial", "schoenflies", "planar", "translation", "spherical")
@@ -277,7 +278,7 @@ def _diameter(points: list[np.ndarray]) -> float:
 
 def _check_choice(key: str, value: str, allowed: Sequence[str]) -> None:
     if value not in allowed:
-        raise MechanismError(f"{key} = {value!r} is unknown; allowed: {', '.join(allowed)}")
+        raise MechanismError(f"{key} = {not_among(value, allowed)}")
 
 
 def _check_names(mechanism: Mechanism) -> None:
@@ -325,7 +326,9 @@ def _check_example(mechanism: Mechanism, example: Example) -> None:
         for name, value in example.given:
             finite(value, f"example.given.{name}")
             if name not in allowed:
-                raise MechanismError(f"example.given.{name}: no coordinate has this name; allowed: {', '.join(allowed)}")
+                raise MechanismError(
+                    f"example.given.{name}: no coordinate has this name{meant(name, allowed)}; allowed: {', '.join(allowed)}"
+                )
     if example.start is None:
         return
     if not starts_with_pose:

@@ -15,7 +15,7 @@ from symkin.errors import InputError
 from symkin.plots.style import COLOURS, drawing
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import quaternion_from_rotation_vector
-from symkin.text import matplotlib_text
+from symkin.text import matplotlib_text, not_among
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,7 +57,7 @@ def figure_of_calibration(fit: Calibration, *, what: str = "parameters") -> Figu
     """The changes of the parameters, or with `what` = "residuals" the normalised residuals. Raises InputError."""
     figures = {"parameters": parameter_figure, "residuals": residual_figure}
     if what not in figures:
-        raise InputError(f"plot: what = {what!r} is unknown; allowed: {', '.join(figures)}")
+        raise InputError(f"plot: what = {not_among(what, figures)}")
     return figures[what](fit)
 
 

@@ -82,7 +82,7 @@ class ClosedConfiguration(Result):
             f"  {loop.name}: open by {loop.open_by:.3g}, now {loop.residual:.1e}" for loop in self.loops if loop.open_by > 1e-9
         ]
         rows = [[name, _number(value)] for name, value in self.joints.items()]
-        return Summary(above, ["joint", f"value ({length}, {angle})"], rows[:most_rows], [f"note: {note}" for note in self.notes])
+        return Summary(above, ["joint", f"value [{length}, {angle}]"], rows[:most_rows], [f"note: {note}" for note in self.notes])
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON object of `symkin close --json`."""

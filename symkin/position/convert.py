@@ -14,7 +14,7 @@ from symkin.formats.read_options import AS_IT_IS, ReadOptions
 from symkin.formats.written_tree import LOOPS, Loops
 from symkin.model.mechanism import Mechanism
 from symkin.position.close import close
-from symkin.text import shown
+from symkin.text import not_among
 
 _CLOSED = 1e-12
 """Of the size: rods and couplings that miss their lengths and values by less are closed at the reference."""
@@ -53,7 +53,7 @@ def convert(mechanism: str | Path | Mechanism, path: str | Path, read: ReadOptio
 def _check_loops(output: Path, loops: str) -> None:
     """Refuse an unknown form of loops, one that the format has not, and loops beside a file that has its own."""
     if loops not in LOOPS:
-        raise InputError(f"loops = {shown(loops)} is unknown; allowed: {', '.join(LOOPS)}")
+        raise InputError(f"loops = {not_among(loops, LOOPS)}")
     if output.suffix != ".urdf":
         if loops != LOOPS[0]:
             raise InputError(f"loops = {loops!r} is a form of URDF, and {str(output)!r} is none; leave it out")

@@ -17,7 +17,7 @@ from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
-from symkin.text import shown
+from symkin.text import meant, shown
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
@@ -131,7 +131,8 @@ def in_file_order(mechanism: Mechanism, joints: Joints, what: str = "joints") ->
     allowed = f"the actuated joints of {mechanism.name} are {', '.join(names) or 'none'}"
     unknown = [str(name) for name in joints if name not in names]
     if unknown:
-        raise InputError(f"{what}: {', '.join(map(shown, unknown))} {'is' if len(unknown) == 1 else 'are'} unknown; {allowed}")
+        verb, near = "is" if len(unknown) == 1 else "are", meant(unknown[0], names)
+        raise InputError(f"{what}: {', '.join(map(shown, unknown))} {verb} unknown{near}; {allowed}")
     missing = [name for name in names if name not in joints]
     if missing:
         raise InputError(f"{what}: no value is given for {', '.join(missing)}; {allowed}, and each one needs a value")

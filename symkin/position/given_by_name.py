@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.given import LARGEST_GIVEN, Given, given_from, given_many
 from symkin.position.problem import Kind, Problem, build_problem
-from symkin.text import shown
+from symkin.text import meant, shown
 
 Values = Mapping[str, float | Sequence[float]]
 Columns = Mapping[str, float | Sequence[float] | Sequence[Sequence[float]] | np.ndarray]
@@ -90,9 +89,7 @@ def given_coordinates(mechanism: Mechanism) -> dict[str, Coordinate]:
 
 def unknown_name(mechanism: Mechanism, name: str, known: list[str], what: str = "given") -> str:
     """A sentence about a name that no coordinate has, with the nearest ones."""
-    near = get_close_matches(str(name), known, 3)
-    guess = f"; the nearest names are {', '.join(near)}" if near else ""
-    return f"{what}: {mechanism.name} has no coordinate {shown(name)}{guess}; allowed: {', '.join(known)}"
+    return f"{what}: {mechanism.name} has no coordinate {shown(name)}{meant(name, known)}; allowed: {', '.join(known)}"
 
 
 def _number(mechanism: Mechanism, c: Coordinate, value: Any) -> float:

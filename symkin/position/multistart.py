@@ -21,6 +21,7 @@ from symkin.position.problem import Problem
 from symkin.position.roots import Roots, distinct
 from symkin.position.solve import SOLVERS
 from symkin.position.starts import random_starts
+from symkin.text import not_among
 
 DEFAULT_STARTS = 2000
 
@@ -56,7 +57,7 @@ def one_by_one(
     """Roots of the whole problem by a solver of `solve`, called once a start."""
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:
-        raise InputError(f"solver = {solver!r} is unknown; allowed: batched, {', '.join(SOLVERS)}")
+        raise InputError(f"solver = {not_among(solver, ['batched', *SOLVERS])}")
     system = problem.system
     ends, smallest = [], np.inf
     for k, start in enumerate(random_starts(problem, system, given, starts, rng), start=1):

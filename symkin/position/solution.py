@@ -187,11 +187,19 @@ class Solution(Result):
     def summary(self, most_rows: int | None = None) -> Summary:
         """Pose, points, joints and checks, a row each."""
         unit = self.mechanism.length_unit
-        pose = dict(zip(("x", "y", "z", "qw", "qx", "qy", "qz"), (*self.position, *self.quaternion), strict=True))
-        points = {f"{name} {axis}": v for name, point in self.points.items() for axis, v in zip("xyz", point, strict=True)}
-        values = {**(pose if self.has_platform else {}), **points, **self.printed_joints}
-        values |= {f"residual, {unit}": self.residual, "condition": self.condition}
-        rows = [[name, f"{value:.7g}"] for name, value in values.items() if isinstance(value, float)]
+        pose = dict(
+            zip(
+                (*(f"{axis} [{unit}]" for axis in "xyz"), "qw", "qx", "qy", "qz"), (*self.position, *self.quaternion), strict=True
+            )
+        )
+        points = {
+            f"{name}.{axis} [{unit}]": v for name, point in self.points.items() for axis, v in zip("xyz", point, strict=True)
+        }
+        units = {c.name: self.mechanism.angle_unit if c.is_angular else unit for c in self.mechanism.coordinates}
+        joints = {f"{name} [{units[name]}]": v for name, v in self.printed_joints.items() if isinstance(v, float)}
+        values = {**(pose if self.has_platform else {}), **points, **joints}
+        values |= {f"residual [{unit}]": self.residual, "condition": self.condition}
+        rows = [[name, f"{value:.7g}"] for name, value in values.items()]
         return Summary([self.mechanism.name], ["", "value"], rows[:most_rows], [f"note: {note}" for note in self.notes])
 
     @property

@@ -33,6 +33,7 @@ from symkin.position.solve_result import Iterate, SolveError, SolveResult
 from symkin.position.start_notes import start_notes
 from symkin.position.starts import random_starts, start_values
 from symkin.spatial.pose import Pose
+from symkin.text import not_among
 
 Solver = Newton | LeastSquares | ClosedForm
 SOLVERS: dict[str, Solver] = {
@@ -80,7 +81,7 @@ def solve(
     require_mechanism(mechanism)
     chosen = SOLVERS.get(solver) if isinstance(solver, str) else solver
     if chosen is None:
-        raise InputError(f"solver = {solver!r} is unknown; allowed: {', '.join(SOLVERS)}")
+        raise InputError(f"solver = {not_among(solver, SOLVERS)}")
     plain = plain_case(mechanism, joints, pose, given)
     if plain is None:
         own = None if solver == "newton" else chosen

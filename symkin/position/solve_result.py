@@ -11,7 +11,7 @@ import numpy as np
 from symkin.errors import SymkinError
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution, finite, heading
-from symkin.position.table import given_text, solution_columns
+from symkin.position.table import given_text, solution_table
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
@@ -79,8 +79,8 @@ class SolveResult(Result):
             "notes": list(self.notes),
         }
 
-    def summary(self, most_rows: int | None = None) -> Summary:
-        """The solution with its checks, or the status with its remedy."""
+    def summary(self, most_rows: int | None = None, *, everything: bool = False) -> Summary:
+        """The solution with its checks, or the status with its remedy; with `everything` all joints and named points too."""
         mechanism, s = self.problem.mechanism, self.solution
         above = [f"{mechanism.name}: {self.problem.name} problem, {given_text(self.given)}"]
         below = [f"note: {note}" for note in self.notes]
@@ -92,8 +92,8 @@ class SolveResult(Result):
         )
         if most_rows == 0:
             return Summary([*above, checks], below=below)
-        header, rows = solution_columns(self.problem, [s])
-        return Summary(above, header, rows, [checks, *below])
+        table = solution_table(self.problem, [s], everything)
+        return Summary(above, table.header, table.rows, [*([table.left_out] if table.left_out else []), checks, *below])
 
 
 class SolveError(SymkinError):

@@ -3,70 +3,111 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 
-_MOST_COLUMNS = 16
-"""Coordinates of a graph that a table shows; the JSON holds all."""
+Columns = dict[str, list[str]]
+"""Cells by the title of their column."""
 
 
-def solution_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[list[str], list[list[str]]]:
-    """Header and rows for the solutions of one problem; both are empty where there is no solution."""
+@dataclass(frozen=True)
+class Table:
+    """Header and rows of solutions; `left_out` says what the table does not show, empty where it shows all."""
+
+    header: list[str]
+    rows: list[list[str]]
+    left_out: str = ""
+
+
+def solution_table(problem: Problem, solutions: Sequence[Solution], everything: bool = False) -> Table:
+    """The solutions of one problem: pose and actuated joints, or what else tells them apart; `everything`: all coordinates and
+    named points. Empty where there is no solution."""
     if not solutions:
-        return [], []
-    columns = {"#": [str(k + 1) for k in range(len(solutions))], **_coordinate_columns(problem, solutions)}
+        return Table([], [])
+    shown, points, passive = _coordinate_columns(problem, solutions)
+    kept = points | passive if everything else _needed(shown, points, passive)
+    left = "" if everything else _left_out([t for t in points if t not in kept], [t for t in passive if t not in kept])
+    columns = {"#": [str(k + 1) for k in range(len(solutions))], **shown, **kept}
     if any(s.within_limits is not None for s in solutions):
-        columns["limits"] = ["inside" if s.within_limits else "outside" for s in solutions]
+        columns["limits"] = ["in" if s.within_limits else "out" for s in solutions]
     columns["condition"] = [f"{s.condition:.3g}" for s in solutions]
     if all(s.hits is not None for s in solutions):
         columns["hits"] = [str(s.hits) for s in solutions]
-    return list(columns), [list(row) for row in zip(*columns.values(), strict=True)]
+    return Table(list(columns), [list(row) for row in zip(*columns.values(), strict=True)], left)
 
 
-def _coordinate_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
-    """What differs between the solutions: pose where there is one and it is not given, named points, then joints."""
-    columns: dict[str, list[str]] = {}
-    if solutions[0].has_platform and problem.name != "inverse":
-        columns |= _pose_columns(solutions)
-    size = problem.mechanism.characteristic_length
-    rows = [s.points for s in solutions]
-    for name in rows[0]:
-        columns |= {f"{name} {axis}": [_length(size, row[name][i]) for row in rows] for i, axis in enumerate("xyz")}
-    columns |= _joint_columns(problem, solutions)
-    return dict(list(columns.items())[:_MOST_COLUMNS]) if problem.mechanism.is_graph else columns
+def _coordinate_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[Columns, Columns, Columns]:
+    """What differs between solutions: the pose where there is one that is not given, with actuated joints; named points; other
+    joints."""
+    mechanism = problem.mechanism
+    pose = _pose_columns(solutions) if solutions[0].has_platform and problem.name != "inverse" else {}
+    points: Columns = {}
+    for name in solutions[0].points:
+        for i, axis in enumerate("xyz"):
+            values = [s.points[name][i] for s in solutions]
+            points[f"{name}.{axis} [{mechanism.length_unit}]"] = [_length(mechanism, v) for v in values]
+    actuated, passive = _joint_columns(problem, solutions)
+    return pose | actuated, points, passive
 
 
-def _pose_columns(solutions: Sequence[Solution]) -> dict[str, list[str]]:
+def _needed(shown: Columns, points: Columns, passive: Columns) -> Columns:
+    """Of points and passive joints those without which nothing would be shown, or two solutions would look the same."""
+    kept = {} if shown else points or passive
+    rows = list(zip(*(shown | kept).values(), strict=True))
+    for title, cells in {**passive, **points}.items():
+        if title not in kept and len(set(rows)) < len(rows):
+            longer = [(*row, cell) for row, cell in zip(rows, cells, strict=True)]
+            if len(set(longer)) > len(set(rows)):
+                kept, rows = kept | {title: cells}, longer
+    return kept
+
+
+def _left_out(points: Sequence[str], passive: Sequence[str]) -> str:
+    counts = [_counted(len(passive), "passive joint"), _counted(len({p.rpartition(".")[0] for p in points}), "named point")]
+    told = " and ".join(text for text in counts if text)
+    return f"{told} not shown: --all, or summary(everything=True)" if told else ""
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'s' * (count > 1)}" if count else ""
+
+
+def _pose_columns(solutions: Sequence[Solution]) -> Columns:
     mechanism = solutions[0].mechanism
-    unit = mechanism.length_unit
     columns = {
-        f"{axis}, {unit}": [_length(mechanism.characteristic_length, s.position[i]) for s in solutions]
+        f"{axis} [{mechanism.length_unit}]": [_length(mechanism, s.position[i]) for s in solutions]
         for i, axis in enumerate("xyz")
     }
     if mechanism.motion in ("schoenflies", "planar"):
         values = [mechanism.angle_out(s.values["pose.gamma"]) for s in solutions]
-        return columns | {f"gamma, {mechanism.angle_unit}": [_fixed(v, 3) for v in values]}
+        return columns | {f"gamma [{mechanism.angle_unit}]": [_fixed(v, 3) for v in values]}
     if mechanism.motion == "translation":
         return columns
     return columns | {name: [_fixed(s.quaternion[i], 5) for s in solutions] for i, name in enumerate(("qw", "qx", "qy", "qz"))}
 
 
-def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> dict[str, list[str]]:
-    """Joint coordinates that are one number and were not given."""
+def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[Columns, Columns]:
+    """Joint coordinates that are one number and were not given: the actuated ones, and the others."""
     mechanism = problem.mechanism
     given = {c.name for c in problem.known_coordinates}
+    actuated = {c.name for c in mechanism.actuated}
+    units = {c.name: mechanism.angle_unit if c.is_angular else mechanism.length_unit for c in mechanism.coordinates}
     digits = 3 if mechanism.characteristic_length > 10 else 5
     rows = [s.printed_joints for s in solutions]
     names = [name for name, value in rows[0].items() if name not in given and isinstance(value, float)]
-    return {name: [_fixed(row[name], digits) for row in rows] for name in names}
+    cells = {name: [_fixed(row[name], digits) for row in rows] for name in names}
+    titled = {name: (f"{name} [{units[name]}]" if name in units else name, column) for name, column in cells.items()}
+    return tuple(dict(titled[name] for name in names if (name in actuated) == which) for which in (True, False))  # type: ignore[return-value]
 
 
-def _length(size: float, value: float) -> str:
-    return _fixed(value, 3 if size > 10 else 6)
+def _length(mechanism: Mechanism, value: float) -> str:
+    return _fixed(value, 3 if mechanism.characteristic_length > 10 else 5)
 
 
 def _fixed(value: float, digits: int) -> str:

@@ -36,6 +36,7 @@ from symkin.position.varied_pose import POSE_AXES, TURNS, pose_at, varied_pose
 from symkin.singularities.limb_equations import limb_blocks
 from symkin.singularities.rank_loss import RankLoss, generic_matrix
 from symkin.singularities.roles import checked_names
+from symkin.text import meant
 
 LocusKind = Literal["type 1", "type 2"]
 
@@ -119,12 +120,18 @@ def _plane_of_known(solution: Solution, names: Sequence[str], known: tuple[str, 
     problem = problem_of_names(solution.mechanism, known)
     if not set(names) <= set(known) or any(name.startswith("pose.") for name in known):
         raise InputError(
-            f"plane = {', '.join(names)!r}; allowed: one or two of the coordinates that are given, {', '.join(known) or 'none'}"
+            f"plane = {', '.join(names)!r}{_guess(names, known)}; allowed: one or two of the coordinates that are given, {', '.join(known) or 'none'}"
         )
     refuse_unless_determined(problem)
     here, u = variables_elsewhere(problem.closure, solution), ca.SX.sym("uv", len(names))
     values, coordinates = _known_values(problem, here, names, u)
     return Plane(problem, solution, here, tuple(names), coordinates, u, values, problem.system.unknowns, of_pose=False)
+
+
+def _guess(names: Sequence[str], known: Sequence[str]) -> str:
+    """What the first name that is none of the known ones may stand for."""
+    wrong = [name for name in names if name not in known]
+    return meant(wrong[0], known) if wrong else ""
 
 
 def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
@@ -134,7 +141,7 @@ def _plane_of_limbs(solution: Solution, names: Sequence[str]) -> Plane:
     of_pose = all(name in pose_names for name in names)
     if not of_pose and not all(name in joint_names for name in names):
         raise InputError(
-            f"plane = {', '.join(names)!r}; allowed: two of {', '.join(pose_names)} (pose), or two of "
+            f"plane = {', '.join(names)!r}{_guess(names, [*pose_names, *joint_names])}; allowed: two of {', '.join(pose_names)} (pose), or two of "
             f"{', '.join(joint_names) or 'no'} (actuated joints)"
         )
     if of_pose and set(names) == {"gamma", "rz"}:

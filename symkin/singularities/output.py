@@ -24,6 +24,7 @@ from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.position.given_by_name import given_coordinates
 from symkin.position.solution import pose_of
 from symkin.singularities.limb_equations import LimbEquations, LimbwiseEquations, eliminated
+from symkin.text import meant
 
 OUTPUT_NAMES = ("x", "y", "z", "rx", "ry", "rz")
 """Velocity of the point and angular velocity, components in the base frame."""
@@ -77,7 +78,7 @@ def make_output(names: Sequence[str] | None, point: Sequence[float] | None) -> O
     unknown = [name for name in chosen if name not in OUTPUT_NAMES]
     if unknown or not chosen or len(set(chosen)) < len(chosen):
         raise InputError(
-            f"output = {', '.join(chosen)!r}; allowed: one or more of {', '.join(OUTPUT_NAMES)}, each once; or joints by name"
+            f"output = {', '.join(chosen)!r}{meant(unknown[0], OUTPUT_NAMES) if unknown else ''}; allowed: one or more of {', '.join(OUTPUT_NAMES)}, each once; or joints by name"
         )
     place = (0.0, 0.0, 0.0) if point is None else tuple(float(v) for v in point)
     if len(place) != 3 or not np.isfinite(place).all():

@@ -19,6 +19,7 @@ from symkin.spatial.rotation import (
     quaternion_from_rotation_vector,
     rotate,
 )
+from symkin.text import not_among
 
 _NOT_ORTHONORMAL = 1e-3
 """Largest entry of R^T R - 1 that is taken for the rounding of printed digits; beyond, a matrix is no rotation."""
@@ -122,7 +123,7 @@ class Pose:
         array([1., 0., 0., 0.])
         """
         if order not in ("wxyz", "xyzw"):
-            raise InputError(f"order = {order!r} is unknown; allowed: wxyz, xyzw")
+            raise InputError(f"order = {not_among(order, ('wxyz', 'xyzw'))}")
         numbers = _array(quaternion, "quaternion", 4)
         norms = np.linalg.norm(numbers, axis=0)
         worst = float(norms.ravel()[np.argmax(np.abs(norms - 1.0))])
@@ -201,5 +202,5 @@ def _check_rotation(transform: np.ndarray) -> None:
 def _radians(angle_unit: str) -> float:
     """Radians of one unit of angle."""
     if angle_unit not in ("deg", "rad"):
-        raise InputError(f"angle_unit = {angle_unit!r} is unknown; allowed: deg, rad")
+        raise InputError(f"angle_unit = {not_among(angle_unit, ('deg', 'rad'))}")
     return math.pi / 180 if angle_unit == "deg" else 1.0

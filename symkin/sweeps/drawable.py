@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-from symkin.text import shown
+from symkin.text import meant, shown
 
 
 def check_drawable(mechanism: Mechanism, quantity: str, swept: Sequence[str], names: Sequence[str]) -> bool:
@@ -17,10 +16,10 @@ def check_drawable(mechanism: Mechanism, quantity: str, swept: Sequence[str], na
     joints = [c.name for c in mechanism.coordinates if c.kind != "quaternion" and c.name not in swept]
     for name in names:
         if name not in points and name not in joints:
-            near = get_close_matches(name, [*points, *joints], 3)
-            guess = f"; the nearest names are {', '.join(near)}" if near else ""
             allowed = f"points {', '.join(points) or 'none'}; joints that are not swept {', '.join(joints) or 'none'}"
-            raise InputError(f"of: {shown(name)} is no point and no joint to draw{guess}; allowed: {allowed}")
+            raise InputError(
+                f"of: {shown(name)} is no point and no joint to draw{meant(name, [*points, *joints])}; allowed: {allowed}"
+            )
     if quantity != "modes":
         raise InputError(f"of: quantity = {quantity!r} stores no points and joints; sweep with quantity = 'modes'")
     of_points = [name in points for name in names]

@@ -21,6 +21,7 @@ from symkin.position.transfer import many_elsewhere
 from symkin.singularities.limb_equations import limbwise_equations
 from symkin.singularities.motion_ranks import distances, generic_ranks
 from symkin.singularities.roles import Roles, roles_of
+from symkin.text import not_among
 
 QUANTITIES = ("modes", "conditioning", "reach")
 
@@ -43,7 +44,7 @@ class Variable:
 def variables(quantity: str, certify: bool, problem: Problem) -> tuple[Variable, ...]:
     """The arrays of a quantity. Raises InputError for one that is unknown."""
     if quantity not in QUANTITIES:
-        raise InputError(f"quantity = {quantity!r} is unknown; allowed: {', '.join(QUANTITIES)}")
+        raise InputError(f"quantity = {not_among(quantity, QUANTITIES)}")
     mechanism, found = problem.mechanism, list(_COMMON)
     if quantity == "modes":
         found += _platform(mechanism.length_unit) if mechanism.platform_link is not None else []

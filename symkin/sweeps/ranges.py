@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
+from symkin.text import meant
 
 _MOST_VALUES = 10**7
 _ROUNDING = 1e-9
@@ -134,7 +135,7 @@ def check_slices(slices: Mapping[str, float], swept: Mapping[str, np.ndarray], *
         raise InputError("slice: a random sample has no slices; it is drawn over the first two swept values")
     for name, value in slices.items():
         if name not in swept:
-            raise InputError(f"slice: {name!r} is not swept; allowed: {', '.join(swept)}")
+            raise InputError(f"slice: {name!r} is not swept{meant(name, swept)}; allowed: {', '.join(swept)}")
         low, high = float(np.min(swept[name])), float(np.max(swept[name]))
         slack = _ROUNDING * max(abs(low), abs(high))
         if not low - slack <= value <= high + slack:

@@ -24,6 +24,7 @@ from symkin.sweeps.plan import Job, Plan, compute_chunk, make_plan
 from symkin.sweeps.space import Values, make_space, make_space_by_name
 from symkin.sweeps.store import Store, locked, open_store, read_attributes, require_zarr
 from symkin.sweeps.table import write_csv
+from symkin.text import not_among
 
 OVER = ("inputs", "poses")
 """What a sweep's points are: values of the actuated joints, or poses."""
@@ -170,7 +171,7 @@ def sweep(
     check_types(mechanism, grid, given, directory, **others)
     assert directory is not None  # noqa: S101 - checked
     if over not in OVER:
-        raise InputError(f"over = {over!r} is unknown; allowed: {', '.join(OVER)}")
+        raise InputError(f"over = {not_among(over, OVER)}")
     random, chunk, workers, seed, starts = (
         None if value is None else whole(value, name)
         for name, value in ((name, getattr(chosen, name)) for name in ("random", "chunk", "workers", "seed", "starts"))

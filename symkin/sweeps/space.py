@@ -22,6 +22,7 @@ from symkin.position.problem import Problem
 from symkin.position.varied_pose import ALL_POSE_AXES, pose_at
 from symkin.spatial.pose import Pose
 from symkin.sweeps.pose_points import check_poses, pose_units, pose_values
+from symkin.text import meant
 
 Values = Sequence[float] | np.ndarray
 MOST_POINTS = 10**9
@@ -211,7 +212,9 @@ def _refused(mechanism: Mechanism, name: str, units: Mapping[str, str], poses: b
         hint = "; poses are swept with --poses (over='poses')"
     elif not poses and name in given_coordinates(mechanism):
         hint = f"; any coordinates, as many as the mobility, are swept with --given {name}=LOW:HIGH:COUNT (given={{...}})"
-    raise InputError(f"grid: {mechanism.name} has no {name!r} to sweep; allowed: {allowed}{hint}")
+    raise InputError(
+        f"grid: {mechanism.name} has no {name!r} to sweep{'' if hint else meant(name, units)}; allowed: {allowed}{hint}"
+    )
 
 
 def _axis(name: str, values: Values, unit: str, what: str, sample: int | None) -> Axis:

@@ -16,6 +16,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_limbs, require_mechanism
 from symkin.position.solution import Solution
 from symkin.result import Result, Summary
+from symkin.text import not_among
 from symkin.velocity.differential import differentiate, pose_rates, quaternion_rates
 from symkin.velocity.equations import VelocityEquations, variables_of, velocity_equations
 from symkin.velocity.jacobian_expressions import Expressions
@@ -239,7 +240,7 @@ def jacobian(
     require_limbs(mechanism, "this Jacobian", "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)")
     require_mechanism(mechanism)
     if kind not in KINDS:
-        raise InputError(f"kind = {kind!r} is unknown; allowed: {', '.join(KINDS)}")
+        raise InputError(f"kind = {not_among(kind, KINDS)}")
     return _built(mechanism, kind, parameters)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from difflib import get_close_matches
 from itertools import product
 from typing import Literal
 
@@ -13,6 +12,7 @@ from symkin.errors import InputError
 from symkin.files.csv_table import Table
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.text import meant, nearest
 
 SEQUENCES = tuple(
     "".join(s).upper() if moving else "".join(s)
@@ -95,14 +95,12 @@ def refuse_misspelt(mechanism: Mechanism, path: str, header: str) -> None:
     name = header.partition("[")[0].strip()
     bare, known = name.removeprefix("sigma_"), observables(mechanism).values()
     columns = list(dict.fromkeys(column for o in known for column in (*o.columns, *o.sigmas)))
-    near = get_close_matches(bare, columns, 1, _MISSPELT)
+    near = nearest(bare, columns, likeness=_MISSPELT)
     links = {f"{o.of[0]}." for o in known if o.kind in LINK_COLUMNS}
     if not near and not bare.startswith((*_OBSERVABLE_PREFIXES, *links)):
         return
-    near = near or get_close_matches(bare, columns, 3)
-    none = "no passive joint, named point or other link has such a name"
-    guess = f"did you mean {' or '.join(map(repr, near))}?" if near else none
-    raise InputError(f"{path}: column {name!r} is unknown; {guess} (else rename it, so that it is left out)")
+    guess = meant(bare, columns) or "; no passive joint, named point or other link has such a name"
+    raise InputError(f"{path}: column {name!r} is unknown{guess}; rename it where it is to be left out")
 
 
 def known_readings(mechanism: Mechanism) -> str:

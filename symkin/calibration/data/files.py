@@ -50,7 +50,7 @@ from symkin.files.csv_table import read_table
 from symkin.files.outputs import write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
-from symkin.text import first_of
+from symkin.text import first_of, not_among
 
 DistancePoints = tuple[Sequence[float], Sequence[float]]
 """Ends of a distance: a point of the platform frame (tool frame of an arm) and one of the base frame, length unit."""
@@ -162,7 +162,7 @@ def measurements_text(
     """Write readings in the mechanism's units as CSV text; orientations as quaternions or, with `sequence`, as Euler angles,
     whose headers leave the sequence out when it is `hidden`."""
     if sequence is not None and sequence not in SEQUENCES:
-        raise InputError(f"Euler sequence {sequence!r} is unknown; allowed: {', '.join(SEQUENCES)}")
+        raise InputError(f"Euler sequence {not_among(sequence, SEQUENCES)}")
     table = CsvColumns(mechanism)
     if measurements.groups is not None:
         table.text("group", ["" if g == NO_GROUP else str(g + 1) for g in measurements.groups])

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from itertools import permutations
 from typing import Literal
 
@@ -28,7 +27,7 @@ from symkin.model.joint import BASE
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
-from symkin.text import shown
+from symkin.text import meant, shown
 
 ObservableKind = Literal["joint", "point", "distance", "position", "orientation", "inclination"]
 PLATFORM_ANGULAR = ("group", "inclination", "orientation")
@@ -110,14 +109,12 @@ def unknown_observable(mechanism: Mechanism, name: str, besides: Sequence[str] =
     if any(c.name == name and c.kind == "quaternion" for c in mechanism.coordinates):
         return f"{shown(name)} is a spherical joint, which no encoder reads; read the orientation of its link"
     known = [*besides, *(o.name for o in observables(mechanism).values())]
-    near = get_close_matches(name, known, 3)
-    guess = f"; the nearest names are {', '.join(near)}" if near else ""
     allowed = [n for n in known if not n.startswith("distance.")]
     between = ["distance.A.B of two points"] if len(allowed) < len(known) else []
     listed = (
         f"; allowed: {', '.join([*allowed, *between])}" if known else ": it has no passive joints, named points or other links"
     )
-    return f"nothing of {mechanism.name} is read as {shown(name)}{guess}{listed}"
+    return f"nothing of {mechanism.name} is read as {shown(name)}{meant(name, known)}{listed}"
 
 
 def is_angular(mechanism: Mechanism, kind: str) -> bool:

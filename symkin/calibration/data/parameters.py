@@ -21,6 +21,7 @@ from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Mechanism, serial_arm_from_dh
 from symkin.spatial.pose import Pose
+from symkin.text import meant
 
 ParameterKind = Literal["length", "angle", "number"]
 MEASURING_FRAMES = tuple(
@@ -246,7 +247,7 @@ def joint_frames(mechanism: Mechanism, platform: Sequence[str], base: Sequence[s
     for name in (*platform, *base):
         if name not in rods:
             raise InputError(
-                f"joint frames: {name!r} is no rod limb of {mechanism.name}; its rods are {', '.join(rods) or 'none'}"
+                f"joint frames: {name!r} is no rod limb of {mechanism.name}{meant(name, rods)}; its rods are {', '.join(rods) or 'none'}"
             )
     held = [(name, "platform", k) for name, letters in zip(platform, ("xyz", "yz", "z"), strict=True) for k in letters]
     held += [(name, "base", k) for name, letters in zip(base, ("xyz", "y"), strict=True) for k in letters]

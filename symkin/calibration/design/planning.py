@@ -33,6 +33,7 @@ from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.tolerances import RANK_TOLERANCE
 from symkin.result import Result, Summary
+from symkin.text import not_among
 
 _CANDIDATES_PER_WEDGE, _MAX_CANDIDATES = 150, 3000
 """Candidates for each wedge, and in all."""
@@ -93,7 +94,8 @@ class Plan(Result):
             f"the same of random configurations: {accuracy_text(m, self.random)}",
         ]
         head = f"plan for {m.name}: {len(rows)} configurations, {self.criterion}-optimal, seed {self.seed}"
-        return Summary([head], ["#", "group", *(c.name for c in m.actuated)], shown, [*left, *accuracy])
+        titles = [f"{c.name} [{m.angle_unit if c.is_angular else m.length_unit}]" for c in m.actuated]
+        return Summary([head], ["#", "group", *titles], shown, [*left, *accuracy])
 
     @property
     def _joints(self) -> list[list[float]]:
@@ -155,7 +157,7 @@ class _Options:
     def check(self, configurations: int) -> None:
         """Raise InputError for what cannot be, and for wedges that nothing stands on."""
         if self.criterion not in CRITERIA:
-            raise InputError(f"criterion = {self.criterion!r} is unknown; allowed: {', '.join(CRITERIA)}")
+            raise InputError(f"criterion = {not_among(self.criterion, CRITERIA)}")
         if configurations > _MAX_PLANNED:
             raise InputError(f"a plan of {configurations} postures is asked for; allowed: 1 to {_MAX_PLANNED}")
         group_numbers(configurations, self.groups)

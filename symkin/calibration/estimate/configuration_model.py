@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import casadi as ca
 import numpy as np
@@ -32,6 +31,7 @@ from symkin.numeric.system import System
 from symkin.spatial.backend import dot
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, quaternion_from_rotation_vector
+from symkin.text import meant, shown
 
 READING_KINDS = ("group", "inclination", "position", "orientation")
 """Kinds of readings of the platform in the order of their columns; distances follow, then the observables that are read."""
@@ -244,11 +244,7 @@ def _values_of(mechanism: Mechanism, read: tuple[str, ...], names: tuple[str, ..
     every = described_parameters(mechanism) if missing else {}
     for name in missing:
         if name not in every:
-            near = get_close_matches(name, table, 3)
-            raise InputError(
-                f"parameter {name!r} is unknown{'; the nearest names are ' + ', '.join(near) if near else ''}; {mechanism.name} has "
-                f"{', '.join(table)}"
-            )
+            raise InputError(f"parameter {shown(name)} is unknown{meant(name, table)}; {mechanism.name} has {', '.join(table)}")
     return table | {name: every[name] for name in missing}
 
 

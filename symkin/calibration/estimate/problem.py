@@ -30,6 +30,7 @@ from symkin.calibration.estimate.residuals import FORMS, Form, Readings, build_r
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
+from symkin.text import not_among
 
 MAX_WHOLE_ROWS, PART_ROWS = 10_000, 4_000
 """Configurations beyond which derivatives are not kept but evaluated part by part, and how many a part has: derivatives of
@@ -121,7 +122,7 @@ def build_calibration(
     """
     measurements.check(mechanism)
     if residual not in FORMS:
-        raise InputError(f"residual = {residual!r} is unknown; allowed: {', '.join(FORMS)}")
+        raise InputError(f"residual = {not_among(residual, FORMS)}")
     names = default_parameters(mechanism, measurements.observed) if parameters is None else tuple(parameters)
     _check_names(mechanism, measurements.observed, names, fixed)
     free = [n for n in names if n not in fixed]

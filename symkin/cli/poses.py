@@ -1,0 +1,107 @@
+"""Poses on the command line: seven numbers, or a position and angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from symkin.cli.help import GIVEN
+from symkin.cli.options import named_from, numbers_from, start_from
+from symkin.errors import InputError
+
+if TYPE_CHECKING:
+    from symkin.model.mechanism import Mechanism
+
+RpyOption = Annotated[
+    str | None,
+    typer.Option(
+        "--rpy",
+        metavar="R,P,Y",
+        help="Roll, pitch, yaw of a pose that is given as X,Y,Z: turns about the fixed axes x, then y, then z.",
+        rich_help_panel=GIVEN,
+    ),
+]
+EulerOption = Annotated[
+    str | None,
+    typer.Option(
+        "--euler",
+        metavar="SEQUENCE",
+        help="Poses are X,Y,Z,A,B,C with three angles: capitals (ZYX) turn about moving axes, small letters (xyz, or rpy) about fixed ones.",
+        rich_help_panel=GIVEN,
+    ),
+]
+ROLL_PITCH_YAW, _FIXED = "rpy", "xyz"
+"""Roll, pitch and yaw, and the Euler sequence that they are: about fixed axes, in this order."""
+_QUATERNION, _ANGLES, _POSITION = 7, 6, 3
+"""Counts of numbers of a pose with a quaternion, of one with three angles, and of a position."""
+
+
+@dataclass(frozen=True)
+class PoseReader:
+    """How the poses of a command are written: `rpy` and `euler` are the options' texts."""
+
+    mechanism: Mechanism
+    rpy: str | None = None
+    euler: str | None = None
+
+    def pose(self, text: str | None, option: str) -> list[float] | None:
+        """x, y, z, qw, qx, qy, qz of an option. Raises InputError for a number of values that does not fit the other options."""
+        if self.rpy is not None and self.euler is not None:
+            raise InputError("both --rpy and --euler are given; give one of them")
+        if self.rpy is not None and text is None:
+            raise InputError(f"--rpy is given without a position; write --{option} X,Y,Z beside it")
+        numbers = numbers_from(text, option, self.mechanism.angle_unit)
+        if numbers is None:
+            return None
+        angles = numbers_from(self.rpy, "rpy", self.mechanism.angle_unit)
+        if angles is not None:
+            _check_count(numbers, _POSITION, f"--{option}", "X,Y,Z beside --rpy")
+            _check_count(angles, 3, "--rpy", "R,P,Y")
+            return self._with_angles(numbers, angles, ROLL_PITCH_YAW)
+        return self._complete(numbers, f"--{option}")
+
+    def given(self, text: str | None) -> dict[str, float | list[float]] | None:
+        """Values by name, of which `pose` may be a whole pose."""
+        values = named_from(text, "given", self.mechanism.angle_unit)
+        whole = None if values is None else values.get("pose")
+        if values is None or not isinstance(whole, list):
+            return values
+        return values | {"pose": self._complete(whole, "--given pose")}
+
+    def start(self, text: str | None, *, is_pose: bool) -> list[float] | dict[str, float | list[float]] | None:
+        """A start: a pose where `is_pose`, else joints, or values by name."""
+        begun = start_from(text, self.mechanism.angle_unit)
+        return self._complete(begun, "--start") if is_pose and isinstance(begun, list) and self.euler is not None else begun
+
+    def check_used(self, *texts: str | None) -> None:
+        """Refuse --euler where nothing that it could tell of is given."""
+        if self.euler is not None and all(text is None for text in texts):
+            raise InputError("--euler tells how the angles of a pose are meant, and no pose is given; leave it out")
+
+    def _complete(self, numbers: list[float], what: str) -> list[float]:
+        """A pose from a position with angles, or for a platform that keeps its orientation from a position alone."""
+        if self.euler is not None:
+            _check_count(numbers, _ANGLES, what, f"X,Y,Z,A,B,C with the angles of --euler {self.euler}")
+            return self._with_angles(numbers[:3], numbers[3:], self.euler)
+        if len(numbers) == _POSITION and self.mechanism.motion == "translation":
+            return [*numbers, *map(float, self.mechanism.reference_pose.quaternion)]
+        if len(numbers) != _QUATERNION:
+            raise InputError(
+                f"{what}: {len(numbers)} values given, 7 are needed: x, y, z, qw, qx, qy, qz; for angles write X,Y,Z --rpy R,P,Y, or "
+                "X,Y,Z,A,B,C --euler ZYX"
+            )
+        return numbers
+
+    def _with_angles(self, position: list[float], angles: list[float], sequence: str) -> list[float]:
+        from symkin.spatial.pose import Pose
+
+        letters = _FIXED if sequence == ROLL_PITCH_YAW else sequence
+        pose = Pose.from_euler(position, angles, letters, angle_unit=self.mechanism.angle_unit)
+        return [*position, *map(float, pose.quaternion)]
+
+
+def _check_count(numbers: list[float], count: int, what: str, form: str) -> None:
+    if len(numbers) != count:
+        raise InputError(f"{what}: {len(numbers)} values given, {count} are needed: {form}")

@@ -1,0 +1,99 @@
+"""Help: printed as it is written, in groups, within 80 columns; every example of it runs."""
+
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+import symkin
+from helpers.command_line import run
+from symkin.cli.app import app
+
+COMMANDS = typer.main.get_command(app)
+
+
+def _commands(group: Any = COMMANDS, before: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    for name, command in group.commands.items():
+        yield (*before, name), command
+        if hasattr(command, "commands"):
+            yield from _commands(command, (*before, name))
+
+
+ALL = list(_commands())
+EXAMPLES = {
+    name: [line for words, c in ALL if words[0] == name for line in (c.epilog or "").splitlines()] for name in COMMANDS.commands
+}
+"""By command, those of `calibrate` in one list: they read what others have written."""
+
+
+def test_symkin_alone_prints_its_help(capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a command: the help, line by line, on stdout, and status 0; so has `calibrate`."""
+    assert run(capsys) == run(capsys, "--help") == run(capsys, "-h")
+    status, out, err = run(capsys)
+    assert (status, err) == (0, "")
+    assert out.splitlines()[0] == "Usage: symkin [OPTIONS] COMMAND [ARGS]..."
+    assert run(capsys, "calibrate") == run(capsys, "calibrate", "-h")
+
+
+@pytest.mark.parametrize(("words", "command"), [((), COMMANDS), *ALL], ids=lambda w: " ".join(w) if isinstance(w, tuple) else "")
+def test_help_fits_a_terminal_and_has_examples(capsys: pytest.CaptureFixture[str], words: tuple[str, ...], command: Any) -> None:
+    """`-h` of every command: within 80 columns, no escape of a markup, every option in it, an example for each command."""
+    status, out, err = run(capsys, *words, "-h")
+    assert (status, err) == (0, "")
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+    assert "\\[" not in out
+    assert all(parameter.opts[0] in out for parameter in command.params if parameter.param_type_name == "option")
+    if not hasattr(command, "commands"):
+        assert f"  symkin {' '.join(words)}" in out.split("Examples:")[1]
+        assert f"Usage: symkin {' '.join(words)}" in out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
+    """Every example in the order of the help, in a folder with the files that are the user's own."""
+    monkeypatch.chdir(tmp_path)
+    symkin.convert("ankle", "robot.urdf")
+    for example in EXAMPLES[name]:
+        status, _, err = run(capsys, *shlex.split(example)[1:])
+        assert (status, err) == (0, ""), example
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("symkin mod", ["modes"]),
+        ("symkin modes zhao", ["zhao2000", "zhao2000_links", "zhao_mine.toml"]),
+        ("symkin modes other", []),
+        ("symkin modes zhao2000 --method m", ["multistart"]),
+        ("symkin calibrate pl", ["plan"]),
+        ("symkin jacobian ankle --format n", ["numpy"]),
+    ],
+)
+def test_bash_completes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: str, expected: list[str]) -> None:
+    """What bash is offered: commands, mechanisms by name, files of mechanisms beside them, values of options. Where nothing fits, it
+    goes on with files by itself."""
+    for name in ("zhao_mine.toml", "zhao.txt", "other.toml"):
+        (tmp_path / name).write_text("")
+    environment = {"_SYMKIN_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)}
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    code = "from symkin.cli.app import main; main([])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True)
+    assert done.stdout.split() == expected
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="bash is needed")
+def test_completion_is_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`--show-completion bash` prints a script that bash reads."""
+    monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
+    code = "from symkin.cli.app import main; main(['--show-completion', 'bash'])"
+    script = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert "_SYMKIN_COMPLETE" in script
+    subprocess.run(["bash", "-n"], input=script, text=True, check=True)
