@@ -103,7 +103,7 @@ add_command(
     group=_POSITIONS,
 )  # fmt: skip
 add_command(
-    app, sweep, "Every solution over a grid or a random sample.",
+    app, sweep, "Every solution over a grid or a sample; needs an extra.",
     [
         "symkin sweep zhao2000 --grid theta1=70:90:5 --at 81,202,330,105 -o map",
         "symkin sweep zhao2000 --poses --grid x=-20:20:5,y=-20:20:5 -o poses",

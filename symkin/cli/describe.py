@@ -10,7 +10,7 @@ import typer
 
 from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.result import TERMINAL_WIDTH
@@ -46,13 +46,12 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
-    from symkin.formats.load import load
 
     if latex and as_json:
         raise InputError("both --latex and --json are given; the equations are LaTeX, the account is JSON: give one of them")
     if names is not None and plot is None:
         raise InputError("--names is given without --plot; it says which names stand in the picture")
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     if plot is not None:
         from symkin.plots.sketch import draw_sketch
 

@@ -26,7 +26,7 @@ from symkin.cli.options import (
 )
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.formats.read_options import ReadOptions
 
 
@@ -86,9 +86,8 @@ def modes(
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.assembly.modes import modes as find_modes
-    from symkin.formats.load import load
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 
@@ -131,10 +130,9 @@ def solve(
     as_json: JsonOption = False,
 ) -> None:
     """Find one solution near a start."""
-    from symkin.formats.load import load
     from symkin.position.solve import solve as solve_one
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given, start)
     result = solve_one(
