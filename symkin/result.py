@@ -64,7 +64,7 @@ class Result:
     def plot(self, path: Path | str | None = None, **options: Any) -> Figure:
         """Draw the result; with `path` also write the picture to a file whose suffix is its format (.png, .svg, .pdf).
 
-        `options` are those of the result's picture (docs/contracts.md, "Pictures"). Raises InputError for a file that cannot be
+        `options` are those of the result's picture (docs/reference/pictures.md). Raises InputError for a file that cannot be
         written, and where there is nothing to draw.
         """
         return _draw(self, path, **options)

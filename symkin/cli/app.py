@@ -1,4 +1,4 @@
-"""The command line (docs/contracts.md). Exit status: 0 done, or its reader had enough; 2 bad input, 3 no real solution or not
+"""The command line (docs/reference/commands.md). Exit status: 0 done, or its reader had enough; 2 bad input, 3 no real solution or not
 converged, 130 interrupted by Ctrl-C."""
 
 from __future__ import annotations
