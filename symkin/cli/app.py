@@ -90,7 +90,7 @@ add_command(
     app, solve, "One solution near a start.",
     [
         "symkin solve zhang2009", "symkin solve zhao2000 --joints theta1=80,theta2=200,theta3=330,op=105",
-        "symkin solve zhao2000 --pose 0,0,100,1,0,0,0",
+        "symkin solve zhao2000 --pose 0,0,100,1,0,0,0 --plot solution.png",
     ],
     group=_POSITIONS,
 )  # fmt: skip

@@ -149,16 +149,26 @@ def solve(
     ] = SolverName.newton,
     everything: AllOption = False,
     as_json: JsonOption = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the solution into a file.", rich_help_panel=OUTPUT)
+    ] = None,
+    names: NamesOption = None,
+    views: ViewsOption = None,
 ) -> None:
     """Find one solution near a start."""
     from symkin.position.solve import solve as solve_one
 
     mechanism = loaded(mech, read)
+    options = picture_options(plot, mechanism, names=names, views=views)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given, start)
     result = solve_one(
         mechanism, joints=joints_from(joints, "joints", mechanism.angle_unit), pose=reader.pose(pose, "pose"),
         given=reader.given(given), start=reader.start(start, is_pose=pose is None), solver=solver.value, check=False,
     )  # fmt: skip
-    print_result(as_json, result.to_dict, lambda: result.summary(everything=everything).text())
+    picture = ""
+    if plot is not None and result.solution is not None:
+        result.plot(plot, **options)
+        picture = f"\npicture: {plot}"
+    print_result(as_json, result.to_dict, lambda: result.summary(everything=everything).text() + picture)
     raise typer.Exit(0 if result.solution is not None else 3)
