@@ -1,0 +1,50 @@
+"""The site: `python -m sphinx -W docs OUT` (extra `symkin[docs]`). Everything is made here, without network."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+from _site.gallery import write_gallery  # noqa: E402
+from _site.program import help_page, tolerances_page  # noqa: E402
+from _site.verdicts import papers_page  # noqa: E402
+
+import symkin  # noqa: E402
+
+SHORT = ("zhao2000", "four_bar", "ur5e")
+"""Mechanisms of the gallery with `-t short`, which builds all other pages as they are."""
+
+project = "symkin"
+author = "the symkin team"
+release = symkin.__version__
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx_design", "_site.mathml"]
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+myst_heading_anchors = 4
+exclude_patterns = ["robots", "_site", "notebooks", "generated/extra"]
+suppress_warnings = ["myst.xref_missing"]
+html_theme = "furo"
+html_title = "symkin"
+html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_extra_path = ["generated/extra"]
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented"
+highlight_language = "none"
+pygments_style = "default"
+
+
+def write_pages(folder: Path, short: bool) -> None:
+    """Pages that are made from the program, its mechanisms and its studies."""
+    folder.mkdir(exist_ok=True)
+    (folder / "extra").mkdir(exist_ok=True)
+    (folder / "help.md").write_text(help_page(), encoding="utf-8")
+    (folder / "tolerances.md").write_text(tolerances_page(), encoding="utf-8")
+    (folder / "papers.md").write_text(papers_page(HERE / "papers"), encoding="utf-8")
+    names = SHORT if short else symkin.shipped_names()
+    write_gallery(folder / "gallery", HERE.parent / "studies", names, moving=not short)
+
+
+write_pages(HERE / "generated", short=tags.has("short"))  # type: ignore[name-defined]  # noqa: F821
