@@ -1,5 +1,6 @@
 """The site: `python -m sphinx -W docs OUT` (extra `symkin[docs]`). Everything is made here, without network."""
 
+import shutil
 import sys
 from pathlib import Path
 
@@ -9,6 +10,7 @@ sys.path.insert(0, str(HERE))
 from _site.gallery import write_gallery  # noqa: E402
 from _site.program import help_page, tolerances_page  # noqa: E402
 from _site.verdicts import papers_page  # noqa: E402
+from sphinx.application import Sphinx  # noqa: E402
 
 import symkin  # noqa: E402
 
@@ -38,7 +40,8 @@ pygments_style = "default"
 
 def write_pages(folder: Path, short: bool) -> None:
     """Pages that are made from the program, its mechanisms and its studies."""
-    folder.mkdir(exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
     (folder / "extra").mkdir(exist_ok=True)
     (folder / "help.md").write_text(help_page(), encoding="utf-8")
     (folder / "tolerances.md").write_text(tolerances_page(), encoding="utf-8")
@@ -48,3 +51,14 @@ def write_pages(folder: Path, short: bool) -> None:
 
 
 write_pages(HERE / "generated", short=tags.has("short"))  # type: ignore[name-defined]  # noqa: F821
+
+
+def setup(app: Sphinx) -> None:
+    """Docstrings are plain text with formulas, in which columns count: they are shown as they stand."""
+    app.connect("autodoc-process-docstring", show_as_it_stands)
+
+
+def show_as_it_stands(app, what, name, obj, options, lines: list[str]) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """Put a docstring into a block of text."""
+    if lines:
+        lines[:] = [".. code-block:: text", "", *("   " + line for line in lines), ""]

@@ -8,46 +8,55 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from helpers.documents import ROOT, Command, blocks, is_as_printed, sessions
+from helpers.documents import ROOT, Command, blocks, is_as_printed, machines, sessions, shown_outputs
 from symkin.model.file import parse, shipped_names
 
-DOCUMENTS = ("README.md", "docs/bring-your-robot.md")
+TUTORIALS = tuple(str(path.relative_to(ROOT)) for path in sorted((ROOT / "docs" / "tutorials").glob("*.md")))
+DOCUMENTS = ("README.md", "docs/index.md", "docs/bring-your-robot.md", *TUTORIALS)
 ROBOTS = ROOT / "docs" / "robots"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("code", [code for document in DOCUMENTS for code in blocks(document, "python")])
-def test_python_blocks_run(code: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_python_blocks_run(
+    code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Each Python block runs alone and prints something."""
-    monkeypatch.chdir(ROOT)
+    folder = tmp_path / "docs"
+    shutil.copytree(ROBOTS, folder / "robots")
+    monkeypatch.chdir(tmp_path)
     exec(compile(code, "document", "exec"), {})
     assert capsys.readouterr().out.strip()
 
 
 @pytest.mark.slow
 def test_toml_block_has_two_modes() -> None:
-    """The five-bar of the README has the two modes of a dyad (Hunt 1978: two circles meet in two points)."""
-    (text,) = blocks("README.md", "toml")
-    assert len(symkin.modes(parse(text, "README.md"), joints=[10, -10])) == 2
+    """The five-bar of the tutorial has the two modes of a dyad (Hunt 1978: two circles meet in two points)."""
+    text = machines("docs/tutorials/describe.md")["five_bar.toml"]
+    assert len(symkin.modes(parse(text, "five_bar.toml"), joints=[10, -10])) == 2
 
 
 def test_shipped_mechanisms_are_listed() -> None:
-    """The README's table names every shipped mechanism."""
+    """The README names every shipped mechanism."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert all(f"`{name}`" in text for name in shipped_names())
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "session", [session for document in DOCUMENTS for session in sessions(document)], ids=lambda s: str(s[0])
+    ("document", "session"),
+    [(document, session) for document in DOCUMENTS for session in sessions(document)],
+    ids=lambda value: value if isinstance(value, str) else str(value[0]),
 )
 def test_commands_print_what_stands_below_them(
-    session: list[Command], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    document: str, session: list[Command], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In a copy of the folder of example robots; `...` stands for any text."""
+    """In a copy of the folder of example robots, with the document's machines; `...` stands for any text."""
     pytest.importorskip("mujoco")
     folder = Path(shutil.copytree(ROBOTS, tmp_path / "robots"))
     monkeypatch.chdir(folder)
+    for name, text in machines(document).items():
+        (folder / name).write_text(text, encoding="utf-8")
     for command in session:
         assert command.words[0] == "symkin"
         _, out, err = run(capsys, *command.words[1:])
@@ -72,3 +81,11 @@ def test_parts_of_files_are_those_of_the_files(language: str) -> None:
     shown = blocks("docs/bring-your-robot.md", language)
     assert shown
     assert all(any(part in text for text in files) for part in shown)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("code", "told"), [pair for document in DOCUMENTS for pair in shown_outputs(document)])
+def test_python_prints_what_stands_below_it(code: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """An `output` block below a Python block is what it prints."""
+    exec(compile(code, "document", "exec"), {})
+    assert is_as_printed(told, capsys.readouterr().out)

@@ -39,6 +39,18 @@ def sessions(document: str) -> list[list[Command]]:
     return found
 
 
+def machines(document: str) -> dict[str, str]:
+    """The TOML blocks that begin with a comment of their file's name, by that name."""
+    named = ((re.match(r"# (\w+\.toml)\n", text), text) for text in blocks(document, "toml"))
+    return {name[1]: text for name, text in named if name}
+
+
+def shown_outputs(document: str) -> list[tuple[str, str]]:
+    """Python blocks with an `output` block right below them."""
+    text = (ROOT / document).read_text(encoding="utf-8")
+    return re.findall(r"^```python\n((?:(?!^```).*\n)*)^```\n\n```output\n(.*?)^```$", text, re.M | re.S)
+
+
 def is_as_printed(told: str, output: str) -> bool:
     """Whether an output is the one told, in which ... stands for any text, and spaces at ends of lines do not count."""
     pattern = "".join(

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
 
+from helpers.documents import machines
 from symkin import Joint, Limb, Mechanism, Rod, RodLimb
 from symkin.model.file import parse
 
@@ -118,10 +117,9 @@ RRR_BASE, RRR_PLATFORM, RRR_LINKS = 100.0, 30.0, (60.0, 65.0)
 
 
 def readme_five_bar(motion: str = "spatial") -> Mechanism:
-    """The README's: bases 150 apart, cranks 100 that stand upright at 0, couplers 150."""
-    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
-    (text,) = re.findall(r"^```toml\n(.*?)^```$", readme, re.M | re.S)
-    return parse(text.replace("[platform]", f'[platform]\nmotion = "{motion}"'), "README.md")
+    """The tutorial's: bases 150 apart, cranks 100 that stand upright at 0, couplers 150."""
+    text = machines("docs/tutorials/describe.md")["five_bar.toml"]
+    return parse(text.replace("[platform]", f'[platform]\nmotion = "{motion}"'), "five_bar.toml")
 
 
 def three_rrr(motion: str = "spatial") -> Mechanism:

@@ -1,0 +1,45 @@
+"""The site of docs/ is built without a warning, and its pages hold what the program tells."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("furo")
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def build(folder: Path, *options: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", *options, "docs", str(folder)],
+        cwd=ROOT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-4000:]
+
+
+@pytest.mark.slow
+def test_site_is_built_without_a_warning(tmp_path: Path) -> None:
+    """With a gallery of three; help, tolerances and verdicts are there."""
+    build(tmp_path, "-t", "short")
+    for page, told in {
+        "index.html": "Describe your machine",
+        "generated/help.html": "symkin calibrate fit",
+        "generated/tolerances.html": "CLOSURE_TOLERANCE",
+        "generated/papers.html": "refuted",
+        "generated/gallery/zhao2000.html": "4 modes",
+        "explanations/completeness.html": "<math",
+        "reference/api.html": "symkin.modes",
+    }.items():
+        assert told in (tmp_path / page).read_text(encoding="utf-8"), page
+
+
+@pytest.mark.long
+def test_whole_gallery_is_built(tmp_path: Path) -> None:
+    """Every mechanism has its page that moves."""
+    import symkin
+
+    build(tmp_path)
+    assert {path.stem for path in (tmp_path / "moving").glob("*.html")} == set(symkin.shipped_names())
