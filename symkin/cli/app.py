@@ -22,6 +22,7 @@ from symkin.cli.singularities import singularities
 from symkin.cli.streams import prepare_streams, say, silence
 from symkin.cli.sweep import sweep
 from symkin.cli.track import track
+from symkin.cli.view import view
 from symkin.errors import SymkinError
 
 INTERRUPTED = 130
@@ -100,6 +101,11 @@ add_command(
         "symkin track zhao2000 --from 81,202,330,105 --to 85,200,330,110 -o path.csv",
         "symkin track ankle --given upper_motor=8:20,lower_motor=12", "symkin track zhao2000 --csv path.csv",
     ],
+    group=_POSITIONS,
+)  # fmt: skip
+add_command(
+    app, view, "The mechanism in a browser, where it moves.",
+    ["symkin view zhao2000 --html zhao2000.html", "symkin view ankle --given upper_motor=8,lower_motor=12 --html ankle.html"],
     group=_POSITIONS,
 )  # fmt: skip
 add_command(
