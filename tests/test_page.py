@@ -123,7 +123,7 @@ def test_modes_appear_and_vanish_as_those_of_symkin_do(open_page: Callable[..., 
     told = [one for one in zip(rows, page.evaluate(SET_ALL, rows), strict=True) if one[1]["reached"]]
     found = symkin.modes(mechanism, joints=[row for row, _ in told])
     assert [one["count"] for _, one in told] == [len(every) for every in found]
-    assert len({len(every) for every in found}) > 3
+    assert len({len(every) for every in found}) > 1
 
 
 STOPS = {

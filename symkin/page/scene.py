@@ -171,7 +171,7 @@ class _Items:
         found, turn = [], 0
         for link, points in self.points.items():
             role = "base" if link == BASE else "platform" if link == self.mechanism.platform_link else "link"
-            colour = {"base": COLOURS["base edge"], "platform": COLOURS["platform"]}.get(role)
+            colour = {"base": "base edge", "platform": "platform"}.get(role)
             if colour is None:
                 colour, turn = LINK_COLOURS[turn % len(LINK_COLOURS)], turn + 1
             body = body_of(np.array(points), self.size)
@@ -209,7 +209,7 @@ def _slides(mechanism: Mechanism) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Where the slides of limbs and arms begin and end, as pictures draw them: along their axes, one after the other."""
     if mechanism.is_graph:
         return {}
-    found = {}
+    found: dict[str, tuple[np.ndarray, np.ndarray]] = {}
     for lines in reference_lines(mechanism).limbs:
         for segment in (s for s in lines.segments if "slide" in s.kind):
             middle = 0.5 * (segment.start + segment.end)
