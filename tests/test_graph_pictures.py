@@ -273,9 +273,12 @@ def test_names_of_loops_alone_or_none(tmp_path, capsys):
     where = ROBOTS / CROWDED[0]
     assert run(capsys, "show", where, "--plot", tmp_path / "a.png", "--names", "loops")[0] == 0
     for wrong, sentence in (
-        (("show", where, "--plot", tmp_path / "b.png", "--names", "few"), "--names: 'few' is unknown; allowed: all, loops, none"),
+        (
+            ("show", where, "--plot", tmp_path / "b.png", "--names", "few"),
+            "--names: 'few' is unknown; allowed: all, joints, links, loops, none",
+        ),
         (("show", where, "--names", "loops"), "--names is given without --plot"),
-        (("show", "zhao2000", "--plot", tmp_path / "b.png", "--names", "none"), "zhao2000 has limbs"),
+        (("show", "zhao2000", "--plot", tmp_path / "b.png", "--names", "loops"), "zhao2000 has limbs"),
     ):
         status, _, err = run(capsys, *wrong)
         assert status == 2

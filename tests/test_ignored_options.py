@@ -26,7 +26,7 @@ COMMANDS = [
     ("singularities zhang2009 --range 0:1,0:1", ["--range is", "--plane"]),
     ("singularities zhang2009 --starts 3", ["--starts is", "--plane"]),
     ("singularities zhang2009 --seed 0", ["--seed is", "--plane"]),
-    ("singularities zhang2009 --plot a.png --seed 0", ["--plot and --seed are", "--plane"]),
+    ("singularities zhang2009 --starts 9 --seed 0", ["--starts and --seed are", "--plane"]),
     ("singularities zhang2009 --plane x,y --output x", ["--output and --point", "--plane"]),
     (f"track gluon_6l3 --from {ARM_JOINTS} --to 1,1,1,1,1,1 --start {ARM_POSE}", ["start is", "a function of its joints"]),
     ("sweep gluon_6l3 --grid q1=0:1:2 -o OUT --starts 9", ["starts is", "nothing is random"]),

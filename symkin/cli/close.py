@@ -10,6 +10,7 @@ import typer
 
 from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.pictures import NamesOption, picture_options
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
@@ -37,6 +38,7 @@ def close(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the closed configuration into a file.", rich_help_panel=OUTPUT)
     ] = None,
+    names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Find the closed configuration nearest to the file's own: how far loops were open, rank, mobility. Exit status 3: none closes."""
@@ -44,17 +46,14 @@ def close(
     from symkin.position.close import close as close_one
 
     _check_output(output, mech)
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
+    options = picture_options(plot, names=names)
     found = close_one(mech, read)
     written = ""
     if output is not None and found.closed:
         write_output(output, _content(mech, found, output))
         written = f"\nwritten: {output}"
     if plot is not None and found.closed:
-        found.plot(plot)
+        found.plot(plot, **options)
         written += f"\npicture: {plot}"
     print_result(as_json, found.to_dict, lambda: str(found) + written)
     raise typer.Exit(0 if found.closed else 3)

@@ -10,6 +10,7 @@ import typer
 
 from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
+from symkin.cli.pictures import NamesOption, picture_options
 from symkin.cli.reading import reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
@@ -35,14 +36,7 @@ def show(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw a kinematic sketch into a file.", rich_help_panel=OUTPUT)
     ] = None,
-    names: Annotated[
-        str | None,
-        typer.Option(
-            metavar="all|loops|none",
-            help="Sketch of a graph: names of all, of joints that close loops, of none.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = None,
+    names: NamesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
@@ -50,13 +44,12 @@ def show(
 
     if latex and as_json:
         raise InputError("both --latex and --json are given; the equations are LaTeX, the account is JSON: give one of them")
-    if names is not None and plot is None:
-        raise InputError("--names is given without --plot; it says which names stand in the picture")
     mechanism = load(mech, read)
+    options = picture_options(plot, mechanism, names=names)
     if plot is not None:
         from symkin.plots.sketch import draw_sketch
 
-        draw_sketch(mechanism, plot, names)
+        draw_sketch(mechanism, plot, **options)
     if latex:
         from symkin.codegen.latex import equations
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -24,10 +24,14 @@ from symkin.cli.options import (
     whole_number,
     whole_numbers,
 )
+from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
 from symkin.formats.read_options import ReadOptions
+
+if TYPE_CHECKING:
+    from symkin.assembly.modes_result import Modes
 
 
 class Method(StrEnum):
@@ -83,16 +87,24 @@ def modes(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the modes into a file.", rich_help_panel=OUTPUT)
     ] = None,
+    shown: Annotated[
+        str | None,
+        typer.Option(
+            "--modes",
+            metavar="K1-K2,...",
+            help="Modes in the picture, such as 1-16 or 1,3, or all. Default: 12 of them.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+    names: NamesOption = None,
+    views: ViewsOption = None,
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.assembly.modes import modes as find_modes
     from symkin.formats.load import load
 
     mechanism = load(mech, read)
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
+    options = picture_options(plot, mechanism, names=names, views=views, modes=shown)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given)
     with progress_bar("solutions") as progress:
@@ -107,11 +119,20 @@ def modes(
             seed=seed,
             progress=progress,
         )
-    if plot is not None:
-        found.plot(plot)
-    picture = f"\npicture: {plot}" if plot is not None else ""
-    print_result(as_json, found.to_dict, lambda: found.summary(everything=everything).text() + picture)
+    drawn = _drawn(found, plot, options)
+    print_result(as_json, found.to_dict, lambda: found.summary(everything=everything).text() + drawn)
     raise typer.Exit(0 if found.modes or found.positive_dimensional else 3)
+
+
+def _drawn(found: Modes, plot: Path | None, options: dict[str, Any]) -> str:
+    """Draw the modes; the line that names the picture and what it leaves out."""
+    if plot is None:
+        return ""
+    from symkin.plots.modes_plot import left_out, shown_numbers
+
+    found.plot(plot, **options)
+    missing = left_out(found, shown_numbers(found, options.get("modes")))
+    return f"\npicture: {plot}" + (f" ({missing})" if missing else "")
 
 
 @reads_robots

@@ -22,6 +22,7 @@ from symkin.cli.options import (
     print_result,
     whole_number,
 )
+from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import reads_robots
@@ -57,8 +58,13 @@ def singularities(
         typer.Option("--range", metavar="U0:U1,V0:V1", help="The window of --plane, in the file's units.", rich_help_panel=ASKED),
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(metavar="FILE.png", help="Draw the loci of --plane into a file.", rich_help_panel=OUTPUT)
+        Path | None,
+        typer.Option(
+            metavar="FILE.png", help="Draw the configuration, or the loci of --plane, into a file.", rich_help_panel=OUTPUT
+        ),
     ] = None,
+    names: NamesOption = None,
+    views: ViewsOption = None,
     starts: Annotated[
         int | None,
         typer.Option(metavar="N", parser=whole_number, help="Random starts for --plane. Default: 200.", rich_help_panel=HOW),
@@ -88,21 +94,22 @@ def singularities(
     from symkin.singularities.configuration import configuration
 
     if plane is None:
-        loci_only = {"--range": window, "--plot": plot, "--starts": starts, "--seed": seed}
+        loci_only = {"--range": window, "--starts": starts, "--seed": seed}
         refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
     if plane is not None and (output is not None or point is not None):
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
     mechanism = load(mech, read)
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
+    if plane is not None and (names is not None or views is not None):
+        raise InputError(
+            "--names and --views belong to the picture of one configuration, not to that of --plane, which shows curves"
+        )
+    options = picture_options(plot, mechanism, names=names, views=views)
     unit = mechanism.angle_unit
     sides = _window(window, unit)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given, start)
     values = reader.given(given)
-    names = None if output is None else [name.strip() for name in output.split(",")]
+    outputs = None if output is None else [name.strip() for name in output.split(",")]
     try:
         solution = configuration(
             mechanism, joints=joints_from(joints, "joints", unit), pose=reader.pose(pose, "pose"), given=values,
@@ -117,8 +124,10 @@ def singularities(
         from symkin.singularities.classification import singularity
 
         driven = None if values is None else list(values)
-        found = singularity(solution, given=driven, output=names, point=numbers_from(point, "point", unit))
-        print_result(as_json, found.to_dict, lambda: str(found))
+        found = singularity(solution, given=driven, output=outputs, point=numbers_from(point, "point", unit))
+        if plot is not None:
+            found.plot(plot, **options)
+        print_result(as_json, found.to_dict, lambda: str(found) + (f"\npicture: {plot}" if plot is not None else ""))
         return
     from symkin.singularities.singular_loci import DEFAULT_STARTS, singular_loci
 

@@ -1,4 +1,4 @@
-"""Draw one configuration of a mechanism on matplotlib's 3-D axes, nearer parts over farther ones."""
+"""Draw one configuration of a mechanism on matplotlib's 3-D axes, nearer parts over farther ones, where lines cross too."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from symkin.model.mechanism import Mechanism
+from symkin.plots.crossings import Piece, pieces
 from symkin.plots.mechanism_lines import Dot, MechanismLines, Segment, SegmentKind, outline
 from symkin.plots.style import COLOURS
 from symkin.plots.view3d import View, set_axes
@@ -15,8 +17,12 @@ from symkin.singularities.named_screw import NamedScrew
 
 FRAME_COLOURS = ("#c0392b", "#2e8b57", "#2c5fa8")
 """Axes x, y, z of a frame."""
-_FRAME = 0.1
+FRAME_LENGTH = 0.1
 """Length of the axes of frames, of the box."""
+_EDGE, _REACH = 3.0, 0.03
+"""Width (points) that a white edge adds to a line where it passes over another, and half its length, of the box."""
+_OVERLAP = 1e-3
+"""Share of the box by which pieces of one line overlap, so that no seam is seen."""
 _TWIST: dict[str, Any] = {"color": "#8c2d9c", "linewidth": 1.8}
 """Look of the axes of platform motions."""
 _LINES: dict[SegmentKind, tuple[tuple[float, str], ...]] = {
@@ -35,8 +41,7 @@ def draw_lines(ax: Any, body: MechanismLines, view: View, share: float, scale: f
     painter.plate(body.base if body.has_platform else _pad(view), "base", hub=None)
     if body.has_platform:
         painter.plate(body.platform, "platform", hub=np.asarray(body.pose.position))
-    for segment in _segments(body):
-        painter.segment(segment)
+    painter.segments(list(_segments(body)))
     painter.dots([dot for limb in body.limbs for dot in limb.dots])
     painter.frame(np.zeros(3), np.eye(3))
     painter.frame(np.asarray(body.pose.position), np.asarray(body.pose.rotation))
@@ -64,6 +69,22 @@ def draw_twist(ax: Any, twist: NamedScrew, body: MechanismLines, view: View) -> 
     middle = point + twist.direction * float((view.limits.mean(axis=1) - point) @ twist.direction)
     ends = np.array([middle - 0.5 * length * twist.direction, middle + 0.5 * length * twist.direction])
     ax.plot(*ends.T, linestyle="--", zorder=40.0, **_TWIST)
+
+
+def frame_handle() -> Any:
+    """What stands for the axes of frames in a legend: three strokes side by side."""
+    from matplotlib.lines import Line2D
+
+    return tuple(Line2D([], [], linewidth=1.8, color=colour) for colour in FRAME_COLOURS)
+
+
+def frame_text(mechanism: Mechanism, named: bool) -> str:
+    """What the axes of frames are, for a legend; with the letters of their origins where these are named."""
+    has_frame = mechanism.serial or mechanism.platform_link is not None
+    base, other = (
+        ("base (O)", f"{mechanism.frame_name} ({mechanism.frame_name[0].upper()})") if named else ("base", mechanism.frame_name)
+    )
+    return f"x, y, z of {base} and {other}" if has_frame else f"x, y, z of the {base}"
 
 
 def twist_handle() -> Any:
@@ -113,15 +134,32 @@ class _Painter:
         """Matplotlib z-order of an artist about the mean of `points`; `lift` brings it nearer (of the box)."""
         return 10.0 + float(np.mean(np.atleast_2d(points), axis=0) @ self.view.axes[2]) / self.largest + lift
 
-    def segment(self, segment: Segment) -> None:
-        if segment.length > 1e-6 * self.largest:
-            for k, (width, colour) in enumerate(_LINES[segment.kind]):
-                self.line(segment.start, segment.end, width, colour, 0.01 * k)
+    def segments(self, segments: Sequence[Segment]) -> None:
+        """Lines in pieces, so that of two that cross the nearer one is on top, parted by a white edge."""
+        long = [segment for segment in segments if segment.length > 1e-6 * self.largest]
+        for piece in pieces([(segment.start, segment.end) for segment in long], self.view.axes):
+            self.piece(piece, _LINES[long[piece.number].kind])
+
+    def piece(self, piece: Piece, looks: Sequence[tuple[float, str]]) -> None:
+        along = piece.end - piece.start
+        along = along / (np.linalg.norm(along) or 1.0) * self.largest
+        order = 10.0 + piece.nearness / self.largest
+        if piece.over is not None:
+            back, ahead = (
+                min(_REACH, float(np.linalg.norm(end - piece.over)) / self.largest) for end in (piece.start, piece.end)
+            )
+            edge = piece.over - back * along, piece.over + ahead * along
+            self.stroke(*edge, looks[0][0] + _EDGE, "white", order - 0.005, "butt")
+        lap = [0.0 if free else _OVERLAP * along for free in piece.free]
+        for k, (width, colour) in enumerate(looks):
+            cap = "butt" if width > 5.0 or not all(piece.free) else "round"
+            self.stroke(piece.start - lap[0], piece.end + lap[1], width, colour, order + 0.002 * k, cap)
 
     def line(self, start: np.ndarray, end: np.ndarray, width: float, colour: str, lift: float = 0.0) -> None:
+        self.stroke(start, end, width, colour, self.order(np.array([start, end]), lift), "butt" if width > 5.0 else "round")
+
+    def stroke(self, start: np.ndarray, end: np.ndarray, width: float, colour: str, order: float, cap: str) -> None:
         both = np.array([start, end])
-        cap = "butt" if width > 5.0 else "round"
-        order = self.order(both, lift)
         self.ax.plot(*both.T, color=colour, linewidth=width * self.scale, solid_capstyle=cap, zorder=order)
 
     def dots(self, dots: Sequence[Dot]) -> None:
@@ -150,4 +188,4 @@ class _Painter:
 
     def frame(self, origin: np.ndarray, rotation: np.ndarray) -> None:
         for axis, colour in zip(rotation.T, FRAME_COLOURS, strict=True):
-            self.line(origin, origin + _FRAME * self.largest * axis, 1.4, colour, 0.02)
+            self.line(origin, origin + FRAME_LENGTH * self.largest * axis, 1.4, colour, 0.02)

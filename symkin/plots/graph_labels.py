@@ -5,18 +5,17 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from symkin.model.joint import BASE
 from symkin.plots.graph_painter import RING, GraphPainter
 from symkin.plots.label_placement import Box, Label, Page
-from symkin.plots.sheet import direction, text_extent
+from symkin.plots.picture_options import Names
+from symkin.plots.sheet import direction, outlined, text_extent
 from symkin.plots.style import COLOURS
 
-Names = Literal["all", "loops", "none"]
-"""What is named: all that is drawn, only the joints that close loops, or nothing."""
 _MOST_LINK_NAMES = 16
 """Links whose names are written; beyond, they hide what they name."""
 _MOST_AT_ONE_PLACE = 4
@@ -38,8 +37,8 @@ class _Name:
     look: dict[str, Any]
 
 
-def draw_labels(figure: Any, painter: GraphPainter, page: Page, names: Names = "all") -> int:
-    """Write names beside what they name, where they do not meet. How many find no room."""
+def draw_labels(figure: Any, painter: GraphPainter, page: Page, names: Names = "all", scale: float = 1.0) -> int:
+    """Write names beside what they name, where they do not meet, `scale` times as large as usual. How many find no room."""
     for start, end in painter.strokes:
         page.add_line(start.tolist(), end.tolist())
     page.symbols += [Box(x, y, reach, reach) for x, y, reach in painter.symbols]
@@ -47,36 +46,40 @@ def draw_labels(figure: Any, painter: GraphPainter, page: Page, names: Names = "
     wanted = list(_wanted(painter, names))
     crowded, left_out = len(wanted) > _CROWDED, 0
     for name in wanted:
-        width, height = text_extent(figure, painter.ax, name.text, name.font, **name.look)
+        font = scale * name.font
+        width, height = text_extent(figure, painter.ax, name.text, font, **name.look)
         wish = direction(name.anchor - middle)
         label = Label(name.text, (name.anchor[0], name.anchor[1]), name.reach, width, height, (wish[0], wish[1]))
         box = page.find(label, _FARTHEST, _MOST_COST) if crowded else page.place(label)
         if box is None:
             left_out += 1
         else:
-            _write(painter.ax, page, label, box, {"fontsize": name.font, **name.look})
+            _write(painter.ax, page, label, box, {"fontsize": font, **name.look})
     return left_out
 
 
 def _wanted(painter: GraphPainter, names: Names) -> Iterator[_Name]:
     """All names, the most important first."""
     lines = painter.lines
+    if names == "none":
+        return
     if painter.origin and lines.pose is not None and np.linalg.norm(lines.pose.position) > 1e-6 * painter.size:
         yield _Name("O", painter.at(np.zeros(3)), 4.0, 10.0, {"color": COLOURS["text"], "fontweight": "bold"})
     if lines.pose is not None:
         look = {"color": COLOURS["platform edge"], "fontweight": "bold"}
         yield _Name("P", painter.at(np.asarray(lines.pose.position)), 4.0, 10.0, look)
-    if names == "none":
-        return
-    yield from _joints(painter, names)
+    if names != "links":
+        yield from _joints(painter, names)
     if names == "loops":
         return
-    for name, point in lines.points.items():
+    for name, point in lines.points.items() if names != "joints" else ():
         yield _Name(name, painter.at(point), 6.0, 9.0, {"color": COLOURS["text"], "fontstyle": "italic"})
     for rod in lines.rods:
+        if names == "joints" and not rod.actuated:
+            continue
         reach = 0.4 * painter.symbol if rod.actuated else 4.0
         yield _Name(rod.name, painter.at(0.5 * (rod.start + rod.end)), reach, 9.0, {"color": COLOURS["link"]})
-    if len(lines.links) <= _MOST_LINK_NAMES:
+    if names == "links" or (names == "all" and len(lines.links) <= _MOST_LINK_NAMES):
         for link, points in lines.links.items():
             if link != BASE:
                 colour = COLOURS["platform edge"] if link == lines.mechanism.platform_link else COLOURS["quiet"]
@@ -94,7 +97,7 @@ def _joints(painter: GraphPainter, names: Names) -> Iterator[_Name]:
         others = [name for name in here if name not in closing]
         reach = (RING + 0.1 if loops else 0.6) * painter.symbol
         for group, colour in ((loops, "loop"), (others, "text")):
-            if group and (names == "all" or group is loops):
+            if group and (names != "loops" or group is loops):
                 yield _Name(_joined(group), place, reach, 9.5, {"color": COLOURS[colour]})
 
 
@@ -125,4 +128,15 @@ def _write(ax: Any, page: Page, label: Label, box: Box, look: dict[str, Any]) ->
         start = anchor + direction(edge - anchor) * label.reach
         ax.plot([start[0], edge[0]], [start[1], edge[1]], color=COLOURS["axis"], linewidth=0.6, zorder=19.0, gid="leader")
         page.add_line(start.tolist(), edge.tolist())
-    ax.text(box.x, box.y, label.text, ha="center", va="center", zorder=30.0, parse_math=False, gid="label", **look)
+    ax.text(
+        box.x,
+        box.y,
+        label.text,
+        ha="center",
+        va="center",
+        zorder=30.0,
+        parse_math=False,
+        gid="label",
+        path_effects=outlined(),
+        **look,
+    )

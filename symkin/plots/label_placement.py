@@ -51,13 +51,15 @@ class Box:
 
 @dataclass
 class Page:
-    """The picture while labels are placed: its size, boxes of symbols, points on lines."""
+    """The picture, or the part above and right of `left` and `foot`, while labels are placed: its size, boxes of symbols, points on lines."""
 
     width: float
     height: float
     symbols: list[Box] = field(default_factory=list)
     points: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     placed: list[Box] = field(default_factory=list)
+    left: float = 0.0
+    foot: float = 0.0
 
     def add_line(self, start: Sequence[float], end: Sequence[float], step: float = 5.0) -> None:
         """Points of a line, to be kept clear."""
@@ -100,7 +102,8 @@ class Page:
 
     def _cost(self, box: Box, ring: float, turned: float) -> float:
         """Infinite outside the picture and over another label."""
-        inside = box.wide + 2 < box.x < self.width - box.wide - 2 and box.high + 2 < box.y < self.height - box.high - 2
+        x, y = box.x - self.left, box.y - self.foot
+        inside = box.wide + 2 < x < self.width - box.wide - 2 and box.high + 2 < y < self.height - box.high - 2
         if not inside or any(box.meets(other, _GAP) for other in self.placed):
             return float("inf")
         symbols = sum(1 for symbol in self.symbols if box.meets(symbol, 2.0))
@@ -111,7 +114,7 @@ class Page:
         wide, high = 0.5 * label.width, 0.5 * label.height
         xs = np.arange(wide + 3, max(wide + 4, self.width - wide - 2), 12.0)
         ys = np.arange(high + 3, max(high + 4, self.height - high - 2), high + 2)
-        boxes = [Box(float(x), float(y), wide, high) for x in xs for y in ys]
+        boxes = [Box(self.left + float(x), self.foot + float(y), wide, high) for x in xs for y in ys]
         free = [box for box in boxes if not any(box.meets(other, _GAP) for other in self.placed)]
         x, y = label.anchor
         return min(free, key=lambda box: (box.x - x) ** 2 + (box.y - y) ** 2, default=Box(x, y, wide, high))

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from symkin.model.mechanism import Mechanism
-from symkin.plots.configuration_panel import draw_lines, draw_twist, legend_entries, twist_handle
+from symkin.plots.configuration_panel import draw_lines, draw_twist, frame_handle, frame_text, legend_entries, twist_handle
 from symkin.plots.mechanism_lines import MechanismLines
+from symkin.plots.panel_labels import PanelLabels
+from symkin.plots.picture_options import Names, ViewName
 from symkin.plots.style import COLOURS, drawing
 from symkin.plots.view3d import View
 from symkin.quiet import warnings_ignored
@@ -19,8 +21,15 @@ from symkin.singularities.named_screw import NamedScrew
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_HEAD, _FOOT, _NARROWEST = 1.0, 0.42, 7.4
+_HEAD, _FOOT, _NARROWEST = 1.0, 0.62, 7.4
 """Inches above the panels (figure title) and below them (legend), and the least width of a figure."""
+_VIEW_TITLES: dict[ViewName, str] = {
+    "main": "at an angle",
+    "top": "from above",
+    "front": "from the front",
+    "side": "from the side",
+}
+"""Titles of panels where a configuration is seen from several sides."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,27 +42,117 @@ class Panel:
     twists: tuple[NamedScrew, ...] = ()
 
 
-def panel_figure(mechanism: Mechanism, panels: Sequence[Panel], facts: Sequence[str], part: str = "") -> Figure:
+def panel_figure(
+    mechanism: Mechanism, panels: Sequence[Panel], facts: Sequence[str], part: str = "", *,
+    names: Names = "none", views: Sequence[ViewName] = ("main",),
+) -> Figure:  # fmt: skip
     """The panels in rows, to one scale; the mechanism's title, then `part`, above the `facts`, a line each."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    view = View.around([panel.lines for panel in panels], mechanism.length_unit)
-    grid = _Grid.for_panels(len(panels), view, max(panel.text.count("\n") for panel in panels) + 1)
+    block = PanelBlock.of(mechanism, panels, names, views)
+    width, height = max(block.size[0], _NARROWEST), _HEAD + block.size[1] + _FOOT
     with drawing():
-        figure = Figure(figsize=grid.figure_size, facecolor="white")
+        figure = Figure(figsize=(width, height), facecolor="white")
         FigureCanvasAgg(figure)
-        for k, panel in enumerate(panels):
-            _draw_panel(figure, grid, k, panel, view)
+        block.draw(figure, 0.5 * width, height - _HEAD)
         _heading(figure, mechanism, facts, part)
-        _legend(figure, panels)
+        block.draw_legend(figure, 0.0)
     return figure
+
+
+@dataclass(frozen=True, eq=False)
+class PanelBlock:
+    """Panels of configurations as a part of a figure: each panel from each of the views, all to one scale."""
+
+    mechanism: Mechanism
+    panels: Sequence[Panel]
+    names: Names
+    views: tuple[View, ...]
+    grid: _Grid
+
+    @staticmethod
+    def of(
+        mechanism: Mechanism, panels: Sequence[Panel], names: Names, views: Sequence[ViewName], columns: int | None = None
+    ) -> PanelBlock:
+        around = View.around([panel.lines for panel in panels], mechanism.length_unit)
+        seen = tuple(around.seen_from(name) for name in views)
+        across = columns or _columns(len(panels), len(seen))
+        return PanelBlock(mechanism, panels, names, seen, _Grid.for_panels(panels, across, seen))
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in inches."""
+        return self.grid.size
+
+    def draw(self, figure: Figure, middle: float, top: float) -> None:
+        """Draw the panels below `top` about `middle`, in inches from the figure's lower left corner."""
+        cells = [(panel, view) for panel in self.panels for view in self.views]
+        for k, (panel, view) in enumerate(cells):
+            across, down = self.grid.place(k)
+            self._panel(figure, panel, view, middle + across, top - down)
+
+    def _panel(self, figure: Figure, panel: Panel, view: View, middle: float, top: float) -> None:
+        """One panel: its title, and below it the axes, a square about the middle of the box as it is seen."""
+        grid, (width, height) = self.grid, figure.get_size_inches()
+        centre = middle + 0.5 * (grid.margin[0] - grid.margin[1]), top - grid.title - 0.5 * grid.scale * view.picture[1]
+        side = 1.2 * max(grid.box)
+        box = ((centre[0] - 0.5 * side) / width, (centre[1] - 0.5 * side) / height, side / width, side / height)
+        ax: Any = figure.add_axes(box, projection="3d")
+        share = grid.scale * view.picture[0] / side
+        draw_lines(ax, panel.lines, view, share=share, scale=0.8 if grid.columns > 2 else 1.0)
+        for twist in panel.twists:
+            draw_twist(ax, twist, panel.lines, view)
+        self._titles(figure, panel, view, middle / width, top)
+        corner, sides = (middle - 0.5 * grid.width, top - grid.height), (grid.width, grid.height - grid.title)
+        PanelLabels(figure, ax, view, corner, sides).draw(self.mechanism, panel.lines, self.names)
+
+    def _titles(self, figure: Figure, panel: Panel, view: View, x: float, top: float) -> None:
+        first = view is self.views[0]
+        side = _VIEW_TITLES[view.name] if len(self.views) > 1 else ""
+        title = ", ".join(part for part in (panel.title, side) if part)
+        _text(figure, x, top - 0.03, title, ha="center", fontsize=10.5, fontweight="bold")
+        lines = "\n".join(wrapped_lines(panel.text, self.grid.width)) if first else ""
+        _text(figure, x, top - 0.25, lines, ha="center", fontsize=8.5, color=COLOURS["quiet"])
+
+    def draw_legend(self, figure: Figure, foot: float) -> None:
+        """One legend `foot` inches above the figure's lower edge, with an entry for each kind of part that is drawn."""
+        from matplotlib.legend_handler import HandlerTuple
+
+        entries, frame = legend_entries([panel.lines for panel in self.panels]), frame_handle()
+        entries[frame_text(self.mechanism, self.names != "none")] = frame
+        if any(panel.twists for panel in self.panels):
+            entries["motion that is not held"] = twist_handle()
+        for rows in range(1, len(entries) + 1):
+            legend = figure.legend(
+                list(entries.values()), list(entries), loc="lower center", bbox_to_anchor=(0.5, foot / figure.get_figheight()),
+                ncols=math.ceil(len(entries) / rows), frameon=False, fontsize=9, labelcolor=COLOURS["quiet"], handletextpad=0.8,
+                columnspacing=1.6, handler_map={frame: HandlerTuple(ndivide=None, pad=0.2)},
+            )  # fmt: skip
+            extent = legend.get_window_extent(figure.canvas.get_renderer())  # type: ignore[attr-defined]
+            if extent.width < 0.99 * figure.bbox.width or rows == len(entries):
+                return
+            legend.remove()
+
+
+def _columns(panels: int, views: int) -> int:
+    """Panels beside each other: as many rows as columns, the views of one configuration in one row."""
+    if views == 1:
+        return panels if panels <= 3 else math.ceil(math.sqrt(panels))
+    if panels == 1:
+        return 2 if views in (2, 4) else 3
+    return views * max(1, round(math.sqrt(panels / views)))
+
+
+def wrapped_lines(text: str, width: float) -> list[str]:
+    """The lines of a text below a panel's title, of `width` inches."""
+    return [part for line in text.split("\n") for part in textwrap.wrap(line, int(15 * width)) or [""]]
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Where panels stand, in inches: a title of `title` inches above a box seen `box` = (width, height) large, with
-    `margin` = (left, right, bottom) around it for labels."""
+    """Where panels stand, in inches: a title of `title` inches above a box of `box` = (width, height) at most, `scale` inches a length
+    unit, with `margin` = (left, right, bottom) around it for labels."""
 
     count: int
     columns: int
@@ -61,46 +160,32 @@ class _Grid:
     title: float
     box: tuple[float, float]
     margin: tuple[float, float, float]
+    scale: float
 
     @staticmethod
-    def for_panels(count: int, view: View, title_lines: int) -> _Grid:
-        columns = count if count <= 3 else math.ceil(math.sqrt(count))
+    def for_panels(panels: Sequence[Panel], columns: int, views: Sequence[View]) -> _Grid:
         width = {1: 5.6, 2: 4.6, 3: 3.9}.get(columns, 3.4)
-        margin = (0.62, 0.2, 0.62) if view.flat else (0.3, 0.62, 0.42)
-        wide, high = view.picture
+        margin = tuple(max(view.margins[k] for view in views) for k in range(3))
+        wide, high = (max(view.picture[k] for view in views) for k in range(2))
         scale = min((width - margin[0] - margin[1]) / wide, 1.05 * width / high)
-        return _Grid(count, columns, width, 0.38 + 0.17 * title_lines, (scale * wide, scale * high), margin)
+        lines = max(len(wrapped_lines(panel.text, width)) for panel in panels)
+        return _Grid(
+            len(panels) * len(views), columns, width, 0.38 + 0.17 * lines, (scale * wide, scale * high),
+            (margin[0], margin[1], margin[2]), scale,
+        )  # fmt: skip
 
     @property
     def height(self) -> float:
         return self.title + self.box[1] + self.margin[2]
 
     @property
-    def figure_size(self) -> tuple[float, float]:
-        rows = math.ceil(self.count / self.columns)
-        return max(self.columns * self.width, _NARROWEST), _HEAD + rows * self.height + _FOOT
+    def size(self) -> tuple[float, float]:
+        return self.columns * self.width, math.ceil(self.count / self.columns) * self.height
 
     def place(self, k: int) -> tuple[float, float]:
-        """Middle and top of panel k, inches from the figure's lower left corner."""
+        """Middle of panel k from the block's middle, and its top below the block's."""
         row, column = divmod(k, self.columns)
-        width, height = self.figure_size
-        return 0.5 * width + (column + 0.5 - 0.5 * self.columns) * self.width, height - _HEAD - row * self.height
-
-
-def _draw_panel(figure: Figure, grid: _Grid, k: int, panel: Panel, view: View) -> None:
-    """Panel number k: its title, and below it the axes, a square about the middle of the box as it is seen."""
-    width, height = grid.figure_size
-    middle, top = grid.place(k)
-    centre = middle + 0.5 * (grid.margin[0] - grid.margin[1]), top - grid.title - 0.5 * grid.box[1]
-    side = 1.2 * max(grid.box)
-    box = ((centre[0] - 0.5 * side) / width, (centre[1] - 0.5 * side) / height, side / width, side / height)
-    ax: Any = figure.add_axes(box, projection="3d")
-    draw_lines(ax, panel.lines, view, share=grid.box[0] / side, scale=0.8 if grid.columns > 2 else 1.0)
-    for twist in panel.twists:
-        draw_twist(ax, twist, panel.lines, view)
-    _text(figure, middle / width, top - 0.03, panel.title, ha="center", fontsize=10.5, fontweight="bold")
-    lines = "\n".join(textwrap.fill(line, int(14 * grid.width)) for line in panel.text.split("\n"))
-    _text(figure, middle / width, top - 0.25, lines, ha="center", fontsize=8.5, color=COLOURS["quiet"])
+        return (column + 0.5 - 0.5 * self.columns) * self.width, row * self.height
 
 
 def _heading(figure: Figure, mechanism: Mechanism, facts: Sequence[str], part: str) -> None:
@@ -119,17 +204,6 @@ def _heading(figure: Figure, mechanism: Mechanism, facts: Sequence[str], part: s
 
 def _shortened(text: str, room: int) -> str:
     return text if len(text) <= room else text[: room - 1].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
-
-
-def _legend(figure: Figure, panels: Sequence[Panel]) -> None:
-    """One legend at the foot, with an entry for each kind of part that is drawn."""
-    entries = legend_entries([panel.lines for panel in panels])
-    if any(panel.twists for panel in panels):
-        entries["motion that is not held"] = twist_handle()
-    figure.legend(
-        list(entries.values()), list(entries), loc="lower center", bbox_to_anchor=(0.5, 0.0), ncols=7, frameon=False, fontsize=9,
-        labelcolor=COLOURS["quiet"], handletextpad=0.8, columnspacing=1.6,
-    )  # fmt: skip
 
 
 def _text(figure: Figure, x: float, y: float, text: str, **look: Any) -> None:

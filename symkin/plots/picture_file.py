@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 _DPI = 150
 """Pixels an inch of pictures that are made of pixels."""
+_UNDATED: dict[str, dict[str, None]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+"""What is left out of files by suffix, so that one picture is one file, byte for byte."""
 _NOT_DRAWN = ("pgf", "raw", "rgba")
 """Formats of matplotlib that no viewer shows, or that want LaTeX."""
 
@@ -26,7 +28,7 @@ def write_picture(figure: Figure, target: Path) -> None:
     content = io.BytesIO()
     try:
         with drawing(), warnings_ignored("Glyph .* missing"):
-            figure.savefig(content, dpi=_DPI, format=target.suffix[1:].lower())
+            figure.savefig(content, dpi=_DPI, format=target.suffix[1:].lower(), metadata=_UNDATED.get(target.suffix.lower()))
         write_output(target, content.getvalue())
     except OSError as error:
         raise InputError(f"plot: {str(target)!r} cannot be written ({error.strerror or error})") from None

@@ -9,7 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_DPI = 150
+SHEET_DPI = 150
+"""Pixels an inch."""
 _APART = 8.0
 """Pixels below which two symbols stand at one place."""
 
@@ -19,12 +20,18 @@ def make_sheet(width: float, height: float) -> tuple[Figure, Any]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI, facecolor="white")
+    figure = Figure(figsize=(width / SHEET_DPI, height / SHEET_DPI), dpi=SHEET_DPI, facecolor="white")
     FigureCanvasAgg(figure)
+    return figure, sheet_axes(figure)
+
+
+def sheet_axes(figure: Figure) -> Any:
+    """Axes over a whole figure, of `SHEET_DPI` pixels an inch, whose pixels they have as coordinates."""
+    width, height = SHEET_DPI * figure.get_size_inches()
     ax = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set(xlim=(0.0, width), ylim=(0.0, height))
     ax.set_axis_off()
-    return figure, ax
+    return ax
 
 
 def text_extent(figure: Any, ax: Any, text: str, font: float, **look: Any) -> tuple[float, float]:
@@ -40,6 +47,13 @@ def symbol_size(centres: np.ndarray, share: float, least: float, most: float) ->
     gaps = np.linalg.norm(centres[:, None] - centres[None], axis=2)
     apart = gaps[gaps > _APART]
     return float(np.clip(share * (apart.min() if apart.size else most), least, most))
+
+
+def outlined() -> list[Any]:
+    """The white edge of a text, which keeps it legible over lines."""
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
 
 
 def direction(vector: np.ndarray) -> np.ndarray:

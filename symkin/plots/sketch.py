@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,15 +18,14 @@ from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.plots.configuration_panel import FRAME_COLOURS
 from symkin.plots.graph_figures import sketch_of_graph
-from symkin.plots.graph_labels import Names
 from symkin.plots.joint_symbols import NAMES, draw_symbol, reach_of
 from symkin.plots.label_placement import Box, Label, Page
 from symkin.plots.mechanism_lines import LimbLines, outline
 from symkin.plots.picture_file import check_picture_path, write_picture
+from symkin.plots.picture_options import Names, names_from
 from symkin.plots.sheet import direction, make_sheet, symbol_size, text_extent
 from symkin.plots.sketch_layout import JointMark, Layout, apart, make_layout
 from symkin.plots.style import COLOURS, drawing
-from symkin.text import not_among
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,33 +52,31 @@ _LINK, _ROD = 2.8, 1.8
 """Widths of links and rods in points."""
 
 
-def draw_sketch(mechanism: Mechanism, path: Path | str, names: str | None = None) -> None:
-    """Write the sketch to a file whose suffix is its format; `names` of a graph: all, those of joints that close loops, or none. Raises
-    InputError for a file that cannot be written, and for names of limbs."""
+def draw_sketch(mechanism: Mechanism, path: Path | str, names: str = "all") -> None:
+    """Write the sketch to a file whose suffix is its format. Raises InputError for a file that cannot be written, and for names that
+    are no choice."""
     target = check_picture_path(path)
-    if names is not None and names not in get_args(Names):
-        raise InputError(f"--names: {not_among(names, get_args(Names))}")
-    if names is not None and not mechanism.is_graph:
-        raise InputError(f"--names: {mechanism.name} has limbs; the names of a sketch are chosen for graphs of links")
-    write_picture(figure_of_sketch(mechanism, cast(Names, names or "all")), target)
+    write_picture(figure_of_sketch(mechanism, names), target)
 
 
-def figure_of_mobility(found: Mobility) -> Figure:
+def figure_of_mobility(found: Mobility, *, names: str = "all") -> Figure:
     """The sketch of the mechanism whose mobility was found."""
-    return figure_of_sketch(found.closure.mechanism)
+    return figure_of_sketch(found.closure.mechanism, names)
 
 
-def figure_of_closed(found: ClosedConfiguration) -> Figure:
+def figure_of_closed(found: ClosedConfiguration, *, names: str = "all") -> Figure:
     """The sketch of a mechanism at its closed configuration. Raises InputError where nothing closes."""
     if found.reference is None:
         raise InputError(f"plot: {found.mechanism} has no closed configuration to draw, or nothing that moves")
-    return figure_of_sketch(found.reference)
+    return figure_of_sketch(found.reference, names)
 
 
-def figure_of_sketch(mechanism: Mechanism, names: Names = "all") -> Figure:
-    """The sketch at the reference configuration; a planar mechanism is seen along its axes."""
+def figure_of_sketch(mechanism: Mechanism, names: str = "all") -> Figure:
+    """The sketch at the reference configuration with the names of joints and links, or of some; a planar mechanism is seen along its
+    axes. Raises InputError for names that are no choice (`picture_options.Names`)."""
+    chosen = names_from(names, graph=mechanism.is_graph, mechanism=mechanism.name)
     if mechanism.is_graph:
-        return sketch_of_graph(mechanism, names)
+        return sketch_of_graph(mechanism, chosen)
     with drawing():
         figure, ax = make_sheet(_WIDTH, _HEIGHT)
         sheet = _Sheet.of(figure, ax, make_layout(mechanism))
@@ -87,7 +84,7 @@ def figure_of_sketch(mechanism: Mechanism, names: Names = "all") -> Figure:
         sheet.draw_links()
         sheet.draw_joints()
         sheet.draw_frames()
-        sheet.draw_labels()
+        sheet.draw_labels(chosen)
         _heading(sheet)
         _legend(sheet)
     return figure
@@ -243,15 +240,15 @@ class _Sheet:
 
     # --- labels ----------------------------------------------------------------------------------------------------
 
-    def draw_labels(self) -> None:
+    def draw_labels(self, names: Names) -> None:
         """Names of joints, limbs and dimensions, after those of frames; then all texts where they do not meet."""
         middle = np.mean([self.at(joint.centre) for joint in self.joints], axis=0)
-        for joint in self.joints:
+        for joint in self.joints if names in ("all", "joints") else ():
             if "." not in joint.name or any(joint.name == j.name for _, j in self.layout.mechanism.joints):
                 centre = self.at(joint.centre)
                 self._label(joint.name, centre, 0.42 * self.symbol, direction(centre - middle), 9.5, colour=COLOURS["text"])
         for limb, lines in zip(self.layout.mechanism.limbs, self.layout.body.limbs, strict=True):
-            if limb.joints and self.layout.body.has_platform:
+            if names in ("all", "links") and limb.joints and self.layout.body.has_platform:
                 base = self.at(lines.base)
                 self._label(
                     limb.name, base, 0.5 * self.symbol, direction(base - middle), 10.0, colour=COLOURS["base edge"], weight="bold"

@@ -36,7 +36,9 @@ def style() -> Any:
     panes = {f"axes3d.{axis}axis.panecolor": COLOURS["pane"] for axis in "xyz"}
     grid = {"grid.color": COLOURS["grid"], "grid.linewidth": 0.6, "axes.edgecolor": COLOURS["axis"]}
     fonts = {"font.family": [name for name in _FONTS if name in there], "text.usetex": False, "axes.unicode_minus": True}
-    return panes | grid | fonts | {"savefig.bbox": None, "savefig.transparent": False}
+    # fonts in PDF files as outlines that journals take (type 42); the salt makes names within SVG files the same at each run
+    files = {"savefig.bbox": None, "savefig.transparent": False, "pdf.fonttype": 42, "svg.hashsalt": "symkin"}
+    return panes | grid | fonts | files
 
 
 @contextmanager

@@ -1,16 +1,17 @@
-"""Limits, direction of view, ticks and labels of 3-D panels: one `View` is shared by all panels of a figure."""
+"""Limits, direction of view, ticks and labels of 3-D panels: all panels of a figure that are seen from one side share a `View`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
 import numpy as np
 
 from symkin.plots.mechanism_lines import MechanismLines
+from symkin.plots.picture_options import ViewName
 from symkin.plots.style import COLOURS
 
 _FLAT = 1e-6
@@ -19,15 +20,20 @@ _UPRIGHT = 0.3
 """Level share of its direction below which an edge counts as upright."""
 _THINNEST = 0.4
 """Least extent of the box in any direction, of the largest."""
+_ANGLES: dict[ViewName, tuple[float, float]] = {
+    "main": (21.0, -57.0), "top": (89.99, -90.01), "front": (0.01, -90.01), "side": (0.01, -0.01),
+}  # fmt: skip
+"""Elevation and azimuth of the eye in degrees; from above not quite 90, which leaves no up direction."""
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What all panels share: limits (3, 2) in `unit`, and whether the mechanism is flat (drawn seen from above)."""
+    """What panels share: limits (3, 2) in `unit`, whether the mechanism is flat (its main view is from above), and the view's name."""
 
     limits: np.ndarray
     unit: str
     flat: bool
+    name: ViewName = "main"
 
     @staticmethod
     def around(bodies: Sequence[MechanismLines], unit: str) -> View:
@@ -44,10 +50,14 @@ class View:
     def extent(self) -> np.ndarray:
         return np.asarray(self.limits[:, 1] - self.limits[:, 0])
 
+    def seen_from(self, name: ViewName) -> View:
+        """The same box, seen from another side."""
+        return replace(self, name=name)
+
     @property
     def angles(self) -> tuple[float, float]:
-        """Elevation and azimuth of the eye, degrees; seen from above not quite 90, which leaves no up direction."""
-        return (89.99, -90.01) if self.flat else (21.0, -57.0)
+        """Elevation and azimuth of the eye, degrees."""
+        return _ANGLES["top" if self.flat and self.name == "main" else self.name]
 
     @property
     def axes(self) -> np.ndarray:
@@ -62,16 +72,23 @@ class View:
         return float(width), float(height)
 
     @property
-    def edges(self) -> tuple[np.ndarray, ...]:
-        """The edges of the box that carry the labels of x, y and z (seen from above: x and y), each (2, 3)."""
+    def edges(self) -> dict[str, np.ndarray]:
+        """The edges of the box that carry labels, each (2, 3), by the name of the axis; none for one that points to the eye."""
         (x0, x1), (y0, y1), (z0, z1) = self.limits
-        if self.flat:
-            return np.array([[x0, y0, z1], [x1, y0, z1]]), np.array([[x0, y0, z1], [x0, y1, z1]])
-        return (
-            np.array([[x0, y0, z0], [x1, y0, z0]]),
-            np.array([[x1, y0, z0], [x1, y1, z0]]),
-            np.array([[x1, y1, z0], [x1, y1, z1]]),
-        )
+        if self.angles == _ANGLES["main"]:
+            corners = {"x": ((x0, y0, z0), (x1, y0, z0)), "y": ((x1, y0, z0), (x1, y1, z0)), "z": ((x1, y1, z0), (x1, y1, z1))}
+        elif self.angles == _ANGLES["top"]:
+            corners = {"x": ((x0, y0, z1), (x1, y0, z1)), "y": ((x0, y0, z1), (x0, y1, z1))}
+        elif self.name == "front":
+            corners = {"x": ((x0, y0, z0), (x1, y0, z0)), "z": ((x0, y0, z0), (x0, y0, z1))}
+        else:
+            corners = {"y": ((x1, y0, z0), (x1, y1, z0)), "z": ((x1, y0, z0), (x1, y0, z1))}
+        return {name: np.array(ends) for name, ends in corners.items()}
+
+    @property
+    def margins(self) -> tuple[float, float, float]:
+        """Inches beside (left, right) and below the box for its labels."""
+        return (0.3, 0.62, 0.46) if self.angles == _ANGLES["main"] else (0.66, 0.2, 0.62)
 
 
 def set_axes(ax: Any, view: View, share: float) -> None:
@@ -86,7 +103,8 @@ def set_axes(ax: Any, view: View, share: float) -> None:
         axis.line.set_color(COLOURS["axis"])
         axis.set_ticks([])
     ax.tick_params(colors=COLOURS["axis"])
-    for axis, name, edge, limits in zip((ax.xaxis, ax.yaxis, ax.zaxis), "xyz", view.edges, view.limits, strict=False):
+    for name, edge in view.edges.items():
+        axis, limits = {"x": ax.xaxis, "y": ax.yaxis, "z": ax.zaxis}[name], view.limits["xyz".index(name)]
         values = _ticks(limits, float(view.extent.max()))
         axis.set_ticks(values, labels=[""] * len(values))
         _label_edge(ax, edge, (values - limits[0]) / (limits[1] - limits[0]), values, f"{name} ({view.unit})")
@@ -94,11 +112,11 @@ def set_axes(ax: Any, view: View, share: float) -> None:
 
 def _zoom(ax: Any, view: View, share: float) -> None:
     ax.set_box_aspect(view.extent)
-    seen = _project(ax, np.array(list(product(*view.limits))))
+    seen = project(ax, np.array(list(product(*view.limits))))
     ax.set_box_aspect(view.extent, zoom=share * float(ax.viewLim.width) / float(np.ptp(seen[:, 0])))
 
 
-def _project(ax: Any, points: np.ndarray) -> np.ndarray:
+def project(ax: Any, points: np.ndarray) -> np.ndarray:
     """Points (n, 3) on the axes' plane, (n, 2)."""
     seen = np.column_stack([points, np.ones(len(points))]) @ ax.get_proj().T
     return np.asarray(seen[:, :2] / seen[:, 3:])
@@ -115,7 +133,7 @@ def _ticks(limits: np.ndarray, largest: float) -> np.ndarray:
 
 def _label_edge(ax: Any, edge: np.ndarray, places: np.ndarray, values: np.ndarray, name: str) -> None:
     """Write tick values at `places` (0 to 1 along an edge of the box) and the axis's name, on the side away from the box."""
-    start, end = _project(ax, edge)
+    start, end = project(ax, edge)
     along = (end - start) / np.linalg.norm(end - start)
     upright = abs(along[0]) < _UPRIGHT
     outward = np.array([math.copysign(1.0, start[0]), 0.0]) if upright else np.array([along[1], -along[0]])
@@ -125,6 +143,6 @@ def _label_edge(ax: Any, edge: np.ndarray, places: np.ndarray, values: np.ndarra
     offset = (6.0 if upright else 10.0) * outward
     for place, text in zip(places, texts, strict=True):
         ax.annotate(text, start + place * (end - start), offset, fontsize=7.0, ha=side, **look)
-    distance = 12.0 + 4.6 * max(map(len, texts), default=0) if upright else 25.0
+    distance = 15.0 + 4.6 * max(map(len, texts), default=0) if upright else 28.0
     turn = float(np.degrees(np.arctan2(along[1], along[0])))
     ax.annotate(name, 0.5 * (start + end), distance * outward, fontsize=8.0, rotation=turn, ha="center", **look)
