@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import symkin
+from helpers.gate import in_gate_but
 from helpers.mujoco_account import MujocoAccount
 from helpers.random_graphs import random_graph
-from helpers.robot_files import ROBOTS
+from helpers.robot_files import LARGEST, ROBOTS
 from helpers.same_mechanism import assert_same
 from symkin.formats.graph_form import as_graph
 from symkin.formats.mjcf_text import mjcf_text
@@ -33,7 +34,7 @@ def test_shipped_mechanisms_come_back(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
 def test_real_robots_come_back(path: Path, tmp_path: Path) -> None:
     mechanism = symkin.load(path)
     assert_same(as_graph(mechanism), symkin.load(in_file(tmp_path, mechanism)))
@@ -55,7 +56,7 @@ def test_mujoco_moves_as_symkin(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
 def test_mujoco_moves_as_real_robots(path: Path, tmp_path: Path) -> None:
     """With the freedoms that the closures of the robot's own file leave there, and at generic configurations; where they close to digits
     only, their rank is blurred."""

@@ -12,8 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import symkin
+from helpers.gate import in_gate_but
 from helpers.random_graphs import random_graph
-from helpers.robot_files import ROBOTS
+from helpers.robot_files import LARGEST, ROBOTS
 from helpers.same_mechanism import assert_same
 from helpers.written_moves import Moved, configurations
 from symkin.formats.graph_form import as_graph
@@ -33,7 +34,7 @@ def test_shipped_mechanisms_come_back(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
 def test_real_robots_come_back(path: Path, tmp_path: Path) -> None:
     if path.suffix == ".xml":
         pytest.importorskip("mujoco")

@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import symkin
+from helpers.gate import in_gate_but
 from helpers.pinocchio_account import PinocchioAccount
 from helpers.random_graphs import random_graph
-from helpers.robot_files import ROBOTS
+from helpers.robot_files import LARGEST, ROBOTS
 from helpers.same_mechanism import assert_same
 from symkin.formats.graph_form import as_graph
 
@@ -30,7 +31,7 @@ def test_shipped_mechanisms_come_back(name: str, loops: str, tmp_path: Path) -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
 def test_real_robots_come_back(path: Path, tmp_path: Path) -> None:
     if path.suffix == ".xml":
         pytest.importorskip("mujoco")

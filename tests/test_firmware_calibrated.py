@@ -7,6 +7,7 @@ import math
 import pytest
 
 from helpers import firmware_tools as tools
+from helpers.gate import in_gate
 from symkin import DHRow, DHTable, serial_arm_from_dh
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
@@ -27,7 +28,7 @@ def test_the_size_is_that_of_the_machine():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
 def test_code_of_a_calibrated_arm_passes_its_test(real, tmp_path):
     write_folder(_calibrated(), tmp_path, Options(real))
     tools.passed(tools.built("gcc", tmp_path, ["calibrated.c", "calibrated_test.c"], "test", "-O1"))

@@ -12,6 +12,7 @@ import pytest
 import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import direction, free, random_values, serial, short_structures, structures
+from helpers.gate import in_gate
 from helpers.samples import pieper
 from symkin.codegen.folder import folder_files, write_folder
 from symkin.codegen.options import Options
@@ -96,7 +97,7 @@ def cases(arm: symkin.Mechanism, count: int) -> tuple[list[symkin.Pose], list[li
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", tools.in_gate(ARMS, IN_GATE))
+@pytest.mark.parametrize("name", in_gate(ARMS, IN_GATE))
 def test_all_branches_are_the_modes_of_python(name, tmp_path):
     """As many, and the same joint values; the nearest to the guess is the arm's own; in double and at well conditioned poses."""
     arm = ARMS[name]

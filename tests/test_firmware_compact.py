@@ -11,6 +11,7 @@ import pytest
 import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import free, serial
+from helpers.gate import in_gate
 from symkin.codegen.folder import folder_files, write_folder
 from symkin.codegen.options import Options
 from symkin.errors import InputError
@@ -42,7 +43,7 @@ def poses_about(mechanism, home, count, reach, turn, rng):
     return poses
 
 
-@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("real", in_gate(["float", "double"], ["float"]))
 @pytest.mark.parametrize("machine", PLATFORMS)
 def test_platforms_answer_as_the_plain_code_does(machine, real):
     """Near poses and far ones, of which some are refused, and joint values without a pose: statuses and poses are the same."""
@@ -70,7 +71,7 @@ def test_platforms_answer_as_the_plain_code_does(machine, real):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("real", in_gate(["float", "double"], ["double"]))
 def test_arms_answer_as_the_plain_code_does(real):
     """An arm without a closed form, whose inverse problem is iterated."""
     tools.compiler("gcc")

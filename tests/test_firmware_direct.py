@@ -11,6 +11,7 @@ import pytest
 import symkin
 from helpers import firmware_tools as tools
 from helpers import samples
+from helpers.gate import in_gate
 from helpers.samples import delta_directions
 from symkin import Joint, Limb, Mechanism, Rod
 from symkin.codegen.folder import folder_files
@@ -41,7 +42,7 @@ MACHINES = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
 @pytest.mark.parametrize("name", MACHINES)
 def test_lines_from_all_over_the_workspace(name, real):
     """A quarter of the guesses beside a fold: what is OK is what a walk in many points reaches, and nearly all regular lines are."""

@@ -10,6 +10,7 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
+from helpers.gate import in_gate
 from helpers.moved_points import three_upu
 from symkin.closure.closure import build_closure
 from symkin.codegen.c_emitter import Real
@@ -173,7 +174,7 @@ def test_couples_that_no_divisor_watches_are_watched_themselves():
     np.testing.assert_allclose(np.array(own) / own[0], couples_of_upu(places) / couples_of_upu(places[:1]), rtol=1e-7)
 
 
-@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("real", in_gate(["double", "float"], ["double"]))
 def test_lines_of_a_3_upu_on_which_couples_lose_rank_are_refused(real):
     """Goals are the legs' lengths at positions beyond the surface on which the couples depend on one another, and on this side."""
     tools.compiler("gcc")

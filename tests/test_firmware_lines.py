@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
+from helpers.gate import in_gate
 from helpers.wide_five_bar import COUPLER, HOME, passes_dead_centre, slack_of, tip_of, wide_five_bar
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
@@ -58,8 +59,8 @@ def _rounded(angles, real):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("motion", tools.in_gate(["spatial", "planar"], ["planar"]))
-@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize("motion", in_gate(["spatial", "planar"], ["planar"]))
+@pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
 def test_lines_from_home_by_whole_turns(real, motion, tmp_path):
     """Goals up to half a turn away: the couplers must meet along all of an OK line, the tip is that of the circles, and most lines
     on which nothing is singular are OK. The first goal pulls the couplers straight on the way and lets them go again."""

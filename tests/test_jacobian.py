@@ -24,11 +24,11 @@ def _kinds(case):
 @pytest.mark.parametrize("name", cases.NAMES)
 def test_symbolic_equals_numeric(name):
     """Direct, inverse and passive Jacobians are those of the velocity equations, to 1e-12 of the largest entry; where the
-    condition is large to ten roundings of it, since the loops close to two or three and both eliminations multiply that by the
-    condition."""
+    condition is large to twenty roundings of it, since the loops close to two or three, as the processor has it, and both eliminations
+    multiply that, and their own three or four, by the condition."""
     case = cases.case(name)
     matrices = velocity_equations(case.mechanism).at(case.values)
-    bound = max(1e-12, 10.0 * np.finfo(float).eps * case.condition)
+    bound = max(1e-12, 20.0 * np.finfo(float).eps * case.condition)
     for kind in _kinds(case):
         if kind != "analytic":
             expected = getattr(matrices, f"{kind}_jacobian")

@@ -1564,7 +1564,7 @@ static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2
             ankle_direct_solve(&w);
             other[0] = found[0] + w.f[0] * 0.0038166270958700367;
             other[1] = found[1] + w.f[1] * 0.0038166270958700367;
-            near_home = (ankle_direct_apply_step(&w) <= 14.801237179289128);
+            near_home = (ankle_direct_apply_step(&w) <= 14.801237012936403);
         }
     }
     if (!near_home) {

@@ -112,7 +112,7 @@ def _fitted(
         return None
     known = ca.SX.sym("u", n)
     expression = _nested(known, scale, exponents, coefficients)
-    return HomeSheet(_KEPT * scale, known, expression, max(error, 1e-6))
+    return HomeSheet(_KEPT * scale, known, expression, max(float(f"{error:.8g}"), 1e-6))
 
 
 def _nested(known: ca.SX, scale: np.ndarray, exponents: list[tuple[int, ...]], coefficients: np.ndarray) -> ca.SX:

@@ -94,8 +94,9 @@ def _linear_direction(places: np.ndarray, directions: np.ndarray) -> np.ndarray 
     _, sizes, vectors = np.linalg.svd(np.vstack(rows))
     if sizes[-1] > _SAME * sizes[0] or sizes[-2] <= _LINEAR * sizes[0]:
         return None
-    found = np.where(np.abs(vectors[-1]) > _SAME, vectors[-1], 0.0)
-    return np.array([snap(float(v)) for v in found]).reshape(3, 4)
+    # rounded, and of one sign: the last digits and the sign of a singular vector are the processor's
+    found = np.array([snap(float(f"{v:.13g}")) if abs(v) > _SAME else 0.0 for v in vectors[-1]])
+    return np.asarray(found * np.sign(found[np.flatnonzero(found)[0]])).reshape(3, 4)
 
 
 def keeps_motion(made: LimbPlatform, found: DirectFormulas) -> bool:

@@ -66,10 +66,9 @@ def _bend_of(values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], 
         return None
     waves = np.fft.fftn(samples.reshape((points,) * count)) / points**count
     orders = np.fft.fftfreq(points, 1.0 / points)
-    frequencies = np.stack(np.meshgrid(*([orders] * count), indexing="ij"), axis=-1).reshape(-1, count)
     amplitudes = np.abs(waves).ravel()
     largest = float(np.max(np.abs(samples)))
-    if not _reproduces(values, spans, waves.ravel(), frequencies, largest):
+    if not _reproduces(values, spans, waves, orders, largest):
         return None
     first = np.array([[_slope(span, k) for k in np.abs(orders)] for span in spans])
     second = np.array([[_curvature(span, k) for k in np.abs(orders)] for span in spans])
@@ -98,11 +97,14 @@ def _placed(angles: np.ndarray, spans: Sequence[Span]) -> np.ndarray:
 
 
 def _reproduces(
-    values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], waves: np.ndarray, frequencies: np.ndarray, largest: float
+    values: Callable[[np.ndarray], np.ndarray], spans: Sequence[Span], waves: np.ndarray, orders: np.ndarray, largest: float
 ) -> bool:
     angles = np.random.default_rng(5).uniform(-np.pi, np.pi, (_CHECKED, len(spans)))
-    told = np.real(np.exp(1j * angles @ frequencies.T) @ waves)
-    return bool(np.max(np.abs(told - values(_placed(angles, spans)))) <= _MISFIT * largest)
+    # the sum over all waves, one given value after the other
+    told = np.broadcast_to(waves, (_CHECKED, *waves.shape))
+    for i in range(len(spans)):
+        told = np.einsum("nk,nk...->n...", np.exp(1j * np.outer(angles[:, i], orders)), told)
+    return bool(np.max(np.abs(told.real - values(_placed(angles, spans)))) <= _MISFIT * largest)
 
 
 def _slope(span: Span, order: float) -> float:

@@ -232,12 +232,12 @@ def _null_space(matrix: np.ndarray, count: int) -> np.ndarray:
     _, sizes, v = np.linalg.svd(matrix)
     rank = int(np.sum(sizes > _VANISHED * sizes[0]))
     null = v[rank:].copy()
-    # reduced row by row: ones and zeros where the vectors allow them
+    # reduced row by row: ones and zeros where the vectors allow them; of entries that are equal but for rounding, the first
     for i in range(len(null)):
-        place = int(np.argmax(np.abs(null[i])))
+        place = int(np.argmax(np.abs(null[i]) >= (1.0 - _VANISHED) * np.max(np.abs(null[i]))))
         null[i] /= null[i, place]
         for other in range(len(null)):
             if other != i:
                 null[other] -= null[other, place] * null[i]
-    null[np.abs(null) < _VANISHED] = 0.0
+    null = np.array([[snap(float(v)) if abs(v) >= _VANISHED else 0.0 for v in row] for row in null]).reshape(null.shape)
     return np.asarray(null / np.linalg.norm(null, axis=1, keepdims=True))

@@ -27,6 +27,8 @@ def vector(*components: Array) -> Array:
     """Stack components along the first axis."""
     if is_casadi(*components):
         return ca.vertcat(*components)
+    if components and all(isinstance(component, float) for component in components):
+        return np.array(components)
     return np.stack(np.broadcast_arrays(*components)) if components else np.zeros(0)
 
 
@@ -72,7 +74,9 @@ def norm(a: Array) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    return vector(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    # indexed once: an index into an expression of CasADi costs as much as a product
+    (a0, a1, a2), (b0, b1, b2) = (a[0], a[1], a[2]), (b[0], b[1], b[2])
+    return vector(a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0)
 
 
 def scale(factor: Array, a: Array) -> Array:

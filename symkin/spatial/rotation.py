@@ -26,11 +26,12 @@ def wrapped(angles: np.ndarray) -> np.ndarray:
 
 def multiply(a: Array, b: Array) -> Array:
     """Hamilton product: the rotation b followed by a, R(a b) = R(a) R(b)."""
+    (a0, a1, a2, a3), (b0, b1, b2, b3) = ((v[0], v[1], v[2], v[3]) for v in (a, b))
     return vector(
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
+        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
+        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
+        a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
     )
 
 

@@ -8,7 +8,6 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Collection, Iterable
 from pathlib import Path
 from types import ModuleType
 
@@ -21,15 +20,15 @@ MANIFESTS = {path.parent.name: json.loads(path.read_text()) for path in sorted(C
 FOLDERS = list(MANIFESTS)
 POSES = [name for name, manifest in MANIFESTS.items() if "given" not in manifest["options"]]
 """Folders of platforms and arms, not of maps between joints."""
+KINDS = [
+    "ankle_float", "delta_double", "gluon_6l3_double", "ren2008_true_float", "scara_float", "ur5e_double", "zhang2009_double_struct",
+    "zhang2009_float_home_relative", "zhao2000_double", "zhao2000_links_float",
+]  # fmt: skip
+"""One of the committed folders of each kind, for laws that the gate tries on these alone."""
 STRICT = [
     "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-pedantic", "-Werror",
     "-fno-math-errno", "-ffp-contract=off",
 ]  # fmt: skip
-
-
-def in_gate(values: Iterable[object], kept: Collection[object]) -> list[object]:
-    """Parameters of a test: those that are not kept are run by `-m long` alone."""
-    return [value if value in kept else pytest.param(value, marks=pytest.mark.long) for value in values]
 
 
 def compiler(name: str) -> str:

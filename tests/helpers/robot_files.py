@@ -18,6 +18,8 @@ from symkin.spatial.screw import exponential, prismatic_screw, revolute_screw
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models"
 ROBOTS = sorted(path for ending in ("xml", "urdf", "sdf") for path in MODELS.glob(f"*/*.{ending}"))
 """The real models."""
+LARGEST = [path for path in ROBOTS if path.stem == "strandbeest"]
+"""Those that take seconds to load."""
 
 
 def facts(model: str) -> dict[str, Any]:

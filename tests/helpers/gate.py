@@ -1,0 +1,21 @@
+"""Which parameters of a test the gate runs: those that repeat a law on further machines are run by `-m long` alone."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+import pytest
+
+
+def in_gate(values: Iterable[object], kept: Collection[object]) -> list[object]:
+    """Parameters of a test: those that are not kept are marked as long."""
+    return [value if value in kept else pytest.param(value, marks=pytest.mark.long) for value in values]
+
+
+def in_gate_but(values: Iterable[object], others: Collection[object]) -> list[object]:
+    """Parameters of a test: the `others` are marked as long."""
+    every = list(values)
+    unknown = [value for value in others if value not in every]
+    if unknown:
+        raise ValueError(f"no parameters of this test: {unknown}")
+    return in_gate(every, [value for value in every if value not in others])
