@@ -21,7 +21,7 @@ from symkin.cli.options import (
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
@@ -87,9 +87,8 @@ def track(
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the first singularity or limit."""
     from symkin.following.track import track as follow_mode
     from symkin.following.track_csv import read_trajectory, write_track
-    from symkin.formats.load import load
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     check_output(output, mech, csv)
     options = picture_options(plot, mechanism, names=names, views=views)
     reader = PoseReader(mechanism, euler=euler)
