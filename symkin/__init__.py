@@ -6,7 +6,7 @@
     print(symkin.modes(platform, joints=[100.0, 120.0, 110.0]))
 
 Verbs: `load`, `shipped_names`, `close`, `convert`; `modes`, `solve`; `mobility`, `jacobian`, `singularity`, `singular_loci`; `track`, `mode_graph`,
-`sweep`; `calibrate`, `plan_measurements`; `write_firmware`. Each returns a result that prints its table, has a short repr, HTML
+`sweep`; `calibrate`, `plan_measurements`; `write_firmware`; `view`. Each returns a result that prints its table, has a short repr, HTML
 for notebooks, `to_dict()` (the JSON of the command line) and `plot()`. docs/architecture.md says where what is done.
 """
 
@@ -24,7 +24,7 @@ from symkin.model.graph import Coupling, LinkJoint, LinkPoint, LinkRod
 from symkin.model.joint import Joint
 from symkin.model.limb import Limb, Rod, RodLimb
 from symkin.model.mechanism import Example, Mechanism, serial_arm_from_dh
-from symkin.result import Result, draw_with
+from symkin.result import Result, draw_with, view_with
 from symkin.spatial.pose import Pose
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from symkin.following.mode_graph import ModeGraph, mode_graph
     from symkin.following.track import track
     from symkin.following.track_result import Track
+    from symkin.page.result_views import view
     from symkin.position.close import close
     from symkin.position.close_result import ClosedConfiguration
     from symkin.position.convert import convert
@@ -106,6 +107,7 @@ __all__ = [
     "solve",
     "sweep",
     "track",
+    "view",
     "write_firmware",
 ]
 
@@ -139,6 +141,7 @@ _LATER = {
     "solve": "symkin.position.solve",
     "sweep": "symkin.sweeps.run",
     "track": "symkin.following.track",
+    "view": "symkin.page.result_views",
     "write_firmware": "symkin.codegen.folder",
 }
 """Modules that are imported at the first use of a name, since no run needs them all. `Newton` and `LeastSquares` are
@@ -162,4 +165,11 @@ def _draw(result: Result, path: Path | str | None = None, **options: Any) -> "Fi
     return draw(result, path, **options)
 
 
+def _view(result: Result) -> Any:
+    from symkin.page.result_views import view
+
+    return view(result)
+
+
 draw_with(_draw)
+view_with(_view)

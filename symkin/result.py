@@ -1,7 +1,8 @@
 """What every result of symkin offers: its table as text, a short one as its repr, HTML for notebooks, a dictionary, a picture.
 
 A result type inherits `Result` and writes two methods, `summary` and `to_dict`. Pictures are drawn by `symkin.plots`, which
-imports the results; so that no result imports it in turn, `symkin/__init__.py` hands its drawing function down by `draw_with`.
+imports the results; so that no result imports it in turn, `symkin/__init__.py` hands its drawing function down by `draw_with`, and
+the function that makes pages, of `symkin.page`, by `view_with`.
 """
 
 from __future__ import annotations
@@ -69,6 +70,11 @@ class Result:
         """
         return _draw(self, path, **options)
 
+    def view(self) -> Any:
+        """The page on which the result moves: `.save("robot.html")` writes it, `.open()` shows it in the browser, a notebook shows it in
+        place. Raises InputError where there is no configuration to show."""
+        return _view(self)
+
     def __str__(self) -> str:
         return self.summary().text()
 
@@ -92,6 +98,16 @@ def draw_with(function: Callable[..., Figure]) -> None:
 
 def _draw(result: Result, path: Path | str | None, **options: Any) -> Figure:
     raise NotImplementedError("no drawing function is set; `import symkin` sets one")
+
+
+def view_with(function: Callable[..., Any]) -> None:
+    """Name the function that makes pages of results: `function(result)`."""
+    global _view
+    _view = function
+
+
+def _view(result: Result) -> Any:
+    raise NotImplementedError("no function that makes pages is set; `import symkin` sets one")
 
 
 def folded(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -97,3 +97,28 @@ def test_completion_is_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
     script = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert "_SYMKIN_COMPLETE" in script
     subprocess.run(["bash", "-n"], input=script, text=True, check=True)
+
+
+@pytest.mark.parametrize(
+    ("missing", "words", "extra"),
+    [
+        ("zarr", ["sweep", "zhao2000", "--grid", "nonsense", "-o", "x"], "symkin[sweep]"),
+        ("mujoco", ["show", "robot.xml"], "symkin[mjcf]"),
+    ],
+)
+def test_extras_are_named(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    missing: str,
+    words: list[str],
+    extra: str,
+) -> None:
+    """The help of a command that needs an extra names it, and so does the error without it, before anything else is looked at."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.xml").write_text("<mujoco/>")
+    monkeypatch.setitem(sys.modules, missing, None)
+    assert extra in " ".join(run(capsys, words[0], "-h")[1].split())
+    status, _, err = run(capsys, *words)
+    assert (status, err.count("\n")) == (2, 1)
+    assert f"pip install '{extra}'" in err

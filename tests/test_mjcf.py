@@ -187,7 +187,7 @@ def test_what_is_no_mjcf(tmp_path: Path) -> None:
 
 def test_without_mujoco(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(symkin.InputError, match=r"pip install symkin\[mjcf\]"):
+    with pytest.raises(symkin.InputError, match=r"pip install 'symkin\[mjcf\]'"):
         read_mjcf(in_file(tmp_path, SMALL["weld"][0]))
 
 

@@ -114,3 +114,17 @@ def test_json_writes_what_was_given(capsys: pytest.CaptureFixture[str]) -> None:
     _, out, _ = run(capsys, "modes", "zhang2009", *_writings("--pose")[1], "--json")
     given = json.loads(out)["given"]["pose"]
     assert run_json(capsys, "modes", "zhang2009", "--pose", _text(given))[1]["given"]["pose"] == pytest.approx(given)
+
+
+def test_solve_draws_its_solution(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """`solve --plot` writes a picture and names it; without a solution it writes none, and the exit status says so."""
+    picture = tmp_path / "solution.png"
+    status, out, _ = run(capsys, "solve", "zhang2009", "--plot", picture, "--names", "all", "--views", "main,top")
+    assert status == 0
+    assert out.splitlines()[-1] == f"picture: {picture}"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    picture.unlink()
+    status, out, _ = run(capsys, "solve", "zhang2009", "--joints", "100,2000,100,100,100,100", "--plot", picture)
+    assert (status, "picture" in out, picture.exists()) == (3, False, False)
+    status, _, err = run(capsys, "solve", "zhang2009", "--views", "top")
+    assert (status, "--plot" in err) == (2, True)

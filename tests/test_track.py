@@ -6,6 +6,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import symkin
@@ -198,7 +199,7 @@ def test_no_start_has_status_3(capsys):
 @pytest.mark.slow
 @pytest.mark.parametrize("problem", ["direct", "inverse"])
 def test_picture_is_written(tmp_path, problem):
-    """The picture of a track has a panel for each quantity and one for the smallest singular value; a stop is marked in all."""
+    """The robot at start and end; panels of what moves and of distances over the inputs; a stop is marked in all panels."""
     from symkin.plots.track_plot import figure_of_track
 
     mechanism = symkin.load("zhang2009")
@@ -208,10 +209,74 @@ def test_picture_is_written(tmp_path, problem):
     else:
         found = track(mechanism, poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5)
     figure = figure_of_track(found)
-    marks = [sum(line.get_linestyle() == "--" for line in ax.get_lines()) for ax in figure.axes]
-    assert marks == [int(not found.reached)] * (3 if problem == "direct" else 2)
-    found.plot(tmp_path / "t.png")
+    panels = [ax for ax in figure.axes if ax.name == "rectilinear"]
+    assert [sum(line.get_gid() == "stop" for line in ax.get_lines()) for ax in panels] == [int(not found.reached)] * len(panels)
+    labels = " ".join(ax.get_ylabel() for ax in panels)
+    assert "distance to\nsingularity" in labels
+    assert ("turned" in labels) == (problem == "direct")
+    titles = {text.get_text() for text in figure.texts}
+    assert {"start", "end" if found.reached else f"stop: {found.stop.kind}"} <= titles
+    told = " ".join(text.get_text() for text in panels[-1].texts) + panels[-1].get_xlabel()
+    assert ("leg1 [mm]" in told) == (problem == "direct")
+    assert ("z [mm]" in told) == (problem == "inverse")
+    found.plot(tmp_path / "t.png", names="all", views="top")
     assert (tmp_path / "t.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("name", ["ren2008", "ankle", "gluon_6l3"])
+def test_texts_of_the_picture_lie_apart_and_within(name):
+    """No text of a track's picture meets another or the edge; every curve has a name, and limits a panel where there are some."""
+    from itertools import combinations
+
+    from symkin.plots.track_plot import figure_of_track
+
+    ends = {
+        "ren2008": [[0.2, 0.25, 0.2, 0.22, 0.3, 0.25], [0.4, 0.25, 0.2, 0.22, 0.6, 0.25]], "ankle": [[0.0, 0.0], [80.0, 60.0]],
+        "gluon_6l3": [[15.0] * 6, [40.0, 20.0, 30.0, -15.0, 15.0, 15.0]],
+    }[name]  # fmt: skip
+    mechanism = symkin.load(name)
+    found = track(mechanism, joints=ends, samples=21, name_modes=False)
+    figure = figure_of_track(found)
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    texts = [*figure.texts, *(text for ax in figure.axes for text in ax.texts)]
+    for ax in figure.axes:
+        if ax.name == "rectilinear" and ax.axison:
+            texts += [ax.xaxis.label, ax.yaxis.label, *ax.get_xticklabels(), *ax.get_legend().get_texts()]
+    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text()]
+    for text, box in boxes:
+        assert min(box.x0, box.y0, figure.bbox.width - box.x1, figure.bbox.height - box.y1) >= 0, text
+    assert [(a, b) for (a, one), (b, other) in combinations(boxes, 2) if one.overlaps(other)] == []
+    has_limits = any(c.limits is not None for c in mechanism.coordinates)
+    assert any("distance to limits" in ax.get_ylabel() for ax in figure.axes) == has_limits
+
+
+def test_curves_that_are_one_have_all_their_names():
+    """A level platform that rises: six rods move alike, in one line with six names."""
+    from symkin.plots.track_curves import panels_of
+
+    found = track(symkin.load("zhang2009"), poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5)
+    (curve,) = next(panels_of(found)).curves
+    assert all(f"leg{k}" in curve.name for k in range(1, 7))
+    assert curve.name.endswith(f"from {found.samples[0].joints['leg1']:.5g}")
+
+
+def test_a_curve_that_another_covers_is_seen():
+    """Law: of curves that lie on each other the earlier is wider there; of curves that only cross none is."""
+    from matplotlib.figure import Figure
+
+    from symkin.plots.track_curves import Curve, CurvePanel
+    from symkin.plots.track_plot import _draw_curves
+
+    x, at = np.linspace(0.0, 1.0, 51), np.arange(51)
+    for second, widths in ((x.copy(), 1), (1.0 - x, 0), (np.where(x < 0.5, x, 0.5), 1)):
+        ax = Figure().add_subplot()
+        _draw_curves(ax, CurvePanel("", (Curve("a", x, at), Curve("b", second, at))), x)
+        wide = [line for line in ax.get_lines() if line.get_gid() == "covered"]
+        assert len(wide) == widths
+        for line in wide:
+            assert line.get_zorder() < max(other.get_zorder() for other in ax.get_lines())
+            assert line.get_linewidth() > 2.0 * ax.get_lines()[-1].get_linewidth()
 
 
 def test_text_is_a_short_table(capsys):

@@ -25,6 +25,7 @@ from symkin.position.given_by_name import Columns, Values, any_given, has_column
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
 from symkin.position.newton import Newton
+from symkin.position.out_of_reach import reach_note
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution_list import SolutionList
 from symkin.quiet import without_float_warnings
@@ -97,7 +98,11 @@ def modes(
     if has_columns(given) or (given is None and (are_many(joints) or are_many(pose))):
         return _found(mechanism, many_given(mechanism, joints, pose, given), search, choose, progress)
     one = named_given(mechanism, joints, pose, given) if choose else any_given(mechanism, joints, pose, given)
-    return _found(mechanism, [one], search, choose, progress)[0]
+    found = _found(mechanism, [one], search, choose, progress)[0]
+    if found.modes or found.positive_dimensional or found.smallest_residual is None:
+        return found
+    note = reach_note(found.problem, one)
+    return found if note is None else replace(found, notes=(*found.notes, note))
 
 
 def _found(

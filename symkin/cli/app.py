@@ -22,6 +22,7 @@ from symkin.cli.singularities import singularities
 from symkin.cli.streams import prepare_streams, say, silence
 from symkin.cli.sweep import sweep
 from symkin.cli.track import track
+from symkin.cli.view import view
 from symkin.errors import SymkinError
 
 INTERRUPTED = 130
@@ -90,7 +91,7 @@ add_command(
     app, solve, "One solution near a start.",
     [
         "symkin solve zhang2009", "symkin solve zhao2000 --joints theta1=80,theta2=200,theta3=330,op=105",
-        "symkin solve zhao2000 --pose 0,0,100,1,0,0,0",
+        "symkin solve zhao2000 --pose 0,0,100,1,0,0,0 --plot solution.png",
     ],
     group=_POSITIONS,
 )  # fmt: skip
@@ -103,7 +104,12 @@ add_command(
     group=_POSITIONS,
 )  # fmt: skip
 add_command(
-    app, sweep, "Every solution over a grid or a random sample.",
+    app, view, "The mechanism in a browser, where it moves.",
+    ["symkin view zhao2000 --html zhao2000.html", "symkin view ankle --given upper_motor=8,lower_motor=12 --html ankle.html"],
+    group=_POSITIONS,
+)  # fmt: skip
+add_command(
+    app, sweep, "Every solution over a grid or a sample; needs an extra.",
     [
         "symkin sweep zhao2000 --grid theta1=70:90:5 --at 81,202,330,105 -o map",
         "symkin sweep zhao2000 --poses --grid x=-20:20:5,y=-20:20:5 -o poses",

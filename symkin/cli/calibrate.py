@@ -29,7 +29,7 @@ from symkin.cli.calibrate_options import (
 from symkin.cli.help import HELP_NAMES, HOW, OUTPUT, Group, add_command
 from symkin.cli.options import MechArgument, SeedOption, choice
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
@@ -97,9 +97,8 @@ def fit(
     """Identify the geometry: DIR/NAME.toml, report.json, report.md and pictures. Exit status 3: not usable."""
     from symkin.calibration.data.files import read_measurements
     from symkin.calibration.fit_file import NotFittedError, fit_file
-    from symkin.formats.load import load
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     check_folder(output, mech, mechanism, force=force)
     given = {"group": sigma_group, "inclination": sigma_inclination, "orientation": sigma_orientation}
     sigmas = {k: quantity(v, "angle", mechanism, f"sigma-{k}") for k, v in given.items() if v is not None}

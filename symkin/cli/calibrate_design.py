@@ -35,7 +35,7 @@ from symkin.cli.calibrate_options import (
 from symkin.cli.help import HOW, OUTPUT, POSTURES, READINGS
 from symkin.cli.options import MechArgument, SeedOption, check_output, choice
 from symkin.cli.quantities import angle_pairs, check_noise, distance_points, joint_quantities, noise_quantity, quantity
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.files.written_files import check_own_file, write_own_file
 from symkin.formats.read_options import ReadOptions
@@ -112,7 +112,7 @@ def simulate(
 
     check_output(output, mech, truth, plan)
     check_own_file(output, force=force)
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     true = mechanism if truth is None else load(truth)
     _check_same_joints(mechanism, true)
     kinds = _split_names(readings)
@@ -194,11 +194,10 @@ def plan(
     from symkin.calibration.design.planning import accuracy_text, plan_measurements, plan_text
     from symkin.calibration.design.simulation import observed_kinds
     from symkin.calibration.fit_file import match_parameters
-    from symkin.formats.load import load
 
     check_output(output, mech)
     check_own_file(output, force=force)
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     kinds = _split_names(readings)
     _check_anything_read(groups != 0, kinds, noise_group)
     _refuse_unread_noise(mechanism, kinds, noise_inclination, noise_position, noise_orientation)

@@ -11,7 +11,7 @@ import typer
 from symkin.cli.help import OUTPUT
 from symkin.cli.options import JsonOption, MechArgument, print_result
 from symkin.cli.pictures import NamesOption, picture_options
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.result import TERMINAL_WIDTH
@@ -40,11 +40,10 @@ def show(
     as_json: JsonOption = False,
 ) -> None:
     """Show limbs, unknowns, rank, mobility, redundant constraints and reciprocal screws."""
-    from symkin.formats.load import load
 
     if latex and as_json:
         raise InputError("both --latex and --json are given; the equations are LaTeX, the account is JSON: give one of them")
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     options = picture_options(plot, mechanism, names=names)
     if plot is not None:
         from symkin.plots.sketch import draw_sketch

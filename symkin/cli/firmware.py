@@ -11,7 +11,7 @@ import typer
 from symkin.cli.help import OUTPUT
 from symkin.cli.options import MechArgument, choice
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.formats.read_options import ReadOptions
 
 
@@ -85,9 +85,8 @@ def firmware(
     With --given and --find: the map between joints of any mechanism, both ways, with Jacobian, rates and torques.
     """
     from symkin.codegen.folder import write_firmware
-    from symkin.formats.load import load
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(home)
     pose = reader.pose(home, "home")

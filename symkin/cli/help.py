@@ -13,7 +13,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from symkin.cli.mistakes import sentence, unknown_command
 
-GIVEN, HOW, OUTPUT, ROBOT_FILES = "What is given", "How it is found", "Output", "Robot files (MJCF, URDF, SDF)"
+GIVEN, HOW, OUTPUT, ROBOT_FILES = "What is given", "How it is found", "Output", "Robot files"
 ASKED, READINGS, POSTURES = "What is asked", "Readings and their noise", "Postures"
 """Headings of options that several commands have."""
 _OTHERS = "Options"

@@ -10,7 +10,7 @@ import typer
 
 from symkin.cli.help import ASKED, OUTPUT
 from symkin.cli.options import MechArgument, check_output, choice
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 
@@ -59,12 +59,11 @@ def jacobian(
     """Write a symbolic Jacobian in another language: CasADi, C99, NumPy, SymPy or LaTeX."""
     from symkin.codegen.jacobian_formats import jacobian_text
     from symkin.files.outputs import write_output
-    from symkin.formats.load import load
     from symkin.velocity.jacobian import AnyJacobian
     from symkin.velocity.jacobian import jacobian as symbolic
 
     check_output(output, mech)
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     made: AnyJacobian
     if of is not None or by is not None:
         if of is None or by is None or kind is not None:

@@ -57,7 +57,8 @@ MechArgument = Annotated[
     typer.Argument(
         metavar="MECH",
         autocompletion=mechanism_names,
-        help="A name from `symkin list`, or a path to a .toml, .xml (MJCF), .urdf, .xacro or .sdf file.",
+        help="A name from `symkin list`, or a path to a .toml, .xml (MJCF, needs pip install 'symkin[mjcf]'), .urdf, .xacro (needs "
+        "'symkin[urdf]', as do loops in YAML beside a .urdf) or .sdf file.",
     ),
 ]
 JointsOption = Annotated[

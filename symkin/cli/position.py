@@ -27,7 +27,7 @@ from symkin.cli.options import (
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
@@ -101,9 +101,8 @@ def modes(
 ) -> None:
     """Find every solution: assembly modes of given joints, working modes of a given pose."""
     from symkin.assembly.modes import modes as find_modes
-    from symkin.formats.load import load
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     options = picture_options(plot, mechanism, names=names, views=views, modes=shown)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given)
@@ -150,17 +149,26 @@ def solve(
     ] = SolverName.newton,
     everything: AllOption = False,
     as_json: JsonOption = False,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw the solution into a file.", rich_help_panel=OUTPUT)
+    ] = None,
+    names: NamesOption = None,
+    views: ViewsOption = None,
 ) -> None:
     """Find one solution near a start."""
-    from symkin.formats.load import load
     from symkin.position.solve import solve as solve_one
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
+    options = picture_options(plot, mechanism, names=names, views=views)
     reader = PoseReader(mechanism, rpy, euler)
     reader.check_used(pose, given, start)
     result = solve_one(
         mechanism, joints=joints_from(joints, "joints", mechanism.angle_unit), pose=reader.pose(pose, "pose"),
         given=reader.given(given), start=reader.start(start, is_pose=pose is None), solver=solver.value, check=False,
     )  # fmt: skip
-    print_result(as_json, result.to_dict, lambda: result.summary(everything=everything).text())
+    picture = ""
+    if plot is not None and result.solution is not None:
+        result.plot(plot, **options)
+        picture = f"\npicture: {plot}"
+    print_result(as_json, result.to_dict, lambda: result.summary(everything=everything).text() + picture)
     raise typer.Exit(0 if result.solution is not None else 3)

@@ -5,14 +5,18 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
 from symkin.cli.help import ROBOT_FILES
+from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
+
+if TYPE_CHECKING:
+    from symkin.model.mechanism import Mechanism
 
 LoopOption = Annotated[
     list[str] | None,
@@ -66,6 +70,17 @@ def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
     with_options.__annotations__ = {p.name: p.annotation for p in (*kept, *added)}
     with_options.__signature__ = inspect.Signature([*kept, *added])  # type: ignore[attr-defined]
     return with_options
+
+
+def loaded(mech: str, read: ReadOptions) -> Mechanism:
+    """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr."""
+    from symkin.formats.load import is_robot, load
+    from symkin.model.oddities import oddities
+
+    mechanism = load(mech, read)
+    for text in () if is_robot(Path(mech)) else oddities(mechanism):
+        say(f"note: {text}")
+    return mechanism
 
 
 def _read_options(

@@ -25,7 +25,7 @@ from symkin.cli.options import (
 from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
@@ -90,7 +90,6 @@ def singularities(
     as_json: JsonOption = False,
 ) -> None:
     """Name the singularity of one configuration, driven by its actuated joints or what --given names, or draw the loci over a plane through it."""
-    from symkin.formats.load import load
     from symkin.singularities.configuration import configuration
 
     if plane is None:
@@ -98,7 +97,7 @@ def singularities(
         refuse_ignored(loci_only, "such options belong to --plane U,V, which names the two coordinates of loci", "give --plane")
     if plane is not None and (output is not None or point is not None):
         raise InputError("--output and --point belong to one configuration, not to --plane, whose loci are those of the platform")
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     if plane is not None and (names is not None or views is not None):
         raise InputError(
             "--names and --views belong to the picture of one configuration, not to that of --plane, which shows curves"

@@ -25,7 +25,7 @@ from symkin.cli.options import (
 )
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 
@@ -121,13 +121,17 @@ def sweep(
         ),
     ] = None,
 ) -> None:
-    """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads."""
-    from symkin.formats.load import load
+    """Find every solution over a grid or a random sample of inputs or poses, into labelled arrays that xarray reads.
+
+    Needs xarray, zarr and dask: pip install 'symkin[sweep]'
+    """
     from symkin.sweeps.drawable import check_drawable
     from symkin.sweeps.ranges import check_map_is_left, check_slices, ranged, read_given, read_ranges, read_values
     from symkin.sweeps.run import sweep as run
+    from symkin.sweeps.store import require_zarr
 
-    mechanism = load(mech, read)
+    require_zarr()
+    mechanism = loaded(mech, read)
     unit, sampled = mechanism.angle_unit, random is not None
     ranges = None if grid is None else read_ranges(grid, sampled=sampled, angle_unit=unit)
     told = None if given is None else read_given(given, sampled=sampled, angle_unit=unit)

@@ -18,9 +18,10 @@ from symkin.cli.options import (
     print_result,
     whole_number,
 )
+from symkin.cli.pictures import NamesOption, ViewsOption, picture_options
 from symkin.cli.poses import EulerOption, PoseReader
 from symkin.cli.progress import progress_bar
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 from symkin.text import shown
@@ -79,19 +80,17 @@ def track(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw the track into a file.", rich_help_panel=OUTPUT)
     ] = None,
+    names: NamesOption = None,
+    views: ViewsOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Follow one mode along a path of joints, poses or any coordinates, with a proof, up to the first singularity or limit."""
     from symkin.following.track import track as follow_mode
     from symkin.following.track_csv import read_trajectory, write_track
-    from symkin.formats.load import load
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     check_output(output, mech, csv)
-    if plot is not None:
-        from symkin.plots.picture_file import check_picture_path
-
-        check_picture_path(plot)
+    options = picture_options(plot, mechanism, names=names, views=views)
     reader = PoseReader(mechanism, euler=euler)
     reader.check_used(start, *((begin, end) if poses else ()))
     if given is not None and poses:
@@ -110,7 +109,7 @@ def track(
         write_track(found, output)
     drawn = plot if found.samples else None
     if drawn is not None:
-        found.plot(drawn)
+        found.plot(drawn, **options)
     files = "".join(f"\n{what}: {name}" for what, name in (("configurations", output), ("picture", drawn)) if name is not None)
     print_result(as_json, found.to_dict, lambda: str(found) + files)
     raise typer.Exit(0 if found.reached else 3)

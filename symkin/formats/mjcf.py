@@ -29,7 +29,7 @@ from symkin.formats.robot import Mesh, Robot
 from symkin.formats.xml_text import Element, read_xml
 from symkin.spatial.pose import Pose
 
-_INSTALL = "reading MJCF takes MuJoCo's compiler, which is not installed; `pip install symkin[mjcf]` brings it"
+_INSTALL = "reading MJCF takes MuJoCo's compiler, which is not installed; pip install 'symkin[mjcf]' brings it"
 
 
 def read_mjcf(path: Path, read: ReadOptions = AS_IT_IS) -> Robot:

@@ -6,7 +6,6 @@ import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -33,6 +32,8 @@ _MUCH_LARGER = 3.0
 """Points along nearly parallel axes are moved where the described ones spread more than this many times as far."""
 _ROUNDING = 1e-9
 """Placed points that are nearer to each other than this share of the described ones are one point to rounding."""
+MOST_PARTS = 1000
+"""Limbs, joints and rods of a mechanism at most: accounts of more would take hours."""
 
 
 @dataclass(frozen=True)
@@ -102,6 +103,7 @@ class Mechanism:
         if self.platform_link in (None, PLATFORM):
             # the link of that name carries the platform frame where no other does
             object.__setattr__(self, "platform_link", PLATFORM if PLATFORM in links_of(self) else None)
+        _check_size(self)
         _check_names(self)
         for key in ("title", "source"):
             object.__setattr__(self, key, check_text(getattr(self, key), key))
@@ -273,7 +275,22 @@ def unit_quaternion(value: Sequence[float], where: str) -> tuple[float, ...]:
 
 
 def _diameter(points: list[np.ndarray]) -> float:
-    return max((float(np.linalg.norm(a - b)) for a, b in combinations(points, 2)), default=0.0)
+    """Largest distance of two points: of those that are so far apart to rounding the largest, pair by pair."""
+    if len(points) < 2:
+        return 0.0
+    places = np.array(points)
+    rows = [np.sqrt(np.sum((places[k + 1 :] - places[k]) ** 2, axis=1)) for k in range(len(places) - 1)]
+    least = (1.0 - _ROUNDING) * max(float(row.max()) for row in rows)
+    pairs = ((k, k + 1 + int(i)) for k, row in enumerate(rows) for i in np.flatnonzero(row >= least))
+    return max(float(np.linalg.norm(points[i] - points[j])) for i, j in pairs)
+
+
+def _check_size(mechanism: Mechanism) -> None:
+    """Refuse more parts than any computation here ends with."""
+    parts = {"limbs": len(mechanism.limbs), "joints": len(list(mechanism.all_joints)), "rods": len(mechanism.link_rods)}
+    if sum(parts.values()) > MOST_PARTS:
+        told = ", ".join(f"{count} {what}" for what, count in parts.items() if count)
+        raise MechanismError(f"the mechanism has {told}; allowed: {MOST_PARTS} limbs, joints and rods together")
 
 
 def _check_choice(key: str, value: str, allowed: Sequence[str]) -> None:

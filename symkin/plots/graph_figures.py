@@ -36,6 +36,8 @@ _PANEL = 520.0
 """Pixels of the longer side of a panel's drawing."""
 _PANEL_GAP, _PANEL_TITLE, _PANEL_LINE, _HEAD, _FOOT = 46.0, 44.0, 19.0, 150.0, 90.0
 """Pixels between panels, above each for its title and for a line of its text, and of the figure's head and foot."""
+_LEAST_CELL = 380.0
+"""Least width of a panel in pixels, for its text."""
 _PANEL_NAMES = 0.78
 """Size of names in panels, of those in the sketch."""
 _MOST_COLUMNS = 4
@@ -137,7 +139,7 @@ class GraphBlock:
         sides = tuple(_side(mechanism, panels, view) for view in views)
         scale = _PANEL / float(max(np.max(side.high - side.low) for side in sides))
         width, height = (scale * max(float((side.high - side.low)[k]) for side in sides) for k in range(2))
-        cell_wide = max(width, 300.0) + _PANEL_GAP
+        cell_wide = max(width, _LEAST_CELL) + _PANEL_GAP
         across = columns or _columns(len(panels), len(sides), cell_wide)
         text = _PANEL_TITLE + _PANEL_LINE * max(len(_wrapped(panel.text, cell_wide)) for panel in panels)
         return GraphBlock(mechanism, panels, names, sides, across, scale, (cell_wide, height + text + _PANEL_GAP), text)

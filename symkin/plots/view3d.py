@@ -88,7 +88,7 @@ class View:
     @property
     def margins(self) -> tuple[float, float, float]:
         """Inches beside (left, right) and below the box for its labels."""
-        return (0.3, 0.62, 0.42) if self.angles == _ANGLES["main"] else (0.62, 0.2, 0.62)
+        return (0.3, 0.62, 0.46) if self.angles == _ANGLES["main"] else (0.66, 0.2, 0.62)
 
 
 def set_axes(ax: Any, view: View, share: float) -> None:
@@ -143,6 +143,6 @@ def _label_edge(ax: Any, edge: np.ndarray, places: np.ndarray, values: np.ndarra
     offset = (6.0 if upright else 10.0) * outward
     for place, text in zip(places, texts, strict=True):
         ax.annotate(text, start + place * (end - start), offset, fontsize=7.0, ha=side, **look)
-    distance = 12.0 + 4.6 * max(map(len, texts), default=0) if upright else 25.0
+    distance = 15.0 + 4.6 * max(map(len, texts), default=0) if upright else 28.0
     turn = float(np.degrees(np.arctan2(along[1], along[0])))
     ax.annotate(name, 0.5 * (start + end), distance * outward, fontsize=8.0, rotation=turn, ha="center", **look)

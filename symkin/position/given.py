@@ -17,7 +17,7 @@ from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
-from symkin.text import meant, shown
+from symkin.text import first_of, meant, shown
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
@@ -64,7 +64,20 @@ def given_from(mechanism: Mechanism, joints: Joints | None, pose: Sequence[float
         return _given_pose(mechanism, pose)
     assert joints is not None  # noqa: S101 - one of the branches above has set it
     ordered = in_file_order(mechanism, joints)
-    return Given("direct", joint_values(mechanism, ordered), {"joints": [float(v) for v in ordered]})
+    values = joint_values(mechanism, ordered)
+    return Given("direct", values, {"joints": [float(v) for v in ordered]}, notes=_turn_notes(mechanism, ordered))
+
+
+def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ...]:
+    """A note on angles of more than a turn where the unit is rad."""
+    if mechanism.angle_unit != "rad":
+        return ()
+    told = [
+        f"{c.name} = {v:g}"
+        for c, v in zip(mechanism.actuated, ordered, strict=True)
+        if c.kind == "angle" and abs(v) > 2.0 * math.pi * (1.0 + 1e-3)
+    ]
+    return (f"{first_of(told, 3)} rad: more than a turn, taken without its whole turns; are degrees meant?",) if told else ()
 
 
 def are_many(values: Any) -> bool:

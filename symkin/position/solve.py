@@ -25,6 +25,7 @@ from symkin.position.moved_starts import (
     nearly_closes,
 )
 from symkin.position.newton import Newton
+from symkin.position.out_of_reach import reach_note
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution, pose_of
 from symkin.position.solution_list import make_solution
@@ -84,10 +85,14 @@ def solve(
         raise InputError(f"solver = {not_among(solver, SOLVERS)}")
     plain = plain_case(mechanism, joints, pose, given)
     if plain is None:
-        own = None if solver == "newton" else chosen
-        result = solve_by_name(mechanism, named_given(mechanism, joints, pose, given), start, own)
+        own, known = None if solver == "newton" else chosen, named_given(mechanism, joints, pose, given)
+        result = solve_by_name(mechanism, known, start, own)
     else:
-        result = _solved(mechanism, given_from(mechanism, *plain), start, chosen)
+        known = given_from(mechanism, *plain)
+        result = _solved(mechanism, known, start, chosen)
+    if result.status == "infeasible":
+        note = reach_note(result.problem, known)
+        result = result if note is None else replace(result, notes=(*result.notes, note))
     if check and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)
     return result

@@ -1,0 +1,87 @@
+"""What is odd about a mechanism's numbers without being wrong: slips of units and signs that a reader should hear of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from symkin.model.limb import RodLimb
+from symkin.model.mechanism import Mechanism
+from symkin.text import first_of
+
+_FAR_OFF = 200.0
+"""How many times farther than the others a point lies that may be in another unit, metres among millimetres."""
+_LEAST_POINTS = 4
+"""Points from which one can be told to lie off the others."""
+_FULL_TURN = 2.0 * math.pi * (1.0 + 1e-3)
+"""Radians from which an angle is more than a turn; files write a turn with three digits."""
+
+
+def oddities(mechanism: Mechanism) -> tuple[str, ...]:
+    """Sentences on numbers that are allowed and rarely meant: rods whose limits leave no positive length, a point far off all others,
+    angles of more than a turn where the unit is rad."""
+    return (*_negative_rods(mechanism), *_far_points(mechanism), *_degrees(mechanism))
+
+
+def _negative_rods(mechanism: Mechanism) -> Iterator[str]:
+    drives = [(f"limb {limb.name}", limb.offset, limb.limits) for limb in mechanism.limbs if isinstance(limb, RodLimb)]
+    drives += [(f"rod {rod.name}", rod.offset, rod.limits) for rod in mechanism.link_rods if rod.actuated]
+    wrong = [
+        f"{name} (limits {limits[0]:g} to {limits[1]:g} beyond offset {offset:g})"
+        for name, offset, limits in drives
+        if limits is not None and limits[1] + offset <= 0.0
+    ]
+    if wrong:
+        yield f"{first_of(wrong, 3)}: all lengths within the limits are negative, and no rod has such a length; limits are values beyond `offset`"
+
+
+def _far_points(mechanism: Mechanism) -> Iterator[str]:
+    """Points of each frame apart: platform points of rods are given in the platform's frame."""
+    fixed: dict[str, tuple[float, ...]] = {joint.name: tuple(joint.point) for joint in mechanism.all_joints if joint.type != "P"}
+    moving: dict[str, tuple[float, ...]] = {}
+    for limb in mechanism.limbs:
+        if isinstance(limb, RodLimb):
+            fixed[f"{limb.name}.base"], moving[f"{limb.name}.platform"] = tuple(limb.base), tuple(limb.platform)
+    for points in (fixed, moving):
+        yield from _far_of(points, mechanism.length_unit)
+
+
+def _far_of(points: dict[str, tuple[float, ...]], unit: str) -> Iterator[str]:
+    if len(points) < _LEAST_POINTS:
+        return
+    places = np.array(list(points.values()), dtype=float)
+    away = np.linalg.norm(places - np.median(places, axis=0), axis=1)
+    far = int(np.argmax(away))
+    others = float(np.max(np.delete(away, far)))
+    if others > 0.0 and away[far] > _FAR_OFF * others:
+        yield (
+            f"{list(points)[far]} lies {away[far]:.4g} {unit} from the middle of the points, {away[far] / others:.0f} times as far as any other: "
+            f"is it in {unit}?"
+        )
+
+
+def _degrees(mechanism: Mechanism) -> Iterator[str]:
+    if mechanism.angle_unit != "rad":
+        return
+    found = [f"{where} = {value:g}" for where, value in _angles(mechanism) if abs(value) > _FULL_TURN]
+    if found:
+        yield f'{first_of(found, 3)}: more than a turn, and angle_unit is "rad"; are degrees meant? Then write angle_unit = "deg"'
+
+
+def _angles(mechanism: Mechanism) -> Iterator[tuple[str, float]]:
+    """Angles that a file gives, by where they stand there."""
+    for joint in mechanism.all_joints:
+        if joint.type in ("R", "H"):
+            yield f"{joint.name}.zero", joint.zero
+            yield from ((f"{joint.name}.limits", value) for value in joint.limits or ())
+    for row in mechanism.dh.rows if mechanism.dh is not None else ():
+        yield from ((f"{row.name}.theta", row.theta), (f"{row.name}.alpha", row.alpha))
+    example = mechanism.example
+    if example is not None and example.joints is not None:
+        yield from (
+            (f"example.joints: {c.name}", value)
+            for c, value in zip(mechanism.actuated, example.joints, strict=True)
+            if c.kind == "angle"
+        )

@@ -1,0 +1,131 @@
+"""The page of a mechanism: one HTML text that holds everything, so that it needs no network and no server."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.page.model_data import page_model
+from symkin.page.scene import scene_of
+
+_MODULES = {
+    "three": "vendor/three.module.min.js",
+    "OrbitControls": "vendor/OrbitControls.js",
+    **{f"symkin/{name}": f"{name}.js" for name in ("look", "shapes", "items", "drawing", "sketch", "inputs", "labels", "strip")},
+    **{f"symkin/{name}": f"{name}.js" for name in ("drag", "player", "page")},
+}
+"""Files of the page's modules by the names under which they import each other."""
+_TURN = {"deg": 180.0, "rad": math.pi}
+
+
+@dataclass(frozen=True)
+class PlayedPath:
+    """Rows of values of the given coordinates `names` that the page plays, at `times` (s) where there are any."""
+
+    title: str
+    names: Sequence[str]
+    rows: Sequence[Sequence[float]]
+    times: Sequence[float] | None = None
+
+
+def page_html(
+    mechanism: Mechanism,
+    given: Mapping[str, float] | None = None,
+    path: PlayedPath | None = None,
+    start: Mapping[str, Any] | None = None,
+) -> str:
+    """The page of a mechanism as HTML text.
+
+    `given` are the coordinates with sliders and their values at the start, in the mechanism's units (None: the actuated joints at the
+    example or the reference); `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict` tells it.
+    Raises InputError for what `symkin modes --given` refuses.
+    """
+    require_mechanism(mechanism)
+    made = page_model(mechanism, given)
+    data = {
+        "model": made.model,
+        "scene": scene_of(mechanism, made.model["links"]),
+        "options": _options(mechanism, made.model, path, start),
+    }
+    return _filled(
+        {
+            "title": escape(f"{mechanism.name}: the mechanism moves"),
+            "name": escape(mechanism.name),
+            "subtitle": escape(mechanism.title),
+            "css": _static("page.css"),
+            "modules": _modules(made.generated),
+            "data": _in_script(json.dumps(data, allow_nan=False, separators=(",", ":"))),
+            "boot": _static("boot.js"),
+        }
+    )
+
+
+def _filled(parts: Mapping[str, str]) -> str:
+    """The template with every {{name}} replaced, once: what is put in is not read again."""
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found.group(1)], _static("page.html"))
+
+
+def _options(
+    mechanism: Mechanism, model: Mapping[str, Any], path: PlayedPath | None, start: Mapping[str, Any] | None
+) -> dict[str, Any]:
+    options: dict[str, Any] = {
+        "ranges": {name: _range(mechanism, name, model["values"][name]) for name in model["names"]},
+        "frameName": mechanism.frame_name,
+    }
+    if start is not None:
+        options["start"] = {"pose": start["pose"], "joints": dict(start["joints"])}
+    if path is not None:
+        rows = [[float(v) for v in row] for row in path.rows]
+        times = None if path.times is None else [float(t) for t in path.times]
+        options["path"] = {"title": path.title, "names": list(path.names), "rows": rows, "times": times}
+    return options
+
+
+def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:
+    """What a slider spans: the limits, a turn of an angle, or half the size to both sides of a length's value."""
+    turn, half = _TURN[mechanism.angle_unit], 0.5 * mechanism.characteristic_length
+    found = next((c for c in mechanism.coordinates if c.name == name), None)
+    if found is None:
+        return [value - half, value + half] if name in "xyz" else [-turn, turn]
+    if found.limits is not None:
+        return [mechanism.angle_out(v) if found.is_angular else v for v in found.limits]
+    if found.kind == "angle":
+        return [-turn, turn]
+    if found.kind == "turns":
+        return [value - 2.0 * turn, value + 2.0 * turn]
+    least = -math.inf if found.least is None else found.least
+    return [max(least, value - half), value + half]
+
+
+# --- text --------------------------------------------------------------------------------------------------------------
+
+
+def _modules(generated: str) -> str:
+    """Every module as a script of a type that browsers do not run; boot.js makes modules of them."""
+    texts = {name: _static(file) for name, file in _MODULES.items()}
+    solvers = sorted(entry.name for entry in files("symkin.page").joinpath("static").iterdir() if _is_solver(entry.name))
+    texts |= {name.removesuffix(".js"): _static(name) for name in solvers}
+    texts["generated"] = generated
+    return "\n".join(
+        f'<script type="text/module" data-name="{name}">\n{_in_script(text)}\n</script>' for name, text in texts.items()
+    )
+
+
+def _is_solver(name: str) -> bool:
+    return name.startswith("solver") and name.endswith(".js")
+
+
+def _in_script(text: str) -> str:
+    """Text that may stand in a script element: `</script` and `<!--`, which stand in strings only, are escaped."""
+    return re.sub(r"<(?=/script|!--|script)", r"\\x3c" if not text.startswith("{") else r"\\u003c", text, flags=re.IGNORECASE)
+
+
+def _static(name: str) -> str:
+    return files("symkin.page").joinpath("static", *name.split("/")).read_text(encoding="utf-8")

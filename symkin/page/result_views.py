@@ -1,0 +1,72 @@
+"""The page of each result: what `result.view()` shows, by the result's type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from symkin.assembly.modes_result import Modes
+from symkin.errors import InputError
+from symkin.following.track_result import Track
+from symkin.model.mechanism import Mechanism
+from symkin.page.page import PlayedPath
+from symkin.page.view import View, view_mechanism
+from symkin.position.solution import Solution
+from symkin.position.solve_result import SolveResult
+
+
+def view(result: object, **options: Any) -> View:
+    """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
+
+    `result` is a mechanism, modes (the first one is shown), a solution or a track, which is played. `options` of a mechanism: `joints` (all
+    actuated ones) or `given` (any coordinates by name), which get sliders, and `path`, what is played. `.save(file)` writes the page,
+    `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
+
+    >>> import symkin
+    >>> page = symkin.view(symkin.load("four_bar"), given={"crank": 60.0})
+    >>> page.html.startswith("<!doctype html>")
+    True
+    """
+    if isinstance(result, Mechanism):
+        return view_mechanism(result, **options)
+    if options:
+        raise InputError(f"view: {', '.join(options)} is not what the page of a {type(result).__name__} takes")
+    if isinstance(result, SolveResult) and result.solution is not None:
+        return _of_solution(result.solution, result.given)
+    if isinstance(result, Modes) and len(result):
+        return _of_solution(result[0], result.given)
+    if isinstance(result, Solution):
+        return _of_solution(result, {})
+    if isinstance(result, Track) and result.samples:
+        return _of_track(result)
+    if isinstance(result, (Modes, SolveResult, Track)):
+        raise InputError("view: there is no configuration to show; the mechanism's own page is symkin.view(mechanism)")
+    raise InputError(f"view: a {type(result).__name__} has no page; mechanisms, modes, solutions and tracks have one")
+
+
+def _of_solution(solution: Solution, given: Mapping[str, Any]) -> View:
+    """Sliders for what was given by name, else for the actuated joints."""
+    mechanism = solution.mechanism
+    if any(not isinstance(value, (int, float)) for value in given.values()) or not given:
+        return View(mechanism, _actuated(mechanism, solution.joints), start=solution.to_dict())
+    return View(mechanism, {name: float(value) for name, value in given.items()}, start=solution.to_dict())
+
+
+def _of_track(track: Track) -> View:
+    mechanism = track.trajectory.mechanism
+    known = [c.name for c in track.problem.known_coordinates]
+    joints = [sample.joints for sample in track.samples]
+    names = known if all(name in joints[0] for name in known) else [c.name for c in mechanism.actuated]
+    times = [sample.time for sample in track.samples]
+    path = PlayedPath("of the track", names, _rows(names, joints), None if None in times else [float(t or 0.0) for t in times])
+    first = track.samples[0]
+    pose = {"position": list(map(float, first.pose.position)), "quaternion": list(map(float, first.pose.quaternion))}
+    return View(mechanism, {name: float(joints[0][name]) for name in names}, path, {"pose": pose, "joints": joints[0]})
+
+
+def _rows(names: Sequence[str], joints: Sequence[Mapping[str, Any]]) -> list[list[float]]:
+    return [[float(values[name]) for name in names] for values in joints]
+
+
+def _actuated(mechanism: Mechanism, joints: Mapping[str, Any]) -> dict[str, float] | None:
+    return {c.name: float(joints[c.name]) for c in mechanism.actuated} or None

@@ -1,0 +1,105 @@
+// A slider and a number field with its unit for every given coordinate.
+
+const DIGITS = 6;
+
+export class Inputs {
+  /** `ranges` {name: [low, high]} in the units of `units`; `onChange(name, value)` at every movement. */
+  constructor(parent, { names, units, values, ranges, limits }, onChange) {
+    this.rows = new Map();
+    for (const name of names) {
+      const row = new Row(name, units[name], ranges[name], limits[name], (value) => onChange(name, value));
+      parent.append(row.element);
+      this.rows.set(name, row);
+    }
+    this.show(values);
+  }
+
+  show(values) {
+    for (const [name, row] of this.rows) row.show(values[name]);
+  }
+
+  /** Mark on the slider how far a coordinate may move on, and where it stopped (-1, 0 or 1: below, nowhere, above). */
+  mark(name, left, stopped) {
+    this.rows.get(name)?.mark(left, stopped);
+  }
+}
+
+class Row {
+  constructor(name, unit, range, limits, onChange) {
+    this.range = range;
+    this.element = document.createElement("div");
+    this.element.className = "input";
+    const id = `given-${name}`;
+    const label = element("label", { htmlFor: id, textContent: name });
+    this.number = element("input", { type: "text", inputMode: "decimal", id: `${id}-number`, autocomplete: "off", spellcheck: false });
+    this.number.setAttribute("aria-label", `${name} in ${unit}`);
+    this.slider = element("input", { type: "range", id, min: range[0], max: range[1], step: "any" });
+    const told = limits ? `limits ${shown(limits[0])} to ${shown(limits[1])} ${unit}` : "";
+    if (told) this.slider.title = told;
+    this.unit = unit;
+    this.track = element("div", { className: "track" });
+    this.left = element("i", { className: "left" });
+    this.track.append(this.left, this.slider);
+    const box = element("span", { className: "number" });
+    box.append(this.number, element("span", { className: "unit", textContent: unit }));
+    const ends = element("div", { className: "ends" });
+    ends.append(element("span", { textContent: shown(range[0], 4) }), element("span", { textContent: shown(range[1], 4) }));
+    this.element.append(label, box, this.track, ends);
+    this.slider.addEventListener("input", () => onChange(this.slider.valueAsNumber));
+    this.slider.addEventListener("keydown", (event) => this._step(event, onChange));
+    this.number.addEventListener("change", () => this._typed(onChange));
+    this.number.addEventListener("blur", () => this.show(this.value));
+    this.number.addEventListener("keydown", (event) => event.key === "Escape" && (this.show(this.value), this.number.blur()));
+  }
+
+  /** Arrow keys move by a two-hundredth of the range, with Shift by a tenth of that. */
+  _step(event, onChange) {
+    const way = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    if (!way) return;
+    event.preventDefault();
+    const step = ((this.range[1] - this.range[0]) / 200) * (event.shiftKey ? 0.1 : 1);
+    onChange(Math.min(this.range[1], Math.max(this.range[0], this.value + way * step)));
+  }
+
+  _typed(onChange) {
+    const text = this.number.value.trim().replace(",", ".").replace("−", "-");
+    const value = text === "" ? NaN : Number(text);
+    const good = Number.isFinite(value);
+    this.number.setAttribute("aria-invalid", String(!good));
+    if (good) onChange(value);
+    else this.number.dispatchEvent(new CustomEvent("refused", { bubbles: true, detail: `${JSON.stringify(this.number.value)} is not a number; write one such as 12.5, in ${this.unit}.` }));
+  }
+
+  show(value) {
+    this.value = value;
+    this.number.removeAttribute("aria-invalid");
+    if (document.activeElement !== this.number || this.number.value === "") this.number.value = shown(value);
+    else this.number.value = shown(value);
+    // a value typed beyond the slider widens it
+    const [low, high] = this.range;
+    this.slider.min = Math.min(low, value);
+    this.slider.max = Math.max(high, value);
+    this.slider.value = value;
+    this.slider.setAttribute("aria-valuetext", `${shown(value)} ${this.unit}`);
+  }
+
+  mark(left, stopped) {
+    const share = (value) => 100 * Math.min(1, Math.max(0, (value - this.slider.min) / (this.slider.max - this.slider.min)));
+    const [low, high] = left ?? [this.slider.min, this.slider.max];
+    this.left.style.left = `${share(low)}%`;
+    this.left.style.right = `${100 - share(high)}%`;
+    this.left.classList.toggle("ends-low", Boolean(left) && low > this.slider.min);
+    this.left.classList.toggle("ends-high", Boolean(left) && high < this.slider.max);
+    this.element.classList.toggle("stopped", Boolean(stopped));
+  }
+}
+
+export function shown(value, digits = DIGITS) {
+  if (value === undefined || value === null || Number.isNaN(value)) return "";
+  const text = Math.abs(value) < 1e-9 ? "0" : Number(value).toPrecision(digits);
+  return text.includes("e") ? text : text.includes(".") ? text.replace(/\.?0+$/, "") : text;
+}
+
+function element(tag, properties) {
+  return Object.assign(document.createElement(tag), properties);
+}

@@ -1,0 +1,82 @@
+// Colours and materials of the drawing, light and dark.
+import * as THREE from "three";
+
+const DARK = {
+  text: "#e8edf2", quiet: "#9fb0c0", base: "#5d6b78", "base edge": "#8796a5", platform: "#3f90d2", "platform edge": "#7dbbee",
+  link: "#a9b7c4", accent: "#f08a54", loop: "#c39be0", grid: "#26303a", pane: "#12181e", axis: "#5d6b78", white: "#e8edf2",
+  outline: "#080b0e", "frame x": "#e06c5c", "frame y": "#57b985", "frame z": "#6d9be0",
+};
+const EXTRA = { white: "#ffffff", outline: "#1f2933", "frame x": "#c0392b", "frame y": "#2e8b57", "frame z": "#2c5fa8" };
+
+export class Look {
+  constructor(colours) {
+    this.light = { ...colours, ...EXTRA };
+    this.dark = false;
+    this.materials = new Map();
+    this.outline = outlineMaterial();
+  }
+
+  /** The colour of a key of the palette, or of a "#rrggbb" of its own. */
+  colour(key) {
+    if (!key.startsWith("#")) return (this.dark ? DARK : this.light)[key];
+    return this.dark ? `#${new THREE.Color(key).lerp(new THREE.Color("#ffffff"), 0.3).getHexString()}` : key;
+  }
+
+  solid(key) {
+    return this._kept(`solid ${key}`, key, () => new THREE.MeshLambertMaterial());
+  }
+
+  glass(key) {
+    const settings = { transparent: true, opacity: 0.22, side: THREE.DoubleSide, depthWrite: false };
+    return this._kept(`glass ${key}`, key, () => new THREE.MeshBasicMaterial(settings));
+  }
+
+  line(key) {
+    return this._kept(`line ${key}`, key, () => new THREE.LineBasicMaterial());
+  }
+
+  /** Lines behind everything else. */
+  backdrop(key) {
+    return this._kept(`backdrop ${key}`, key, () => new THREE.LineBasicMaterial({ depthTest: false, depthWrite: false }));
+  }
+
+  dashes(key, length) {
+    return this._kept(`dashes ${key} ${length}`, key, () => new THREE.LineDashedMaterial({ dashSize: length, gapSize: 0.7 * length }));
+  }
+
+  setDark(dark) {
+    this.dark = dark;
+    for (const { material, key } of this.materials.values()) material.color.set(this.colour(key));
+    this.outline.uniforms.colour.value.set(this.colour("outline"));
+  }
+
+  _kept(name, key, make) {
+    if (!this.materials.has(name)) {
+      const material = make();
+      material.color.set(this.colour(key));
+      this.materials.set(name, { material, key });
+    }
+    return this.materials.get(name).material;
+  }
+}
+
+/** Draws the back of a shell a little larger than its solid, so that every solid has a contour of the same width in pixels. */
+function outlineMaterial() {
+  return new THREE.ShaderMaterial({
+    side: THREE.BackSide,
+    uniforms: {
+      colour: { value: new THREE.Color("#1f2933") },
+      pixels: { value: new THREE.Vector2(1, 1) },
+      width: { value: 1.25 },
+    },
+    vertexShader: `uniform vec2 pixels; uniform float width;
+      void main() {
+        vec4 place = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+        vec2 way = (projectionMatrix * vec4(normalize(normalMatrix * normal), 0.0)).xy * pixels;
+        float length_ = length(way);
+        if (length_ > 1e-6) place.xy += way / length_ * width * 2.0 / pixels * place.w;
+        gl_Position = place;
+      }`,
+    fragmentShader: `uniform vec3 colour; void main() { gl_FragColor = vec4(colour, 1.0);\n#include <colorspace_fragment>\n }`,
+  });
+}

@@ -1,0 +1,220 @@
+// Joins the solver, the drawing and the controls; offers `window.symkin`.
+import { createSolver } from "solver";
+import * as generated from "generated";
+import { Drawing, roundLength } from "symkin/drawing";
+import { PlatformDrag } from "symkin/drag";
+import { Inputs, shown } from "symkin/inputs";
+import { Labels } from "symkin/labels";
+import { Player } from "symkin/player";
+import { Strip } from "symkin/strip";
+
+const $ = (id) => document.getElementById(id);
+const { model, scene, options } = JSON.parse($("data").textContent);
+const solver = createSolver(model, generated);
+solver.unitOf = (name) => solver.units[name] ?? "";
+const start = { ...solver.values };
+const drawing = new Drawing($("view"), scene, solver.links.length);
+const inputs = new Inputs($("inputs"), { names: solver.names, units: solver.units, values: solver.values, ranges: options.ranges, limits: solver.limits }, wish);
+const labels = new Labels($("labels"), drawing, solver);
+const strip = new Strip($("strip"), $("modes-text"), { solver, drawing, onChoose: choose });
+const drag = new PlatformDrag(drawing, solver, { itemAt, onMove: moved });
+const wishes = new Map(); // values that sliders ask for, taken once a frame
+let player = null, slow = 0;
+
+window.symkinPage = drawing;
+window.symkin = {
+  names: [...solver.names],
+  units: { ...solver.units },
+  set: (values) => moved(solver.set(values)),
+  solution: () => solver.solution(),
+  modes: () => solver.modes(),
+  choose,
+};
+
+// --- movements -------------------------------------------------------------------------------------------------------
+
+function wish(name, value) {
+  player?.play(false);
+  wishes.set(name, value);
+}
+
+function choose(index) {
+  const taken = solver.choose(index);
+  if (taken) {
+    moved({ reached: true, share: 1, stop: null });
+    strip.refresh();
+  }
+  return taken;
+}
+
+/** Show where the mechanism is after a movement; returns what the movement came to. */
+function moved(result) {
+  drawing.place(solver.linkPoses());
+  inputs.show(solver.values);
+  tell(result.stop);
+  readout();
+  strip.changed();
+  clearTimeout(slow);
+  for (const name of solver.names) inputs.mark(name, null, false);
+  slow = setTimeout(ranges, 160);
+  return result;
+}
+
+/** The sentence of a stop, and the motion that shows it. */
+function tell(stop) {
+  const sentence = stop?.sentence ?? "";
+  if ($("status").textContent !== sentence) $("status").textContent = sentence;
+  drawing.clearExtras("twist");
+  const at = solver.solution()?.position;
+  if (stop?.motion && at) drawing.showTwist(stop.motion, at);
+  else if (stop?.wrench && at) drawing.showTwist(stop.wrench, at, "accent");
+}
+
+/** Mark on every slider how far it may move on. */
+function ranges() {
+  const before = performance.now();
+  for (const name of solver.names) {
+    const left = solver.rangeLeft(name, options.ranges[name]);
+    inputs.mark(name, left, false);
+    if (performance.now() - before > 400) break;
+  }
+}
+
+// --- numbers ---------------------------------------------------------------------------------------------------------
+
+function readout() {
+  const solution = solver.solution();
+  const unit = scene.lengthUnit, rows = [];
+  if (solution?.position) {
+    rows.push(...["x", "y", "z"].map((axis, k) => [axis, shown(solution.position[k]), unit]));
+    rows.push(...["qw", "qx", "qy", "qz"].map((part, k) => [part, shown(solution.quaternion[k], 5), ""]));
+  }
+  $("readout").caption.textContent = solution?.position ? `${options.frameName} pose` : "";
+  fill($("readout").tBodies[0], rows);
+  const others = Object.entries(solution?.joints ?? {}).filter(([name, value]) => typeof value === "number" && !solver.names.includes(name));
+  $("passive").hidden = !others.length;
+  $("passive").firstElementChild.textContent = `${others.length} other joint coordinates`;
+  if ($("passive").open) fill($("passive").querySelector("tbody"), others.map(([name, value]) => [name, shown(value), solver.unitOf(name)]));
+  const distance = solver.distanceToSingularity();
+  $("gauge").hidden = distance === null;
+  if (!$("gauge").hidden) {
+    // decades from 1e-4 to 1
+    $("distance").value = Math.min(1, Math.max(0, 1 + Math.log10(Math.max(distance, 1e-12)) / 4));
+    $("distance-text").textContent = Number(distance).toPrecision(2);
+  }
+}
+
+function fill(body, rows) {
+  while (body.rows.length > rows.length) body.deleteRow(-1);
+  rows.forEach((cells, k) => {
+    const row = body.rows[k] ?? body.insertRow();
+    cells.forEach((text, c) => {
+      const cell = row.cells[c] ?? row.insertCell();
+      if (cell.textContent !== text) cell.textContent = text;
+    });
+  });
+}
+
+// --- tools -----------------------------------------------------------------------------------------------------------
+
+function toggle(id, action) {
+  $(id).addEventListener("click", () => {
+    const pressed = $(id).getAttribute("aria-pressed") !== "true";
+    $(id).setAttribute("aria-pressed", String(pressed));
+    action(pressed);
+  });
+}
+
+function dress(dark) {
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  $("theme").setAttribute("aria-pressed", String(dark));
+  drawing.setDark(dark);
+  strip.draw();
+}
+
+function itemAt(event) {
+  const box = $("view").getBoundingClientRect();
+  return drawing.itemAt(event.clientX - box.left, event.clientY - box.top);
+}
+
+function hover(event) {
+  const item = event.buttons ? null : itemAt(event), tip = $("tip");
+  tip.hidden = !item;
+  $("view").classList.toggle("platform", item?.role === "platform");
+  if (!item) return;
+  const box = $("stage").getBoundingClientRect();
+  tip.textContent = labels.told(item);
+  const left = Math.min(event.clientX - box.left + 14, box.width - tip.offsetWidth - 8);
+  tip.style.transform = `translate(${Math.max(8, left)}px, ${Math.max(8, event.clientY - box.top - 34)}px)`;
+}
+
+function scaleBar() {
+  const length = roundLength(110 * drawing.lengthOfPixel);
+  $("scale").firstElementChild.style.width = `${length / drawing.lengthOfPixel}px`;
+  $("scale").lastElementChild.textContent = `${shown(length, 4)} ${scene.lengthUnit}`;
+}
+
+function frame(now) {
+  if (wishes.size) {
+    const values = Object.fromEntries(wishes);
+    wishes.clear();
+    moved(solver.set(values));
+  }
+  drag.step();
+  player?.step(now);
+  drawing.render();
+  requestAnimationFrame(frame);
+}
+
+/** Take the mode that is nearest to the configuration which the page was made for. */
+function takeStart() {
+  const wanted = options.start;
+  if (!wanted) return;
+  const apart = (mode) => {
+    const numbers = ([key, value]) => (typeof value === "number" ? [value - mode.joints[key]] : []);
+    const joints = Object.entries(wanted.joints).filter(([key]) => typeof mode.joints?.[key] === "number").flatMap(numbers);
+    const moved = wanted.pose && mode.position ? wanted.pose.position.map((v, k) => v - mode.position[k]) : [];
+    return Math.hypot(...joints, ...moved);
+  };
+  const gaps = solver.modes().map(apart), nearest = gaps.indexOf(Math.min(...gaps));
+  if (nearest >= 0 && nearest !== solver.modeIndex) solver.choose(nearest);
+}
+
+// --- beginning -------------------------------------------------------------------------------------------------------
+
+toggle("names", (on) => labels.set(on, labels.measures));
+toggle("measures", (on) => labels.set(labels.names, on));
+toggle("theme", dress);
+$("fit").addEventListener("click", () => drawing.fit());
+$("reset").addEventListener("click", () => moved(solver.set(start)));
+$("passive").addEventListener("toggle", readout);
+$("inputs").addEventListener("refused", (event) => ($("status").textContent = event.detail));
+$("view").addEventListener("pointermove", hover);
+$("view").addEventListener("pointerleave", () => ($("tip").hidden = true));
+$("view").addEventListener("contextmenu", (event) => event.preventDefault());
+document.addEventListener("keydown", (event) => {
+  const keys = { n: "names", m: "measures", f: "fit", d: "theme" };
+  const typing = event.target.matches?.("input[type=text], select") || event.ctrlKey || event.metaKey || event.altKey;
+  if (!typing && keys[event.key.toLowerCase()]) $(keys[event.key.toLowerCase()]).click();
+});
+drawing.listeners.push(scaleBar);
+let viewed = "";
+drawing.listeners.push(() => {
+  const now = drawing.axes.flat().map((v) => v.toFixed(3)).join();
+  if (now !== viewed) strip.draw();
+  viewed = now;
+});
+if (options.path) {
+  player = new Player($("player"), options.path, { go: (values) => moved(solver.set(values)).reached });
+  $("player").addEventListener("pointerdown", () => wishes.clear());
+}
+$("hints").textContent = scene.items.some((item) => item.role === "platform")
+  ? "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
+  : "Drag to turn the view, wheel or two fingers to zoom.";
+takeStart();
+dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
+moved({ reached: true, share: 1, stop: null });
+drawing.fit();
+new ResizeObserver(() => drawing.resize()).observe($("stage"));
+requestAnimationFrame(frame);
+document.documentElement.dataset.ready = "yes";

@@ -1,0 +1,119 @@
+// Geometries of links, joints and arrows, as flat lists of triangles with normals. Lengths as they come; no state.
+import * as THREE from "three";
+
+const Z = new THREE.Vector3(0, 0, 1);
+const Y = new THREE.Vector3(0, 1, 0);
+
+export const vector = (point) => new THREE.Vector3(point[0], point[1], point[2]);
+
+/** One geometry of many: positions and normals only, without an index. */
+export function merged(geometries) {
+  const plain = geometries.map((g) => (g.index ? g.toNonIndexed() : g));
+  const count = plain.reduce((sum, g) => sum + g.attributes.position.count, 0);
+  const result = new THREE.BufferGeometry();
+  for (const name of ["position", "normal"]) {
+    const numbers = new Float32Array(3 * count);
+    let at = 0;
+    for (const g of plain) {
+      numbers.set(g.attributes[name].array, at);
+      at += g.attributes[name].array.length;
+    }
+    result.setAttribute(name, new THREE.BufferAttribute(numbers, 3));
+  }
+  return result;
+}
+
+/** The same triangles with one normal at each corner point: shells of it have no gaps. */
+export function shellOf(geometry) {
+  const plain = geometry.index ? geometry.toNonIndexed() : geometry.clone();
+  const { position, normal } = plain.attributes;
+  const sums = new Map();
+  const key = (k) => [position.getX(k), position.getY(k), position.getZ(k)].map((v) => v.toPrecision(5)).join();
+  for (let k = 0; k < position.count; k++) {
+    const sum = sums.get(key(k)) ?? new THREE.Vector3();
+    sums.set(key(k), sum.add(new THREE.Vector3().fromBufferAttribute(normal, k)));
+  }
+  for (let k = 0; k < position.count; k++) {
+    const mean = sums.get(key(k)).clone().normalize();
+    normal.setXYZ(k, mean.x, mean.y, mean.z);
+  }
+  return plain;
+}
+
+/** A cylinder of length 1 from the origin along z, to be stretched between two points. */
+export function unitRod(radius, sides = 16) {
+  return new THREE.CylinderGeometry(radius, radius, 1, sides).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+}
+
+export function tube(start, end, radius, sides = 14) {
+  const a = vector(start), along = vector(end).sub(a), length = along.length();
+  const turn = new THREE.Quaternion().setFromUnitVectors(Y, along.clone().divideScalar(length || 1));
+  const middle = a.addScaledVector(along, 0.5);
+  return new THREE.CylinderGeometry(radius, radius, length, sides).applyQuaternion(turn).translate(middle.x, middle.y, middle.z);
+}
+
+export function ball(centre, radius, detail = 18) {
+  return new THREE.SphereGeometry(radius, detail, Math.ceil(0.7 * detail)).translate(...centre);
+}
+
+/** A cylinder about an axis through a centre. */
+export function drum(centre, axis, length, radius, sides = 28) {
+  const half = vector(axis).normalize().multiplyScalar(0.5 * length);
+  const c = vector(centre);
+  return tube(c.clone().sub(half).toArray(), c.clone().add(half).toArray(), radius, sides);
+}
+
+export function block(centre, axis, length, side) {
+  const turn = new THREE.Quaternion().setFromUnitVectors(Z, vector(axis).normalize());
+  return new THREE.BoxGeometry(side, side, length).applyQuaternion(turn).translate(...centre);
+}
+
+/** A thread around a cylinder. */
+export function thread(centre, axis, length, radius, wire) {
+  const turn = new THREE.Quaternion().setFromUnitVectors(Z, vector(axis).normalize());
+  const points = [];
+  for (let k = 0; k <= 96; k++) {
+    const angle = (k / 96) * 8 * Math.PI;
+    points.push(new THREE.Vector3(radius * Math.cos(angle), radius * Math.sin(angle), (k / 96 - 0.5) * length));
+  }
+  return new THREE.TubeGeometry(new THREE.CatmullRomCurve3(points), 96, wire, 6).applyQuaternion(turn).translate(...centre);
+}
+
+/** The open half of a ball joint, opening along a direction. */
+export function socket(centre, direction, radius) {
+  const turn = new THREE.Quaternion().setFromUnitVectors(Y, vector(direction).normalize().negate());
+  return new THREE.SphereGeometry(radius, 20, 10, 0, 2 * Math.PI, 0, 0.5 * Math.PI).applyQuaternion(turn).translate(...centre);
+}
+
+export function arrow(start, direction, length, radius) {
+  const way = vector(direction).normalize(), a = vector(start);
+  const neck = a.clone().addScaledVector(way, Math.max(0, length - 5 * radius));
+  const turn = new THREE.Quaternion().setFromUnitVectors(Y, way);
+  const tip = neck.clone().addScaledVector(way, 2.5 * radius);
+  const head = new THREE.ConeGeometry(2.4 * radius, 5 * radius, 18).applyQuaternion(turn).translate(tip.x, tip.y, tip.z);
+  return merged([tube(start, neck.toArray(), radius), head]);
+}
+
+/** An arrow three quarters around an axis, right-handed. */
+export function turnArrow(centre, axis, radius, wire) {
+  const sweep = 1.5 * Math.PI;
+  const arc = new THREE.TorusGeometry(radius, wire, 10, 48, sweep);
+  const head = new THREE.ConeGeometry(2.6 * wire, 6 * wire, 18).translate(0, 3 * wire, 0);
+  head.rotateZ(sweep).translate(radius * Math.cos(sweep), radius * Math.sin(sweep), 0);
+  const turn = new THREE.Quaternion().setFromUnitVectors(Z, vector(axis).normalize());
+  return merged([arc, head]).applyQuaternion(turn).translate(...centre);
+}
+
+/** Triangles of flat rings of points, both sides seen by the material. */
+export function plates(points, faces) {
+  const numbers = [];
+  for (const ring of faces) {
+    for (let k = 1; k + 1 < ring.length; k++) {
+      for (const corner of [ring[0], ring[k], ring[k + 1]]) numbers.push(...points[corner]);
+    }
+  }
+  const result = new THREE.BufferGeometry();
+  result.setAttribute("position", new THREE.Float32BufferAttribute(numbers, 3));
+  result.computeVertexNormals();
+  return result;
+}

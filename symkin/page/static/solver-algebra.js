@@ -1,0 +1,149 @@
+// Dense linear algebra, real and complex: least squares by Householder's QR with column pivots, singular vectors by iteration.
+
+const RANK = 1e-13; // pivots below this share of the first are zero
+
+/** Solve min |A y - b| for A (m, n) row by row, by QR; null where numbers are not finite. Columns without a pivot get zero. */
+export function leastSquares(a, b, n) {
+  const m = n ? a.length / n : 0, y = new Float64Array(n);
+  if (!n) return y;
+  const { pivots, rank } = reduce(a, b, m, n);
+  for (let k = rank - 1; k >= 0; k--) {
+    let sum = b[k];
+    for (let j = k + 1; j < rank; j++) sum -= a[k * n + pivots[j]] * y[pivots[j]];
+    y[pivots[k]] = sum / a[k * n + pivots[k]];
+  }
+  return y.every(Number.isFinite) ? y : null;
+}
+
+/** Reduce A to a triangle in place (its columns in the order of `pivots`), b with it. */
+function reduce(a, b, m, n) {
+  const pivots = Array.from({ length: n }, (_, k) => k), most = Math.min(m, n);
+  let first = 0, rank = 0;
+  for (; rank < most; rank++) {
+    let best = rank, norm = -1;
+    for (let j = rank; j < n; j++) {
+      let sum = 0;
+      for (let r = rank; r < m; r++) sum += a[r * n + pivots[j]] ** 2;
+      if (sum > norm) [best, norm] = [j, sum];
+    }
+    norm = Math.sqrt(norm);
+    if (rank === 0) first = norm;
+    if (!(norm > RANK * first)) break;
+    [pivots[rank], pivots[best]] = [pivots[best], pivots[rank]];
+    reflect(a, b, m, n, pivots, rank, norm);
+  }
+  return { pivots, rank };
+}
+
+function reflect(a, b, m, n, pivots, k, norm) {
+  const p = pivots[k], head = a[k * n + p], alpha = head > 0 ? -norm : norm;
+  const v = new Float64Array(m - k);
+  for (let r = k; r < m; r++) v[r - k] = a[r * n + p];
+  v[0] = head - alpha;
+  const beta = v.reduce((sum, c) => sum + c * c, 0);
+  if (beta === 0) return;
+  for (let j = k; j < n; j++) {
+    let dot = 0;
+    for (let r = k; r < m; r++) dot += v[r - k] * a[r * n + pivots[j]];
+    dot *= 2 / beta;
+    for (let r = k; r < m; r++) a[r * n + pivots[j]] -= dot * v[r - k];
+  }
+  if (!b) return;
+  let dot = 0;
+  for (let r = k; r < m; r++) dot += v[r - k] * b[r];
+  dot *= 2 / beta;
+  for (let r = k; r < m; r++) b[r] -= dot * v[r - k];
+}
+
+/** Smallest over largest singular value of A (m, n), and the right singular vector of the smallest: eigenvectors by Jacobi's turns. */
+export function singularPair(a, m, n) {
+  const g = new Float64Array(n * n), v = new Float64Array(n * n);
+  const w = Float64Array.from(a);
+  for (let k = 0; k < n; k++) v[k * n + k] = 1;
+  // one-sided Jacobi: columns of W = A V are made orthogonal
+  for (let sweep = 0; sweep < 30; sweep++) {
+    let off = 0;
+    for (let i = 0; i < n; i++) for (let j = i + 1; j < n; j++) off = Math.max(off, orthogonalise(w, v, m, n, i, j));
+    if (off < 1e-14) break;
+  }
+  const norms = Array.from({ length: n }, (_, k) => {
+    let sum = 0;
+    for (let r = 0; r < m; r++) sum += w[r * n + k] ** 2;
+    return Math.sqrt(sum);
+  });
+  const least = norms.indexOf(Math.min(...norms)), most = Math.max(...norms);
+  g.fill(0);
+  return { ratio: m < n || most === 0 ? 0 : norms[least] / most, vector: Array.from({ length: n }, (_, k) => v[k * n + least]) };
+}
+
+function orthogonalise(w, v, m, n, i, j) {
+  let aa = 0, bb = 0, ab = 0;
+  for (let r = 0; r < m; r++) {
+    aa += w[r * n + i] ** 2;
+    bb += w[r * n + j] ** 2;
+    ab += w[r * n + i] * w[r * n + j];
+  }
+  const scale = Math.sqrt(aa * bb);
+  if (scale === 0 || Math.abs(ab) <= 1e-15 * scale) return 0;
+  const zeta = (bb - aa) / (2 * ab), t = Math.sign(zeta || 1) / (Math.abs(zeta) + Math.sqrt(1 + zeta * zeta));
+  const c = 1 / Math.sqrt(1 + t * t), s = c * t;
+  for (const [x, rows] of [[w, m], [v, n]]) {
+    for (let r = 0; r < rows; r++) {
+      const p = x[r * n + i], q = x[r * n + j];
+      x[r * n + i] = c * p - s * q;
+      x[r * n + j] = s * p + c * q;
+    }
+  }
+  return Math.abs(ab) / scale;
+}
+
+/** Solve A y = b (m >= n, complex, pairs of numbers) by Householder's QR in place; null where a pivot vanishes. */
+export function complexLeastSquares(a, b, m, n) {
+  for (let k = 0; k < n; k++) {
+    let norm = 0;
+    for (let r = k; r < m; r++) norm += a[2 * (r * n + k)] ** 2 + a[2 * (r * n + k) + 1] ** 2;
+    norm = Math.sqrt(norm);
+    if (!(norm > 1e-300)) return null;
+    const hr = a[2 * (k * n + k)], hi = a[2 * (k * n + k) + 1], head = Math.hypot(hr, hi);
+    const pr = head ? hr / head : 1, pi = head ? hi / head : 0;
+    const v = new Float64Array(2 * (m - k));
+    for (let r = k; r < m; r++) {
+      v[2 * (r - k)] = a[2 * (r * n + k)];
+      v[2 * (r - k) + 1] = a[2 * (r * n + k) + 1];
+    }
+    v[0] += pr * norm;
+    v[1] += pi * norm;
+    const beta = 2 * norm * (norm + head);
+    for (let j = k; j <= n; j++) applyReflection(j < n ? a : b, v, m, j < n ? n : 1, k, j < n ? j : 0, beta);
+  }
+  const y = new Float64Array(2 * n);
+  for (let k = n - 1; k >= 0; k--) {
+    let re = b[2 * k], im = b[2 * k + 1];
+    for (let j = k + 1; j < n; j++) {
+      const ar = a[2 * (k * n + j)], ai = a[2 * (k * n + j) + 1];
+      re -= ar * y[2 * j] - ai * y[2 * j + 1];
+      im -= ar * y[2 * j + 1] + ai * y[2 * j];
+    }
+    const dr = a[2 * (k * n + k)], di = a[2 * (k * n + k) + 1], size = dr * dr + di * di;
+    if (size === 0) return null;
+    y[2 * k] = (re * dr + im * di) / size;
+    y[2 * k + 1] = (im * dr - re * di) / size;
+  }
+  return y;
+}
+
+function applyReflection(a, v, m, n, k, column, beta) {
+  let re = 0, im = 0;
+  for (let r = k; r < m; r++) {
+    const at = 2 * (r * n + column), vr = v[2 * (r - k)], vi = v[2 * (r - k) + 1];
+    re += vr * a[at] + vi * a[at + 1];
+    im += vr * a[at + 1] - vi * a[at];
+  }
+  re *= 2 / beta;
+  im *= 2 / beta;
+  for (let r = k; r < m; r++) {
+    const at = 2 * (r * n + column), vr = v[2 * (r - k)], vi = v[2 * (r - k) + 1];
+    a[at] -= re * vr - im * vi;
+    a[at + 1] -= re * vi + im * vr;
+  }
+}

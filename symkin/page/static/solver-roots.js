@@ -1,0 +1,309 @@
+// All complex solutions: found once for complex values by monodromy, then moved to the present values along paths.
+//
+// At the complex values p0 solutions are known from one seed on: moved around loops p0 -> pa -> pb -> p0 they become others, until the
+// number that symkin counts is reached. From p0, which is generic, paths to any real values meet no singularity on the way; their ends
+// that are real are the modes.
+import { complexLeastSquares } from "solver-algebra";
+
+const LONGEST = 0.35, SHORTEST = 1e-10; // steps of a path's parameter
+const FAR = 1e6; // of a solution at infinity, in units of the size
+const SAME = 1e-6; // between two writings of one solution
+const REAL = 1e-6; // imaginary part of a real end before Newton's method makes it real
+const QUIET = 8; // loops without a new solution after which the search ends
+
+export class Roots {
+  constructor(solver) {
+    Object.assign(this, { solver, model: solver.model, functions: solver.functions });
+    const { rows, width } = this.model;
+    this.rowsAt = new Float64Array(2 * rows);
+    this.gradients = new Float64Array(2 * rows * width);
+    this.starts = [];
+    this.quiet = 0;
+    this.random = generator(20170614);
+    this.alone = !this.model.complex || !this.model.follows || !solver.places.length || !solver.unknown.length;
+    this.done = this.alone;
+    this.begun = false;
+  }
+
+  get complete() {
+    return this.done && (!this.model.follows || this.model.complexCount === null ? false : this.alone ? !solverHasPaths(this) : this.starts.length >= this.model.complexCount);
+  }
+
+  get sentence() {
+    const { complexCount, follows } = this.model;
+    if (!this.done) return "Finding all solutions.";
+    if (!follows) return `${complexCount} complex solutions are too many to follow here: the mode shown is followed, and symkin modes lists them all.`;
+    if (this.alone) return "";
+    const found = this.starts.length;
+    if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.`;
+    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.`;
+  }
+
+  /** Search for solutions at p0 for some milliseconds; whether the search has ended. */
+  prepare(milliseconds) {
+    const end = now() + milliseconds;
+    if (!this.begun && !this.done) this._begin();
+    while (!this.done && now() < end) this._loop();
+    return this.done;
+  }
+
+  /** All real solutions at the known values of x, itself among them. */
+  at(x) {
+    this.prepare(Infinity);
+    const found = this.alone ? this._seedsAt(x) : this._ends(x);
+    if (!found.some((other) => this.same(other, x))) found.unshift(Float64Array.from(x));
+    return found;
+  }
+
+  indexOf(list, x) {
+    return list.findIndex((other) => this.same(other, x));
+  }
+
+  same(a, b, pairs = 1) {
+    return this._apart(a, b, pairs) < (pairs === 1 ? 1e-7 : SAME);
+  }
+
+  // --- search ----------------------------------------------------------------------------------------------------------
+
+  _begin() {
+    this.begun = true;
+    const { places } = this.solver;
+    this.p0 = this._randomValues();
+    for (const seed of [this.model.start, ...this.model.modesHere, ...this.model.seeds]) {
+      if (this.model.complexCount !== null && this.starts.length >= this.model.complexCount) break;
+      const from = complexOf(seed), p = places.flatMap((k) => [seed[k], 0]);
+      const end = this._path(from, p, this.p0);
+      if (end && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
+    }
+    this._ended();
+  }
+
+  _randomValues() {
+    const { places } = this.solver, { start, columns } = this.model;
+    return places.flatMap((k) => [start[k] + columns[k] * (this.random() - 0.5), columns[k] * (this.random() - 0.5)]);
+  }
+
+  /** Move the solutions, one after another, around a loop; the loop ends when all have been moved. */
+  _loop() {
+    if (!this.loop || this.loop.next >= this.loop.count) {
+      this.loop = { corners: [this.p0, this._randomValues(), this._randomValues(), this.p0], next: 0, count: this.starts.length, news: 0 };
+      if (!this.loop.count) this.done = true;
+    }
+    const { corners } = this.loop;
+    let x = this.starts[this.loop.next++];
+    for (let k = 0; k < 3 && x; k++) x = this._path(x, corners[k], corners[k + 1]);
+    if (x && !this.starts.some((other) => this.same(other, x, 2))) {
+      this.starts.push(x);
+      this.loop.news++;
+    }
+    if (this.loop.next >= this.loop.count) this.quiet = this.loop.news ? 0 : this.quiet + 1;
+    this._ended();
+  }
+
+  _ended() {
+    const { complexCount } = this.model;
+    if (complexCount !== null && this.starts.length >= complexCount) this.done = true;
+    if (this.quiet >= QUIET) this.done = true;
+  }
+
+  // --- ends ------------------------------------------------------------------------------------------------------------
+
+  /** Where there is no search: the seeds where the values are those of the start, else x alone. */
+  _seedsAt(x) {
+    const here = this.solver.places.every((k) => Math.abs(x[k] - this.model.start[k]) < 1e-12 * this.model.columns[k]);
+    return here ? this.model.modesHere.map((seed) => Float64Array.from(seed)) : [];
+  }
+
+  _ends(x) {
+    const { places } = this.solver, target = places.flatMap((k) => [x[k], 0]);
+    let ends = this.starts.map((start) => this._path(start, this.p0, target));
+    // two paths with one end: one of them has jumped; both are followed anew with shorter steps
+    const doubled = ends.map((end, k) => end && ends.some((other, j) => j !== k && other && this.same(other, end, 2)));
+    if (doubled.some(Boolean)) ends = ends.map((end, k) => (doubled[k] ? this._path(this.starts[k], this.p0, target, 0.02) : end));
+    const found = [];
+    for (const end of ends) {
+      const real = end && this._real(end, x);
+      if (real && !found.some((other) => this.same(other, real))) found.push(real);
+    }
+    return found;
+  }
+
+  /** The real solution at a complex one's place, null where there is none. */
+  _real(end, x) {
+    const { columns, width } = this.model, real = new Float64Array(width);
+    for (let k = 0; k < width; k++) {
+      if (Math.abs(end[2 * k + 1]) > REAL * columns[k] * (1 + Math.abs(end[2 * k] / columns[k]))) return null;
+      real[k] = end[2 * k];
+    }
+    this.solver.places.forEach((k) => (real[k] = x[k]));
+    const near = Float64Array.from(real);
+    return this.solver.correct(real) && this._apart(near, real, 1) < 1e-3 ? this._standard(real) : null;
+  }
+
+  /** Angles without whole turns, quaternions with w >= 0, rods of positive length, of the unknowns. */
+  _standard(x) {
+    for (const c of this.model.coordinates.filter((one) => !one.known)) {
+      if (c.kind === "angle") x[c.place] -= 2 * Math.PI * Math.round(x[c.place] / (2 * Math.PI));
+      else if (c.kind === "quaternion" && x[c.place] < 0) for (let k = 0; k < 4; k++) x[c.place + k] *= -1;
+      else if (c.least !== null && x[c.place] < c.least) x[c.place] = 2 * c.least - x[c.place];
+    }
+    return x;
+  }
+
+  /** Distance of two solutions, real (pairs = 1) or complex (2): the same up to turns, signs of quaternions and of rods' lengths. */
+  _apart(a, b, pairs) {
+    let most = 0;
+    const { columns } = this.model;
+    const gap = (k, shift = 0, sign = 1) =>
+      pairs === 1 ? Math.abs(a[k] - sign * b[k] - shift) : Math.hypot(a[2 * k] - sign * b[2 * k] - shift, a[2 * k + 1] - sign * b[2 * k + 1]);
+    for (const c of this.model.coordinates.filter((one) => !one.known)) {
+      const k = c.place, step = pairs * k;
+      let d;
+      if (c.kind === "quaternion") d = Math.min(...[1, -1].map((sign) => Math.max(...[0, 1, 2, 3].map((i) => gap(k + i, 0, sign)))));
+      else if (c.kind === "angle") d = gap(k, 2 * Math.PI * Math.round((a[step] - b[step]) / (2 * Math.PI)));
+      else d = c.least === null ? gap(k) : Math.min(gap(k), gap(k, 2 * c.least, -1));
+      most = Math.max(most, d / columns[k] / (1 + Math.abs(a[step]) / columns[k]));
+    }
+    return most;
+  }
+
+  // --- paths -----------------------------------------------------------------------------------------------------------
+
+  /** The end at known values q of the path from solution x at p; null at infinity or where the steps become too short. */
+  _path(x, p, q, longest = LONGEST) {
+    const way = q.map((v, k) => v - p[k]);
+    let t = 0, step = Math.min(0.1, longest), here = Float64Array.from(x);
+    while (t < 1) {
+      step = Math.min(step, 1 - t);
+      const next = this._advance(here, p, way, t, step);
+      if (!next) {
+        step *= 0.5;
+        if (step < SHORTEST) return null;
+        continue;
+      }
+      here = next.x;
+      t = step === 1 - t ? 1 : t + step;
+      if (next.error < 1e-5) step = Math.min(2 * step, longest);
+      else if (next.error > 1e-3) step *= 0.5;
+      if (this._far(here)) return null;
+    }
+    return this._newton(here, 1e-13, 6) ? here : null;
+  }
+
+  /** Whether a solution has gone to infinity: a length, or the imaginary part of an angle, whose sine grows with it. */
+  _far(x) {
+    const { columns, coordinates } = this.model;
+    return coordinates.some((c) => {
+      const k = 2 * c.place;
+      if (c.known || c.kind === "quaternion") return !c.known && Math.hypot(x[k], x[k + 1]) > FAR;
+      return c.kind === "length" ? Math.hypot(x[k], x[k + 1]) > FAR * columns[c.place] : Math.abs(x[k + 1]) > 25;
+    });
+  }
+
+  /** A step of Runge and Kutta's fourth order, then Newton's method; its first correction is the step's error. */
+  _advance(x, p, way, t, step) {
+    const slopes = [], stages = [[0, 0], [0.5, 0], [0.5, 1], [1, 2]];
+    for (const [share, before] of stages) {
+      const at = share ? this._moved(x, slopes[before], share * step) : Float64Array.from(x);
+      this._setKnown(at, p, way, t + share * step);
+      const slope = this._tangent(at, way);
+      if (!slope) return null;
+      slopes.push(slope);
+    }
+    const mean = slopes[0].map((v, k) => (v + 2 * slopes[1][k] + 2 * slopes[2][k] + slopes[3][k]) / 6);
+    const next = this._moved(x, mean, step);
+    this._setKnown(next, p, way, step === 1 - t ? 1 : t + step);
+    const error = this._newton(next, 1e-9, 3);
+    return error && error < 2e-2 ? { x: next, error } : null;
+  }
+
+  _moved(x, slope, step) {
+    const next = Float64Array.from(x), { columns } = this.model;
+    this.solver.unknown.forEach((k, i) => {
+      next[2 * k] += step * columns[k] * slope[2 * i];
+      next[2 * k + 1] += step * columns[k] * slope[2 * i + 1];
+    });
+    return next;
+  }
+
+  _setKnown(x, p, way, t) {
+    this.solver.places.forEach((k, i) => {
+      x[2 * k] = p[2 * i] + t * way[2 * i];
+      x[2 * k + 1] = p[2 * i + 1] + t * way[2 * i + 1];
+    });
+  }
+
+  _tangent(x, way) {
+    const a = this._linearise(x), { rows, width, columns } = this.model, b = new Float64Array(2 * rows);
+    this.solver.places.forEach((k, i) => {
+      const re = way[2 * i] / columns[k], im = way[2 * i + 1] / columns[k];
+      for (let r = 0; r < rows; r++) {
+        const gr = this.gradients[2 * (r * width + k)], gi = this.gradients[2 * (r * width + k) + 1];
+        b[2 * r] -= gr * re - gi * im;
+        b[2 * r + 1] -= gr * im + gi * re;
+      }
+    });
+    return complexLeastSquares(a, b, rows, this.solver.unknown.length);
+  }
+
+  /** Newton's method in place until a step is below `close`; the first step's length (at least 1e-300), 0 where it fails. */
+  _newton(x, close, most) {
+    const { rows, columns } = this.model, { unknown } = this.solver;
+    let first = 0, last = Infinity;
+    for (let k = 0; k < most; k++) {
+      const a = this._linearise(x);
+      const step = complexLeastSquares(a, this.rowsAt.map((v) => -v), rows, unknown.length);
+      if (!step) return 0;
+      let length = 0;
+      for (const v of step) length += v * v;
+      length = Math.sqrt(length);
+      if (!(length < 10)) return 0;
+      unknown.forEach((place, i) => {
+        x[2 * place] += columns[place] * step[2 * i];
+        x[2 * place + 1] += columns[place] * step[2 * i + 1];
+      });
+      if (k === 0) first = Math.max(length, 1e-300);
+      if (length < close || (length < 1e-8 && length > 0.3 * last)) return first;
+      last = length;
+    }
+    return last < 1e-7 ? first : 0;
+  }
+
+  _linearise(x) {
+    const { rows, width } = this.model, { unknown } = this.solver, count = unknown.length;
+    this.functions.complexSystem(x, this.rowsAt, this.gradients);
+    const a = new Float64Array(2 * rows * count);
+    for (let r = 0; r < rows; r++)
+      for (let i = 0; i < count; i++) {
+        const from = 2 * (r * width + unknown[i]), to = 2 * (r * count + i);
+        a[to] = this.gradients[from];
+        a[to + 1] = this.gradients[from + 1];
+      }
+    return a;
+  }
+}
+
+function solverHasPaths({ model, solver }) {
+  return solver.places.length > 0 && solver.unknown.length > 0 && !model.complex;
+}
+
+function complexOf(x) {
+  const pairs = new Float64Array(2 * x.length);
+  Array.from(x).forEach((v, k) => (pairs[2 * k] = v));
+  return pairs;
+}
+
+function now() {
+  return globalThis.performance.now();
+}
+
+/** Uniform numbers in [0, 1) from a seed (Mulberry32). */
+function generator(seed) {
+  let state = seed;
+  return () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let v = Math.imul(state ^ (state >>> 15), 1 | state);
+    v = (v + Math.imul(v ^ (v >>> 7), 61 | v)) ^ v;
+    return ((v ^ (v >>> 14)) >>> 0) / 4294967296;
+  };
+}

@@ -1,0 +1,362 @@
+// Follows a mechanism's closure: Newton's method on all rows with step control, all modes, the inverse problem of a drag.
+// No imports but the linear algebra; plain numbers; runs in browsers and in node alike.
+import { leastSquares, singularPair } from "solver-algebra";
+import { Roots } from "solver-roots";
+import { placedLinks, readJoints } from "solver-links";
+
+const NEWTON = 12; // iterations at most
+const CLOSED = 1e-13; // Newton's step, over the size, at which a configuration is closed
+const REACH = 0.12; // of a step in units of the size and radians
+const CORRECTION = 0.25; // share of a predicted step that Newton may add to it
+const CONTRACTION = 0.2; // of Newton's second step over its first
+const SMALLEST = 2e-9; // share of a movement below which a step is given up
+const NEAR = 0.05; // smallest singular value, of the largest, below which a halt is told as a singularity
+
+export function createSolver(model, generated) {
+  return new Solver(model, generated);
+}
+
+class Solver {
+  constructor(model, generated) {
+    this.model = model;
+    this.functions = generated;
+    this.size = model.size;
+    this.names = model.names;
+    this.units = model.units;
+    this.limits = model.limits;
+    this.lengthUnit = model.lengthUnit;
+    this.links = model.links;
+    this.x = Float64Array.from(model.start);
+    this.known = [];
+    this.unknown = [];
+    for (const c of model.coordinates)
+      for (let k = 0; k < (c.kind === "quaternion" ? 4 : 1); k++) (c.known ? this.known : this.unknown).push(c.place + k);
+    const places = new Map(model.coordinates.map((c) => [c.name, c.place]));
+    this.places = this.names.map((name) => places.get(name));
+    this.kinds = this.names.map((name) => model.coordinates.find((c) => c.name === name).kind);
+    this.rows = new Float64Array(model.rows);
+    this.gradients = new Float64Array(model.rows * model.width);
+    this.correct(this.x);
+    this.roots = new Roots(this);
+    this.modeIndex = -1;
+    this.found = null;
+  }
+
+  // --- values --------------------------------------------------------------------------------------------------------
+
+  get values() {
+    return Object.fromEntries(this.names.map((name, k) => [name, this._out(this.kinds[k], this.x[this.places[k]])]));
+  }
+
+  _out(kind, value) {
+    return (kind === "angle" || kind === "turns") && this.model.angleUnit === "deg" ? (value * 180) / Math.PI : value;
+  }
+
+  _in(kind, value) {
+    return (kind === "angle" || kind === "turns") && this.model.angleUnit === "deg" ? (value * Math.PI) / 180 : value;
+  }
+
+  /** Move in a straight line to values by name. */
+  set(values) {
+    const target = this.places.map((place) => this.x[place]);
+    for (const [name, value] of Object.entries(values)) {
+      const k = this.names.indexOf(name);
+      if (k < 0) throw new Error(`${JSON.stringify(name)} is not given here; allowed: ${this.names.join(", ")}`);
+      if (typeof value !== "number" || !Number.isFinite(value)) throw new Error(`${name} = ${value} is not a finite number`);
+      target[k] = this._in(this.kinds[k], value);
+    }
+    return this.goTo(target);
+  }
+
+  /** The same to values in radians and lengths; the stop is told with its sentence, motion and place. */
+  goTo(target) {
+    const { x, share, halt } = this.follow(this.x, target);
+    this.x = x;
+    this.found = null;
+    return { reached: !halt, share, stop: halt ? this._stop(halt, share) : null };
+  }
+
+  // --- following -----------------------------------------------------------------------------------------------------
+
+  /** From a configuration to known values: {x, share, halt}, halt null where they were reached. */
+  follow(from, target) {
+    const start = this.places.map((place) => from[place]);
+    const way = target.map((value, k) => value - start[k]);
+    const scales = this.places.map((place) => this.model.columns[place]);
+    const length = Math.hypot(...way.map((v, k) => v / scales[k]));
+    let x = Float64Array.from(from), share = 0;
+    if (length === 0) return { x, share: 1, halt: null };
+    let step = Math.min(1, REACH / length);
+    while (share < 1) {
+      if (share + step > 1) step = 1 - share;
+      const next = this._advance(x, way, start, share, step);
+      const limit = next && this._limitBetween(x, next);
+      if (next && !limit) {
+        x = next;
+        share = step === 1 - share ? 1 : share + step;
+        step = Math.min(2 * step, REACH / length);
+        continue;
+      }
+      step *= 0.5;
+      if (step < SMALLEST) return { x, share, halt: { kind: limit ? "limit" : "halt", limit } };
+    }
+    return { x, share: 1, halt: null };
+  }
+
+  /** One step: tangent, then Newton; null where the corrector does not contract as near a regular configuration. */
+  _advance(x, way, start, share, step) {
+    const next = Float64Array.from(x), { width, columns } = this.model;
+    const jacobian = this._linearise(x);
+    const right = new Float64Array(this.rows.length);
+    for (let r = 0; r < right.length; r++)
+      this.places.forEach((place, k) => (right[r] -= (this.gradients[r * width + place] * way[k] * step) / columns[place]));
+    const tangent = leastSquares(jacobian, right, this.unknown.length);
+    if (!tangent) return null;
+    const reach = Math.hypot(...tangent);
+    if (!(reach < 2 * REACH)) return null;
+    this.unknown.forEach((place, k) => (next[place] += tangent[k] * columns[place]));
+    this.places.forEach((place, k) => (next[place] = share + step === 1 ? start[k] + way[k] : start[k] + (share + step) * way[k]));
+    const known = Math.hypot(...way.map((v, k) => (v * step) / columns[this.places[k]]));
+    return this.correct(next, CORRECTION * (reach + known) + 1e-12) ? next : null;
+  }
+
+  /** Newton's method on the unknowns of x, in place; whether it closed, its first step within `most` and contracting. */
+  correct(x, most = Infinity) {
+    let last = Infinity;
+    for (let k = 0; k < NEWTON; k++) {
+      const jacobian = this._linearise(x);
+      const step = leastSquares(jacobian, this.rows.map((v) => -v), this.unknown.length);
+      if (!step) return false;
+      const length = Math.hypot(...step);
+      if (!(k === 0 ? length <= most : length <= Math.max(CONTRACTION * last, CLOSED) || !Number.isFinite(most))) return false;
+      this.unknown.forEach((place, i) => (x[place] += step[i] * this.model.columns[place]));
+      if (length <= CLOSED || (length < 1e-9 && length > 0.5 * last)) return this._closed(x);
+      last = length;
+    }
+    return false;
+  }
+
+  /** Rows that are not zero remain where known values contradict each other. */
+  _closed(x) {
+    this.functions.system(x, this.rows, this.gradients);
+    return this.rows.every((v) => Math.abs(v) < 1e-9);
+  }
+
+  /** Rows and the unknowns' columns of their Jacobian, row by row. */
+  _linearise(x) {
+    this.functions.system(x, this.rows, this.gradients);
+    const { width } = this.model, count = this.unknown.length, jacobian = new Float64Array(this.rows.length * count);
+    for (let r = 0; r < this.rows.length; r++)
+      for (let k = 0; k < count; k++) jacobian[r * count + k] = this.gradients[r * width + this.unknown[k]];
+    return jacobian;
+  }
+
+  // --- limits --------------------------------------------------------------------------------------------------------
+
+  /** The first coordinate that leaves its limits between two configurations, null where none does. */
+  _limitBetween(x, next) {
+    for (const c of this.model.coordinates) {
+      if (!c.limits && c.least === null) continue;
+      const [low, high] = c.limits ?? [c.least, Infinity], slack = 1e-9 * this.model.columns[c.place];
+      const before = x[c.place], after = next[c.place];
+      if ((after > high + slack && after > before) || (after < low - slack && after < before))
+        return { name: c.name, value: after > high ? high : low, kind: c.kind };
+    }
+    return null;
+  }
+
+  // --- stops ---------------------------------------------------------------------------------------------------------
+
+  _stop(halt, share) {
+    const percent = `${(100 * share).toPrecision(3).replace(/\.?0+$/, "")} %`;
+    if (halt.limit) {
+      const value = this._out(halt.limit.kind, halt.limit.value), unit = this.units[halt.limit.name] ?? "";
+      const sentence = `Stopped after ${percent} of the way: ${halt.limit.name} is at its limit of ${Number(value.toPrecision(6))} ${unit}.`;
+      return { kind: "limit", sentence, motion: null, wrench: null, limit: { name: halt.limit.name, value } };
+    }
+    const ratio = this.distanceToSingularity(), motion = this._singularMotion();
+    const sentence =
+      ratio < NEAR
+        ? `Stopped after ${percent} of the way, at a singularity: the mechanism can move a little with these values held${motion ? ", as the arrow shows" : ""}, and beyond it this mode does not go on.`
+        : `Stopped after ${percent} of the way: this mode cannot be followed further.`;
+    return { kind: ratio < NEAR ? "singularity" : "lost", sentence, motion: ratio < NEAR ? motion : null, wrench: null, ratio };
+  }
+
+  /** Smallest singular value of the unknowns' Jacobian over the largest, lengths over the size. */
+  distanceToSingularity() {
+    const count = this.unknown.length;
+    return count ? singularPair(this._linearise(this.x), this.rows.length, count).ratio : null;
+  }
+
+  /** The platform's twist (velocity, angular velocity) in the motion that the given values hold least. */
+  _singularMotion() {
+    if (!this.model.hasPlatform) return null;
+    const { vector } = singularPair(this._linearise(this.x), this.rows.length, this.unknown.length);
+    const pose = new Float64Array(7), gradients = new Float64Array(7 * this.model.width), rates = new Float64Array(7);
+    this.functions.pose(this.x, pose, gradients);
+    for (let r = 0; r < 7; r++) this.unknown.forEach((place, k) => (rates[r] += gradients[r * this.model.width + place] * vector[k]));
+    return [...rates.subarray(0, 3), ...angular(pose.subarray(3), rates.subarray(3))];
+  }
+
+  /** How far a given coordinate may move from here, the others held: [low, high] within the limits or `ends`. */
+  rangeLeft(name, ends) {
+    const k = this.names.indexOf(name), limits = ends ?? this.limits[name];
+    const half = this.kinds[k] === "length" ? 0.5 * this.size : Math.PI;
+    const now = this.places.map((place) => this.x[place]);
+    return [0, 1].map((side) => {
+      const end = limits?.[side] ?? null;
+      const target = [...now];
+      target[k] = end === null ? now[k] + (side ? half : -half) : this._in(this.kinds[k], end);
+      return this._out(this.kinds[k], this.follow(this.x, target).x[this.places[k]]);
+    });
+  }
+
+  // --- solutions -----------------------------------------------------------------------------------------------------
+
+  /** Pose, joints and residual of a configuration, the present one unless told. */
+  solution(x = this.x) {
+    const pose = new Float64Array(7), joints = {}, { functions, model } = this;
+    functions.pose(x, pose, new Float64Array(7 * model.width));
+    let within = null;
+    const read = readJoints(model.readings, placedLinks(model, functions, x));
+    for (const c of model.coordinates.filter((one) => one.joint && !(one.name in read))) read[c.name] = { ...c, value: plainValue(c, x) };
+    for (const c of Object.values(read)) {
+      joints[c.name] = c.kind === "quaternion" ? c.value : this._out(c.kind, c.value);
+      if (c.limits) within = within !== false && c.value >= c.limits[0] - 1e-6 && c.value <= c.limits[1] + 1e-6;
+    }
+    const errors = new Float64Array(model.errors);
+    functions.errors(x, errors);
+    const residual = errors.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
+    const platform = model.hasPlatform;
+    const position = platform ? [...pose.subarray(0, 3)] : null, quaternion = platform ? positive(pose.subarray(3)) : null;
+    return { position, quaternion, joints, residual, within_limits: within, variables: Array.from(x) };
+  }
+
+  /** Search for all complex solutions for some milliseconds; whether they are found. `modes` waits for the end of the search. */
+  prepare(milliseconds) {
+    return this.roots.prepare(milliseconds);
+  }
+
+  /** All modes at the present values. */
+  modes() {
+    if (!this.found) this.found = this.roots.at(this.x);
+    this.modeIndex = this.roots.indexOf(this.found, this.x);
+    return this.found.map((x) => this.solution(x));
+  }
+
+  get modesComplete() {
+    return this.roots.complete;
+  }
+
+  get modesSentence() {
+    return this.roots.sentence;
+  }
+
+  choose(index) {
+    const list = this.found ?? (this.modes(), this.found);
+    if (!Number.isInteger(index) || index < 0 || index >= list.length) return false;
+    this.x = Float64Array.from(list[index]);
+    this.modeIndex = index;
+    return true;
+  }
+
+  /** Poses of the links, 12 numbers each: rows of [R|t]. */
+  linkPoses(solution) {
+    return placedLinks(this.model, this.functions, solution?.variables ? Float64Array.from(solution.variables) : this.x).matrices;
+  }
+
+  // --- dragging ------------------------------------------------------------------------------------------------------
+
+  /** Go towards a pose of the platform as near as the closure lets it, in steps that keep the mode. */
+  dragTo(position, quaternion) {
+    let result = { reached: true, share: 1, stop: null };
+    for (let round = 0; round < 6 && this.known.length; round++) {
+      const target = this._towards(position, quaternion);
+      if (!target) break;
+      result = this.goTo(target);
+      if (!result.reached) break;
+    }
+    return result;
+  }
+
+  /** Known values a step nearer to the pose, by least squares on pose, rows and a small step; null where that moves nothing. */
+  _towards(position, quaternion) {
+    const { width, columns } = this.model, pose = new Float64Array(7), gradients = new Float64Array(7 * width);
+    this.functions.pose(this.x, pose, gradients);
+    this.functions.system(this.x, this.rows, this.gradients);
+    const count = this.rows.length + (quaternion ? 6 : 3) + width, matrix = new Float64Array(count * width), right = new Float64Array(count);
+    const stiff = 1e4;
+    this.gradients.forEach((v, k) => (matrix[k] = stiff * v));
+    let row = this.rows.length;
+    for (let k = 0; k < 3; k++, row++) {
+      for (let c = 0; c < width; c++) matrix[row * width + c] = gradients[k * width + c] / this.size;
+      right[row] = (position[k] - pose[k]) / this.size;
+    }
+    if (quaternion) {
+      const turn = rotationVector(quaternion, pose.subarray(3));
+      for (let c = 0; c < width; c++) {
+        const rate = angular(pose.subarray(3), [3, 4, 5, 6].map((r) => gradients[r * width + c]));
+        rate.forEach((v, k) => (matrix[(row + k) * width + c] = v));
+      }
+      turn.forEach((v, k) => (right[row + k] = v));
+      row += 3;
+    }
+    for (let c = 0; c < width; c++) matrix[(row + c) * width + c] = 3e-3;
+    const step = leastSquares(matrix, right, width);
+    if (!step) return null;
+    const length = Math.hypot(...step);
+    if (length < 1e-6) return null;
+    const part = Math.min(1, 0.3 / length);
+    return this.places.map((place, k) => this._clamped(this.names[k], this.x[place] + part * step[place] * columns[place]));
+  }
+
+  _clamped(name, value) {
+    const c = this.model.coordinates.find((one) => one.name === name);
+    const [low, high] = c.limits ?? [c.least ?? -Infinity, Infinity];
+    return Math.min(high, Math.max(low, value));
+  }
+}
+
+// --- numbers ---------------------------------------------------------------------------------------------------------
+
+/** A coordinate in its standard writing: angles in (-pi, pi] and moved into their limits, quaternions with w >= 0. */
+export function plainValue(c, x) {
+  if (c.kind === "quaternion") return positive(x.subarray(c.place, c.place + 4));
+  const value = x[c.place];
+  if (c.kind !== "angle") return c.least !== null && value < c.least ? 2 * c.least - value : value;
+  return intoLimits(withoutTurns(value), c.limits);
+}
+
+export function withoutTurns(angle) {
+  const turned = angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+  return turned <= -Math.PI + 1e-15 ? turned + 2 * Math.PI : turned;
+}
+
+function intoLimits(angle, limits) {
+  if (!limits || (angle >= limits[0] && angle <= limits[1])) return angle;
+  const moved = angle + 2 * Math.PI * Math.ceil((limits[0] - angle) / (2 * Math.PI) - 1e-12);
+  return moved <= limits[1] + 1e-12 ? moved : angle;
+}
+
+export function positive(q) {
+  const length = Math.hypot(...q), lead = [...q].find((v) => Math.abs(v) > 1e-12 * length) ?? 1;
+  return [...q].map((v) => (v * Math.sign(lead)) / length + 0);
+}
+
+/** Angular velocity in the base frame of a quaternion and its rate. */
+function angular([w, x, y, z], [dw, dx, dy, dz]) {
+  return [
+    2 * (-x * dw + w * dx - z * dy + y * dz),
+    2 * (-y * dw + z * dx + w * dy - x * dz),
+    2 * (-z * dw - y * dx + x * dy + w * dz),
+  ];
+}
+
+/** The rotation vector that turns the second orientation into the first. */
+function rotationVector([aw, ax, ay, az], [bw, bx, by, bz]) {
+  let w = aw * bw + ax * bx + ay * by + az * bz;
+  let v = [-aw * bx + ax * bw - ay * bz + az * by, -aw * by + ax * bz + ay * bw - az * bx, -aw * bz - ax * by + ay * bx + az * bw];
+  if (w < 0) [w, v] = [-w, v.map((c) => -c)];
+  const sine = Math.hypot(...v);
+  return v.map((c) => (sine > 1e-12 ? (2 * Math.atan2(sine, w) * c) / sine : 2 * c));
+}

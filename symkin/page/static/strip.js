@@ -1,0 +1,93 @@
+// The strip of small views, one a mode; a click takes it.
+import { drawSketch, frameOf } from "symkin/sketch";
+
+const MOST = 64; // small views at most
+const SEARCH = 25; // milliseconds of a search for all solutions between two frames
+const QUICK = 12; // milliseconds within which the modes are found at every movement
+
+export class Strip {
+  constructor(list, text, { solver, drawing, onChoose }) {
+    Object.assign(this, { list, text, solver, drawing, onChoose });
+    this.buttons = [];
+    this.modes = [];
+    this.took = 0;
+    this.timer = 0;
+    list.addEventListener("keydown", (event) => this._key(event));
+  }
+
+  /** The values changed: find the modes anew, at once where that is quick. */
+  changed() {
+    if (this.timer) return;
+    const wait = this.took < QUICK ? 0 : Math.min(400, 4 * this.took);
+    this.timer = setTimeout(() => {
+      this.timer = 0;
+      this.refresh();
+    }, wait);
+  }
+
+  refresh() {
+    if (!this.solver.prepare(SEARCH)) {
+      this.text.textContent = "Finding all modes …";
+      this.timer = setTimeout(() => {
+        this.timer = 0;
+        this.refresh();
+      });
+      return;
+    }
+    const before = performance.now();
+    this.modes = this.solver.modes();
+    this.took = performance.now() - before;
+    this.poses = this.modes.slice(0, MOST).map((mode) => Float64Array.from(this.solver.linkPoses(mode)));
+    this._words();
+    this._buttons();
+    this.draw();
+  }
+
+  /** Draw the small views as the large one is seen. */
+  draw() {
+    if (!this.poses) return;
+    const axes = this.drawing.axes, frame = this.poses.length ? frameOf(this.drawing.scene, this.poses, axes) : null;
+    this.buttons.forEach((button, k) => {
+      drawSketch(button.firstChild, this.drawing.scene, this.poses[k], axes, frame, (key) => this.drawing.look.colour(key));
+    });
+  }
+
+  _words() {
+    const count = this.modes.length, sentence = this.solver.modesSentence ?? "";
+    const counted = count === 1 ? "1 mode" : `${count} modes`;
+    const most = count > MOST ? `; the first ${MOST} are shown` : "";
+    this.text.textContent = `${counted} at these values${most}. ${sentence}`.trim();
+  }
+
+  _buttons() {
+    while (this.buttons.length < this.poses.length) this._add(this.buttons.length);
+    while (this.buttons.length > this.poses.length) this.buttons.pop().remove();
+    this.buttons.forEach((button, k) => {
+      const chosen = k === this.solver.modeIndex, mode = this.modes[k];
+      button.setAttribute("aria-selected", String(chosen));
+      button.tabIndex = chosen || (this.solver.modeIndex < 0 && k === 0) ? 0 : -1;
+      const outside = mode.within_limits === false || mode.withinLimits === false;
+      button.classList.toggle("outside", outside);
+      button.lastChild.textContent = outside ? `${k + 1} · outside limits` : `${k + 1}`;
+      button.setAttribute("aria-label", `mode ${k + 1}${chosen ? ", shown" : ""}${outside ? ", outside the limits" : ""}`);
+    });
+  }
+
+  _add(k) {
+    const button = document.createElement("button");
+    button.type = "button";
+    button.setAttribute("role", "option");
+    button.append(document.createElement("canvas"), document.createElement("span"));
+    button.addEventListener("click", () => this.onChoose(k));
+    this.list.append(button);
+    this.buttons.push(button);
+  }
+
+  _key(event) {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const next = (this.buttons.indexOf(document.activeElement) + step + this.buttons.length) % this.buttons.length;
+    this.buttons[next]?.focus();
+  }
+}

@@ -1,0 +1,82 @@
+"""The page as a file, in the browser, and in a notebook."""
+
+from __future__ import annotations
+
+import webbrowser
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from symkin.errors import InputError
+from symkin.files.outputs import check_output, write_output
+from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.numeric.cache_folder import cache_folder
+from symkin.page.page import PlayedPath, page_html
+
+_HEIGHT = 640
+"""Height of the page in a notebook, pixels."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A page that moves: `html` is its text, `save` writes it, `open` shows it in the browser; a notebook shows it in place."""
+
+    mechanism: Mechanism
+    given: Mapping[str, float] | None = None
+    path: PlayedPath | None = None
+    start: Mapping[str, Any] | None = None
+
+    @cached_property
+    def html(self) -> str:
+        """The whole page as one HTML text."""
+        return page_html(self.mechanism, self.given, self.path, self.start)
+
+    def save(self, path: Path | str) -> Path:
+        """Write the page. Raises InputError for a file that cannot be written or has another suffix than .html."""
+        check_output(path, (".html", ".htm"), "view")
+        write_output(path, self.html)
+        return Path(path)
+
+    def open(self) -> Path:
+        """Write the page into the cache folder and show it in the browser; returns where it is."""
+        place = cache_folder() / "pages" / f"{self.mechanism.name}.html"
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"{place.parent}: the folder cannot be made ({error.strerror}); write the page with --html"
+            ) from None
+        write_output(place, self.html)
+        webbrowser.open(place.as_uri())
+        return place
+
+    def _repr_html_(self) -> str:
+        text = escape(self.html, quote=True)
+        return (
+            f'<iframe srcdoc="{text}" title="{escape(self.mechanism.name)}, moving" width="100%" height="{_HEIGHT}" '
+            'style="border: 1px solid #dde3ea; border-radius: 8px" allow="fullscreen"></iframe>'
+        )
+
+    def __repr__(self) -> str:
+        return f"the page of {self.mechanism.name}; .save('{self.mechanism.name}.html') writes it, .open() shows it"
+
+
+def view_mechanism(
+    mechanism: Mechanism,
+    joints: Sequence[float] | Mapping[str, float] | None = None,
+    given: Mapping[str, float] | None = None,
+    path: PlayedPath | None = None,
+) -> View:
+    """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given` by name."""
+    require_mechanism(mechanism)
+    if joints is not None and given is not None:
+        raise InputError("joints and given are both told; joints are the actuated ones, given any coordinates: give one of them")
+    if joints is not None:
+        from symkin.position.given import in_file_order
+
+        ordered = in_file_order(mechanism, joints)
+        given = {c.name: float(value) for c, value in zip(mechanism.actuated, ordered, strict=True)}
+    return View(mechanism, given, path)

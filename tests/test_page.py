@@ -1,0 +1,253 @@
+"""The page that moves, in a real browser: its poses are those of `modes`, it stops where `track` stops, and it loads nothing."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers.command_line import run
+from symkin.errors import InputError
+
+sync_api = pytest.importorskip("playwright.sync_api")
+CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium")
+ARTEFACTS = Path(__file__).parent.parent / "artefacts"
+"""Screenshots, to be looked at; not committed."""
+LARGEST = 1.5e6
+"""Bytes of a page without meshes."""
+SAME = 1e-9
+"""Distance of a pose of the page from that of `modes`: lengths over the size, angles in radians."""
+INPUTS = {"zhang2009": 40, "delta": 60, "ankle": 50, "ur5e": 50}
+"""Random inputs of each mechanism: 200 in all."""
+SET_ALL = """rows => rows.map(row => {
+  const values = Object.fromEntries(symkin.names.map((name, k) => [name, row[k]]));
+  const {reached} = symkin.set(values);
+  return {reached, solution: symkin.solution(), count: symkin.modes().length};
+})"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    arguments = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with sync_api.sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=arguments)
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def open_page(browser: Any, tmp_path: Path) -> Iterator[Callable[..., Any]]:
+    """Open a page's text at a width; at the end no page has told an error or asked for anything beyond its own file."""
+    told, asked, pages = [], [], []
+
+    def opened(html: str, width: int = 1280, height: int = 800) -> Any:
+        place = tmp_path / f"page{len(pages)}.html"
+        place.write_text(html, encoding="utf-8")
+        page = browser.new_page(viewport={"width": width, "height": height})
+        page.on("console", lambda message: told.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: told.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(place.as_uri())
+        page.wait_for_selector("html[data-ready]", state="attached")
+        pages.append(page)
+        return page
+
+    yield opened
+    for page in pages:
+        page.close()
+    assert not told
+    assert all(url.startswith(("file:", "blob:", "data:")) for url in asked)
+
+
+def page_of(name: str, **options: Any) -> str:
+    return str(symkin.view(symkin.load(name), **options).html)
+
+
+def apart(mechanism: symkin.Mechanism, solution: symkin.Solution, told: dict[str, Any]) -> float:
+    """How far the page's solution is from one of symkin's: pose and joints, lengths over the size, angles without whole turns."""
+    size, gaps = mechanism.characteristic_length, []
+    if mechanism.platform_link is not None:
+        gaps += list(np.abs(solution.position - told["position"]) / size)
+        q = np.array(told["quaternion"])
+        gaps.append(2.0 * min(np.linalg.norm(solution.quaternion - q), np.linalg.norm(solution.quaternion + q)))
+    angular = {c.name for c in mechanism.coordinates if c.is_angular}
+    for name, value in solution.joints.items():
+        if not isinstance(value, float):
+            continue
+        gap = value - told["joints"][name]
+        gaps.append(abs(np.angle(np.exp(1j * mechanism.angle_in(gap)))) if name in angular else abs(gap) / size)
+    return float(max(gaps))
+
+
+def random_rows(mechanism: symkin.Mechanism, count: int, seed: int) -> list[list[float]]:
+    rng, start = np.random.default_rng(seed), symkin.solve(mechanism).solution
+    rows = []
+    for _ in range(count):
+        row = []
+        for c, value in zip(mechanism.actuated, start.actuated_values, strict=True):
+            half = mechanism.angle_out(0.5) if c.is_angular else 0.04 * mechanism.characteristic_length
+            low, high = c.limits or (-np.inf, np.inf)
+            ends = (mechanism.angle_out(low), mechanism.angle_out(high)) if c.is_angular else (low, high)
+            row.append(float(np.clip(value + half * rng.uniform(-1.0, 1.0), *ends)))
+        rows.append(row)
+    return rows
+
+
+@pytest.mark.parametrize("name", INPUTS)
+def test_poses_at_random_inputs_are_those_of_modes(name: str, open_page: Callable[..., Any]) -> None:
+    """What the page shows is one of symkin's modes, and it counts as many, wherever the movement reached the values."""
+    mechanism = symkin.load(name)
+    rows = random_rows(mechanism, INPUTS[name], seed=11)
+    told = open_page(page_of(name)).evaluate(SET_ALL, rows)
+    reached = [k for k, one in enumerate(told) if one["reached"]]
+    found = symkin.modes(mechanism, joints=[rows[k] for k in reached])
+    assert len(reached) > 0.5 * len(rows)
+    for k, every in zip(reached, found, strict=True):
+        assert min(apart(mechanism, solution, told[k]["solution"]) for solution in every) < SAME
+        assert told[k]["solution"]["residual"] < 1e-9 * mechanism.characteristic_length
+        assert mechanism.serial or told[k]["count"] == len(every)
+
+
+STOPS = {
+    "zhang2009": ([144.6, 347.0, 110.3, 178.6, 277.6, 269.4], [144.6, 500.0, 110.3, 178.6, 277.6, 269.4]),
+    "zhao2000": ([81.6, -157.2, -29.4, 105.2], [81.6, -157.2, 150.0, 105.2]),
+}
+
+
+@pytest.mark.parametrize("name", STOPS)
+def test_it_stops_where_track_stops(name: str, open_page: Callable[..., Any]) -> None:
+    """At a singularity: just before it, with a sentence and the motion that shows it."""
+    start, end = STOPS[name]
+    mechanism = symkin.load(name)
+    tracked = symkin.track(mechanism, joints=[start, end], limits=False)
+    assert tracked.stop is not None
+    page = open_page(page_of(name))
+    values = dict(zip([c.name for c in mechanism.actuated], end, strict=True))
+    told = page.evaluate("values => symkin.set(values)", values)
+    assert not told["reached"]
+    assert told["share"] == pytest.approx(tracked.stop.u, abs=1e-6)
+    assert told["stop"]["kind"] == "singularity"
+    assert np.linalg.norm(told["stop"]["motion"]) > 0.0
+    assert page.locator("#status").inner_text() == told["stop"]["sentence"]
+    ARTEFACTS.mkdir(exist_ok=True)
+    page.wait_for_timeout(300)
+    page.screenshot(path=str(ARTEFACTS / f"stop_{name}.png"))
+
+
+def test_sliders_and_fields_move_it(open_page: Callable[..., Any]) -> None:
+    page = open_page(page_of("four_bar"))
+    slider, field = page.locator("#given-crank"), page.locator("#given-crank-number")
+    slider.focus()
+    before = page.evaluate("symkin.solution().joints.crank")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function("before => symkin.solution().joints.crank > before", arg=before)
+    field.fill("75.5")
+    field.press("Enter")
+    page.wait_for_function("Math.abs(symkin.solution().joints.crank - 75.5) < 1e-12")
+    expected = symkin.modes(symkin.load("four_bar"), given={"crank": 75.5})
+    mechanism = symkin.load("four_bar")
+    assert min(apart(mechanism, one, page.evaluate("symkin.solution()")) for one in expected) < SAME
+    field.fill("seventy")
+    field.press("Enter")
+    assert "is not a number" in page.locator("#status").inner_text()
+    assert slider.get_attribute("aria-valuetext") == "75.5 deg"
+
+
+def test_a_click_takes_a_mode(open_page: Callable[..., Any]) -> None:
+    page = open_page(page_of("zhang2009"))
+    page.wait_for_function("document.querySelectorAll('#strip button').length === 4")
+    other = page.evaluate("symkin.modes()[2].position")
+    page.locator("#strip button").nth(2).click()
+    assert page.evaluate("symkin.solution().position") == pytest.approx(other, abs=1e-9)
+    assert page.locator("#strip button").nth(2).get_attribute("aria-selected") == "true"
+    assert page.evaluate("symkin.choose(0)") is True
+    assert page.evaluate("symkin.choose(9)") is False
+
+
+ON_PLATFORM = """() => {
+  for (let y = 20; y < 600; y += 8)
+    for (let x = 20; x < 900; x += 8) if (symkinPage.itemAt(x, y)?.role === "platform") return [x, y];
+}"""
+
+
+def test_the_platform_is_dragged(open_page: Callable[..., Any]) -> None:
+    """The joints follow the platform: it goes to the right, and the closure holds."""
+    page = open_page(page_of("ren2008"))
+    before = page.evaluate("symkin.solution()")
+    box = page.locator("#view").bounding_box()
+    place = page.evaluate(ON_PLATFORM)
+    x, y = box["x"] + place[0], box["y"] + place[1]
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 12, y, steps=4)
+    page.wait_for_timeout(200)
+    page.mouse.up()
+    after = page.evaluate("symkin.solution()")
+    assert np.linalg.norm(np.subtract(after["position"], before["position"])) > 0.0
+    assert after["residual"] < 1e-9 * symkin.load("ren2008").characteristic_length
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_it_is_one_small_file_that_fits(width: int, open_page: Callable[..., Any]) -> None:
+    """Nothing is wider than the window; every control has a name; the file is small."""
+    html = page_of("zhao2000")
+    assert len(html.encode()) < LARGEST
+    page = open_page(html, width, 844 if width == 390 else 800)
+    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+    page.locator("#names").click()
+    page.locator("#measures").click()
+    page.wait_for_timeout(500)
+    named = "e => Boolean(e.textContent.trim() || e.getAttribute('aria-label') || document.querySelector(`label[for='${e.id}']`))"
+    assert page.evaluate(f"Array.from(document.querySelectorAll('button, input, select')).every({named})")
+    ARTEFACTS.mkdir(exist_ok=True)
+    page.screenshot(path=str(ARTEFACTS / f"zhao2000_{width}.png"))
+
+
+def test_a_path_is_played(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    rows = "".join(f"{0.02 * k},{60 + k}\n" for k in range(21))
+    (tmp_path / "path.csv").write_text(f"t[s],crank[deg]\n{rows}", encoding="utf-8")
+    file = tmp_path / "four_bar.html"
+    assert symkin_view("four_bar", "--path", tmp_path / "path.csv", "--html", file) == 0
+    page = open_page(file.read_text(encoding="utf-8"))
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function("Math.abs(symkin.solution().joints.crank - 80) < 1e-9")
+
+
+def symkin_view(*arguments: object) -> int:
+    from symkin.cli.app import _status
+
+    return _status(["view", *map(str, arguments)])
+
+
+def test_results_have_pages(open_page: Callable[..., Any]) -> None:
+    """The page of a solution begins there; a track is played; a notebook shows the page in place."""
+    mechanism = symkin.load("zhang2009")
+    third = symkin.modes(mechanism)[2]
+    view = symkin.view(third)
+    assert "<iframe srcdoc=" in view._repr_html_()
+    page = open_page(view.html)
+    assert apart(mechanism, third, page.evaluate("symkin.solution()")) < SAME
+    track = symkin.track(symkin.load("four_bar"), given={"crank": [60.0, 90.0]})
+    assert json.loads(track.view().html.split('id="data">')[1].split("</script>")[0])["options"]["path"]["names"] == ["crank"]
+
+
+def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    for arguments, part in (
+        (("four_bar", "--html", tmp_path / "page.txt"), ".html"),
+        (("four_bar", "--given", "krank=3", "--html", tmp_path / "a.html"), "crank"),
+        (("zhang2009", "--joints", "1,900,1,900,1,900", "--html", tmp_path / "a.html"), "no configuration"),
+        (("four_bar", "--path", tmp_path / "none.csv", "--html", tmp_path / "a.html"), "none.csv"),
+    ):
+        status, _, err = run(capsys, "view", *arguments)
+        assert status == 2
+        assert part in err
+        assert err.count("\n") == 1
+    with pytest.raises(InputError, match="has no page"):
+        symkin.view(3)
