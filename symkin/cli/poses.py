@@ -10,6 +10,7 @@ import typer
 from symkin.cli.help import GIVEN
 from symkin.cli.options import named_from, numbers_from, start_from
 from symkin.errors import InputError
+from symkin.text import counted
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
@@ -89,7 +90,7 @@ class PoseReader:
             return [*numbers, *map(float, self.mechanism.reference_pose.quaternion)]
         if len(numbers) != _QUATERNION:
             raise InputError(
-                f"{what}: {len(numbers)} values given, 7 are needed: x, y, z, qw, qx, qy, qz; for angles write X,Y,Z --rpy R,P,Y, or "
+                f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz; for angles write X,Y,Z --rpy R,P,Y, or "
                 "X,Y,Z,A,B,C --euler ZYX"
             )
         return numbers
@@ -104,4 +105,4 @@ class PoseReader:
 
 def _check_count(numbers: list[float], count: int, what: str, form: str) -> None:
     if len(numbers) != count:
-        raise InputError(f"{what}: {len(numbers)} values given, {count} are needed: {form}")
+        raise InputError(f"{what}: {counted(len(numbers))} given, {count} are needed: {form}")
