@@ -75,8 +75,9 @@ def view_mechanism(
     if joints is not None and given is not None:
         raise InputError("joints and given are both told; joints are the actuated ones, given any coordinates: give one of them")
     if joints is not None:
-        from symkin.position.given import in_file_order
+        from symkin.position.given import in_file_order, joint_values
 
         ordered = in_file_order(mechanism, joints)
+        joint_values(mechanism, ordered)  # refuses what does not fit
         given = {c.name: float(value) for c, value in zip(mechanism.actuated, ordered, strict=True)}
     return View(mechanism, given, path)
