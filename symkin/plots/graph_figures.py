@@ -32,8 +32,8 @@ _SYMBOL, _LEAST_SYMBOL = 40.0, 22.0
 """Length of a joint's symbol in pixels, and the least that crowded joints leave of it."""
 _SHARE = 0.9
 """What symbols take of the distance of the nearest two, and of their largest length."""
-_PANEL = 520.0
-"""Pixels of the longer side of a panel's drawing."""
+_PANEL, _LARGER = 520.0, {1: 1.6, 2: 1.3}
+"""Pixels of the longer side of a panel's drawing, and by what it is larger where panels are as few."""
 _PANEL_GAP, _PANEL_TITLE, _PANEL_LINE, _HEAD, _FOOT = 46.0, 44.0, 19.0, 150.0, 90.0
 """Pixels between panels, above each for its title and for a line of its text, and of the figure's head and foot."""
 _LEAST_CELL = 380.0
@@ -137,7 +137,8 @@ class GraphBlock:
         mechanism: Mechanism, panels: Sequence[GraphPanel], names: Names, views: Sequence[ViewName], columns: int | None = None
     ) -> GraphBlock:
         sides = tuple(_side(mechanism, panels, view) for view in views)
-        scale = _PANEL / float(max(np.max(side.high - side.low) for side in sides))
+        room = _PANEL * _LARGER.get(len(panels) * len(sides), 1.0)
+        scale = room / float(max(np.max(side.high - side.low) for side in sides))
         width, height = (scale * max(float((side.high - side.low)[k]) for side in sides) for k in range(2))
         cell_wide = max(width, _LEAST_CELL) + _PANEL_GAP
         across = columns or _columns(len(panels), len(sides), cell_wide)
