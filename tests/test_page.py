@@ -86,13 +86,13 @@ def apart(mechanism: symkin.Mechanism, solution: symkin.Solution, told: dict[str
     return float(max(gaps))
 
 
-def random_rows(mechanism: symkin.Mechanism, count: int, seed: int) -> list[list[float]]:
+def random_rows(mechanism: symkin.Mechanism, count: int, seed: int, share: float = 0.04) -> list[list[float]]:
     rng, start = np.random.default_rng(seed), symkin.solve(mechanism).solution
     rows = []
     for _ in range(count):
         row = []
         for c, value in zip(mechanism.actuated, start.actuated_values, strict=True):
-            half = mechanism.angle_out(0.5) if c.is_angular else 0.04 * mechanism.characteristic_length
+            half = mechanism.angle_out(0.5) if c.is_angular else share * mechanism.characteristic_length
             low, high = c.limits or (-np.inf, np.inf)
             ends = (mechanism.angle_out(low), mechanism.angle_out(high)) if c.is_angular else (low, high)
             row.append(float(np.clip(value + half * rng.uniform(-1.0, 1.0), *ends)))
@@ -113,6 +113,17 @@ def test_poses_at_random_inputs_are_those_of_modes(name: str, open_page: Callabl
         assert min(apart(mechanism, solution, told[k]["solution"]) for solution in every) < SAME
         assert told[k]["solution"]["residual"] < 1e-9 * mechanism.characteristic_length
         assert mechanism.serial or told[k]["count"] == len(every)
+
+
+def test_modes_appear_and_vanish_as_those_of_symkin_do(open_page: Callable[..., Any]) -> None:
+    """Pairs of modes meet and vanish within these ranges: the page counts as many as symkin wherever it says that none may be missing."""
+    mechanism = symkin.load("ren2008")
+    rows = random_rows(mechanism, 40, seed=5, share=0.25)
+    page = open_page(page_of("ren2008"))
+    told = [one for one in zip(rows, page.evaluate(SET_ALL, rows), strict=True) if one[1]["reached"]]
+    found = symkin.modes(mechanism, joints=[row for row, _ in told])
+    assert [one["count"] for _, one in told] == [len(every) for every in found]
+    assert len({len(every) for every in found}) > 1
 
 
 STOPS = {

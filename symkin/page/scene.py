@@ -18,6 +18,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.page.bodies import body_of, distinct
 from symkin.plots.graph_lines import reference_graph_lines, view_axes
 from symkin.plots.graph_painter import LINK_COLOURS
+from symkin.plots.mechanism_lines import reference_lines
 from symkin.plots.style import COLOURS
 
 _SYMBOL, _SMALLEST = 0.085, 0.03
@@ -64,6 +65,7 @@ class _Items:
         self.number = {name: k for k, name in enumerate(links)}
         self.points: dict[str, list[np.ndarray]] = {}
         self.items: list[Item] = []
+        self.slides = _slides(mechanism)
 
     def all(self) -> list[Item]:
         edges = list(edges_of(self.mechanism))
@@ -72,11 +74,11 @@ class _Items:
             if isinstance(edge.elements[0].part, Bar):
                 self._rod(edge, edge.elements[0].part)
             elif edge not in slides:
-                self._joint(edge, self._place(edge))
+                self._joint(edge, *self._place(edge))
         for point in self.mechanism.link_points:
             self._point(point.link, point.name, np.array(point.point))
         for edge in slides:
-            self._joint(edge, self._beside(edge))
+            self._joint(edge, *[self._beside(edge)] * 2)
         self._frames()
         return [*self._bodies(edges), *self.items, *self._couplings()]
 
@@ -88,19 +90,22 @@ class _Items:
     def _attach(self, link: str, point: np.ndarray) -> None:
         self.points.setdefault(link, []).append(point)
 
-    def _place(self, edge: Branch) -> np.ndarray:
-        return np.asarray(self.mechanism.places[edge.elements[0].name])
+    def _place(self, edge: Branch) -> tuple[np.ndarray, np.ndarray]:
+        """The places of a joint on its two links: a slide of a limb goes from one to the other."""
+        name = edge.elements[0].name
+        place = np.asarray(self.mechanism.places[name])
+        return self.slides.get(name, (place, place))
 
     def _beside(self, edge: Branch) -> np.ndarray:
         """A slide or weld without a place of its own stands halfway between the other joints of its links."""
         middles = [np.mean(self.points[link], axis=0) for link in edge.ends if link != BASE and self.points.get(link)]
-        return np.asarray(np.mean(middles, axis=0)) if middles else self._place(edge)
+        return np.asarray(np.mean(middles, axis=0)) if middles else self._place(edge)[0]
 
-    def _joint(self, edge: Branch, place: np.ndarray) -> None:
+    def _joint(self, edge: Branch, start: np.ndarray, place: np.ndarray) -> None:
         joint = edge.elements[0].part
         assert isinstance(joint, Joint)  # noqa: S101 - the caller has asked
         before, after = edge.ends
-        self._attach(before, place)
+        self._attach(before, start)
         self._attach(after, place)
         axes = [list(axis) for axis in (joint.axis, joint.axis2) if axis is not None]
         self.items.append(
@@ -110,6 +115,7 @@ class _Items:
                 "name": joint.name,
                 "links": [self.number[before], self.number[after]],
                 "between": [before, after],
+                "start": start.tolist(),
                 "point": place.tolist(),
                 "axes": axes,
                 "actuated": joint.actuated,
@@ -165,7 +171,7 @@ class _Items:
         found, turn = [], 0
         for link, points in self.points.items():
             role = "base" if link == BASE else "platform" if link == self.mechanism.platform_link else "link"
-            colour = {"base": COLOURS["base edge"], "platform": COLOURS["platform"]}.get(role)
+            colour = {"base": "base edge", "platform": "platform"}.get(role)
             if colour is None:
                 colour, turn = LINK_COLOURS[turn % len(LINK_COLOURS)], turn + 1
             body = body_of(np.array(points), self.size)
@@ -197,6 +203,19 @@ class _Items:
 
 def _frame(link: int, name: str, position: np.ndarray, rotation: np.ndarray) -> Item:
     return {"kind": "frame", "link": link, "name": name, "position": position.tolist(), "rotation": rotation.tolist()}
+
+
+def _slides(mechanism: Mechanism) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Where the slides of limbs and arms begin and end, as pictures draw them: along their axes, one after the other."""
+    if mechanism.is_graph:
+        return {}
+    found: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    for lines in reference_lines(mechanism).limbs:
+        for segment in (s for s in lines.segments if "slide" in s.kind):
+            middle = 0.5 * (segment.start + segment.end)
+            names = [name for name, place in lines.places.items() if np.array_equal(place, middle)]
+            found |= dict.fromkeys(names, (segment.start, segment.end))
+    return found
 
 
 def _has_no_place(edge: Branch) -> bool:

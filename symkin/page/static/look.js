@@ -19,7 +19,7 @@ export class Look {
   /** The colour of a key of the palette, or of a "#rrggbb" of its own. */
   colour(key) {
     if (!key.startsWith("#")) return (this.dark ? DARK : this.light)[key];
-    return this.dark ? `#${new THREE.Color(key).lerp(new THREE.Color("#ffffff"), 0.3).getHexString()}` : key;
+    return this.dark ? `#${new THREE.Color(key).lerp(new THREE.Color("#ffffff"), 0.12).getHexString()}` : key;
   }
 
   solid(key) {

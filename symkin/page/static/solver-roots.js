@@ -9,6 +9,7 @@ const LONGEST = 0.35, SHORTEST = 1e-10; // steps of a path's parameter
 const FAR = 1e6; // of a solution at infinity, in units of the size
 const SAME = 1e-6; // between two writings of one solution
 const REAL = 1e-6; // imaginary part of a real end before Newton's method makes it real
+const INFINITE = "infinite"; // what a path ends with that goes to infinity
 const QUIET = 8; // loops without a new solution after which the search ends
 
 export class Roots {
@@ -18,6 +19,7 @@ export class Roots {
     this.rowsAt = new Float64Array(2 * rows);
     this.gradients = new Float64Array(2 * rows * width);
     this.starts = [];
+    this.unresolved = 0;
     this.quiet = 0;
     this.random = generator(20170614);
     this.alone = !this.model.complex || !this.model.follows || !solver.places.length || !solver.unknown.length;
@@ -25,18 +27,22 @@ export class Roots {
     this.begun = false;
   }
 
+  /** Whether the modes at the last values asked for are all: as many complex solutions as symkin counts, every path with an end of its own. */
   get complete() {
-    return this.done && (!this.model.follows || this.model.complexCount === null ? false : this.alone ? !solverHasPaths(this) : this.starts.length >= this.model.complexCount);
+    const { complexCount, follows } = this.model;
+    if (!this.done || !follows || complexCount === null) return false;
+    if (this.alone) return !this.solver.places.length || !this.solver.unknown.length;
+    return this.starts.length >= complexCount && !this.unresolved;
   }
 
   get sentence() {
-    const { complexCount, follows } = this.model;
+    const { complexCount, follows } = this.model, found = this.starts.length;
     if (!this.done) return "Finding all solutions.";
     if (!follows) return `${complexCount} complex solutions are too many to follow here: the mode shown is followed, and symkin modes lists them all.`;
     if (this.alone) return "";
-    const found = this.starts.length;
-    if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.`;
-    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.`;
+    const open = this.unresolved ? ` ${this.unresolved} of ${found} paths are unresolved here: modes may be missing.` : "";
+    if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.${open}`;
+    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.${open}`;
   }
 
   /** Search for solutions at p0 for some milliseconds; whether the search has ended. */
@@ -73,7 +79,7 @@ export class Roots {
       if (this.model.complexCount !== null && this.starts.length >= this.model.complexCount) break;
       const from = complexOf(seed), p = places.flatMap((k) => [seed[k], 0]);
       const end = this._path(from, p, this.p0);
-      if (end && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
+      if (end && end !== INFINITE && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
     }
     this._ended();
   }
@@ -91,8 +97,8 @@ export class Roots {
     }
     const { corners } = this.loop;
     let x = this.starts[this.loop.next++];
-    for (let k = 0; k < 3 && x; k++) x = this._path(x, corners[k], corners[k + 1]);
-    if (x && !this.starts.some((other) => this.same(other, x, 2))) {
+    for (let k = 0; k < 3 && x && x !== INFINITE; k++) x = this._path(x, corners[k], corners[k + 1]);
+    if (x && x !== INFINITE && !this.starts.some((other) => this.same(other, x, 2))) {
       this.starts.push(x);
       this.loop.news++;
     }
@@ -114,18 +120,43 @@ export class Roots {
     return here ? this.model.modesHere.map((seed) => Float64Array.from(seed)) : [];
   }
 
+  /** Real ends of all paths to the values of x; `unresolved` counts paths that neither end nor go to infinity, or share an end. */
   _ends(x) {
     const { places } = this.solver, target = places.flatMap((k) => [x[k], 0]);
     let ends = this.starts.map((start) => this._path(start, this.p0, target));
-    // two paths with one end: one of them has jumped; both are followed anew with shorter steps
-    const doubled = ends.map((end, k) => end && ends.some((other, j) => j !== k && other && this.same(other, end, 2)));
-    if (doubled.some(Boolean)) ends = ends.map((end, k) => (doubled[k] ? this._path(this.starts[k], this.p0, target, 0.02) : end));
+    for (const longest of [0.05, 0.01]) {
+      const open = this._open(ends);
+      if (!open.some(Boolean)) break;
+      ends = ends.map((end, k) => (open[k] ? this._path(this.starts[k], this.p0, target, longest) : end));
+    }
+    if (this._open(ends).some(Boolean)) ends = this._fewerOpen(ends, this._detour(target));
+    this.unresolved = this._open(ends).filter(Boolean).length;
     const found = [];
     for (const end of ends) {
-      const real = end && this._real(end, x);
+      const real = end && end !== INFINITE && this._real(end, x);
       if (real && !found.some((other) => this.same(other, real))) found.push(real);
     }
     return found;
+  }
+
+  /** Which paths are in doubt: those without an end, and those with the end of another. */
+  _open(ends) {
+    const finite = (end) => end && end !== INFINITE;
+    return ends.map((end, k) => !end || (finite(end) && ends.some((other, j) => j !== k && finite(other) && this.same(other, end, 2))));
+  }
+
+  /** Ends of paths over other complex values. */
+  _detour(target) {
+    const corner = this._randomValues();
+    return this.starts.map((start) => {
+      const half = this._path(start, this.p0, corner);
+      return half && half !== INFINITE ? this._path(half, corner, target) : half;
+    });
+  }
+
+  _fewerOpen(first, second) {
+    const count = (ends) => this._open(ends).filter(Boolean).length;
+    return count(second) < count(first) ? second : first;
   }
 
   /** The real solution at a complex one's place, null where there is none. */
@@ -169,7 +200,7 @@ export class Roots {
 
   // --- paths -----------------------------------------------------------------------------------------------------------
 
-  /** The end at known values q of the path from solution x at p; null at infinity or where the steps become too short. */
+  /** The end at known values q of the path from solution x at p; INFINITE, or null where the steps become too short. */
   _path(x, p, q, longest = LONGEST) {
     const way = q.map((v, k) => v - p[k]);
     let t = 0, step = Math.min(0.1, longest), here = Float64Array.from(x);
@@ -185,7 +216,7 @@ export class Roots {
       t = step === 1 - t ? 1 : t + step;
       if (next.error < 1e-5) step = Math.min(2 * step, longest);
       else if (next.error > 1e-3) step *= 0.5;
-      if (this._far(here)) return null;
+      if (this._far(here)) return INFINITE;
     }
     return this._newton(here, 1e-13, 6) ? here : null;
   }
@@ -281,10 +312,6 @@ export class Roots {
       }
     return a;
   }
-}
-
-function solverHasPaths({ model, solver }) {
-  return solver.places.length > 0 && solver.unknown.length > 0 && !model.complex;
 }
 
 function complexOf(x) {
