@@ -85,7 +85,7 @@ def sketch_of_graph(mechanism: Mechanism, names: Names = "all") -> Figure:
         more = f"; {unnamed} names find no room" if unnamed else ""
         facts = [f"graph at the reference configuration; lengths in {mechanism.length_unit}{more}"]
         _heading(ax, mechanism, facts, _WIDTH, _HEIGHT)
-        _legend(figure, ax, [lines], planar, _WIDTH, 0.0, named=names != "none")
+        _legend(figure, ax, [lines], planar, _WIDTH, 0.0, named=names not in ("none", "loops"))
     return figure
 
 
@@ -188,7 +188,15 @@ class GraphBlock:
         return draw_labels(figure, painter, page, self.names, _PANEL_NAMES)
 
     def paint_legend(self, figure: Any, ax: Any, width: float, foot: float) -> None:
-        _legend(figure, ax, [panel.lines for panel in self.panels], self.sides[0].planar, width, foot, named=self.names != "none")
+        _legend(
+            figure,
+            ax,
+            [panel.lines for panel in self.panels],
+            self.sides[0].planar,
+            width,
+            foot,
+            named=self.names not in ("none", "loops"),
+        )
 
 
 def _side(mechanism: Mechanism, panels: Sequence[GraphPanel], name: ViewName) -> _Side:
