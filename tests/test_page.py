@@ -237,6 +237,34 @@ def symkin_view(*arguments: object) -> int:
     return _status(["view", *map(str, arguments)])
 
 
+TETRAHEDRON = "v 0 0 0\nv 300 0 0\nv 0 200 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+ROBOT = """<robot name='r'><link name='a'/><link name='b'><visual><geometry><mesh filename='b.obj' scale='0.001 0.001 0.001'/></geometry></visual>
+</link><link name='tip'><visual><geometry><mesh filename='tip.dae'/></geometry></visual></link>
+<joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/></joint>
+<joint name='k' type='continuous'><parent link='b'/><child link='tip'/><origin xyz='0 0 1'/><axis xyz='0 1 0'/></joint></robot>"""
+
+
+def test_meshes_that_are_there_are_shown_and_others_are_told(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "b.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    (tmp_path / "r.urdf").write_text(ROBOT, encoding="utf-8")
+    page = open_page(symkin.view(symkin.load(tmp_path / "r.urdf")).html)
+    shown = page.evaluate(
+        "symkinPage.items.meshes.map(mesh => [mesh.userData.item.name, mesh.geometry.attributes.position.count])"
+    )
+    assert shown == [["b", 12]]
+    assert "tip.dae" in page.locator("#notes").inner_text()
+    page.locator("#meshes").click()
+    assert page.evaluate("symkinPage.items.meshes[0].visible") is False
+
+
+def test_traces_are_drawn(open_page: Callable[..., Any]) -> None:
+    page = open_page(page_of("klann_leg"))
+    page.keyboard.press("t")
+    page.evaluate("for (let k = 0; k < 9; k++) symkin.set({crank: 180 + 5 * k})")
+    count = "symkinPage.extras.children.find(line => line.userData.kind === 'trace').geometry.attributes.position.count"
+    assert page.evaluate(count) == 9
+
+
 def test_results_have_pages(open_page: Callable[..., Any]) -> None:
     """The page of a solution begins there; a track is played; a notebook shows the page in place."""
     mechanism = symkin.load("zhang2009")
@@ -262,3 +290,12 @@ def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], t
         assert err.count("\n") == 1
     with pytest.raises(InputError, match="has no page"):
         symkin.view(3)
+
+
+@pytest.mark.parametrize(("name", "count"), [("ren2008", 28), ("klann_leg", 4)])
+def test_every_complex_solution_is_followed(open_page: Callable[..., Any], name: str, count: int) -> None:
+    """As many as `modes` counts: of a body on rods from symkin's own, of others by loops wide enough to go around branch points."""
+    assert symkin.modes(symkin.load(name)).complex_count == count
+    page = open_page(page_of(name))
+    page.wait_for_function("symkin.modes().length > 0")
+    page.wait_for_function(f"document.body.innerText.includes('{count} complex solutions are followed')")

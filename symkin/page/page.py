@@ -19,7 +19,7 @@ _MODULES = {
     "three": "vendor/three.module.min.js",
     "OrbitControls": "vendor/OrbitControls.js",
     **{f"symkin/{name}": f"{name}.js" for name in ("look", "shapes", "items", "drawing", "sketch", "inputs", "labels", "strip")},
-    **{f"symkin/{name}": f"{name}.js" for name in ("drag", "player", "page")},
+    **{f"symkin/{name}": f"{name}.js" for name in ("drag", "player", "trace", "page")},
 }
 """Files of the page's modules by the names under which they import each other."""
 _TURN = {"deg": 180.0, "rad": math.pi}

@@ -16,6 +16,7 @@ from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.page.bodies import body_of, distinct
+from symkin.page.mesh_files import mesh_item
 from symkin.plots.graph_lines import reference_graph_lines, view_axes
 from symkin.plots.graph_painter import LINK_COLOURS
 from symkin.plots.mechanism_lines import reference_lines
@@ -33,7 +34,8 @@ Item = dict[str, Any]
 
 def scene_of(mechanism: Mechanism, links: Sequence[str]) -> dict[str, Any]:
     """The scene of a mechanism whose links are numbered as in `links`; lengths in its unit."""
-    items = _Items(mechanism, links).all()
+    meshes, notes = _meshes(mechanism, links)
+    items = _Items(mechanism, links).all() + meshes
     axes, planar = view_axes(reference_graph_lines(mechanism))
     size = mechanism.characteristic_length
     return {
@@ -45,7 +47,20 @@ def scene_of(mechanism: Mechanism, links: Sequence[str]) -> dict[str, Any]:
         "view": {"right": axes[0].tolist(), "up": axes[1].tolist(), "towards": axes[2].tolist(), "planar": planar},
         "colours": COLOURS,
         "items": items,
+        "notes": notes,
     }
+
+
+def _meshes(mechanism: Mechanism, links: Sequence[str]) -> tuple[list[Item], list[str]]:
+    """The meshes that can be read, and sentences about the others."""
+    found, notes = [], []
+    for mesh in (mesh for mesh in mechanism.link_meshes if mesh.link in links):
+        item = mesh_item(mesh, links.index(mesh.link))
+        if item is None:
+            notes.append(f"The mesh {mesh.file!r} of link {mesh.link} is not shown: STL and OBJ files up to 40 MB are read.")
+        else:
+            found.append(item)
+    return found, notes
 
 
 def _symbol(items: Sequence[Item], size: float) -> float:

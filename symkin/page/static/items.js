@@ -26,6 +26,7 @@ class Items {
     });
     this.stretched = []; // {object, from, to, apply}
     this.middles = []; // objects turned with a link, halfway between two points
+    this.meshes = []; // what files show of links
     this.solids = []; // what the pointer finds
     this.labels = []; // {item, at: [{link, point}, ...]}
   }
@@ -224,10 +225,10 @@ class Items {
     const bytes = Uint8Array.from(atob(item.triangles), (c) => c.charCodeAt(0));
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes.buffer), 3));
     geometry.computeVertexNormals();
-    const mesh = new THREE.Mesh(geometry, this.look.solid("base"));
+    const mesh = new THREE.Mesh(geometry, this.look.shell("base"));
     mesh.userData.item = item;
-    mesh.userData.isMesh = true;
     this.links[item.link].add(mesh);
+    this.meshes.push(mesh);
     this.solids.push(mesh);
   }
 

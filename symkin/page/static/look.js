@@ -31,6 +31,12 @@ export class Look {
     return this._kept(`glass ${key}`, key, () => new THREE.MeshBasicMaterial(settings));
   }
 
+  /** Half transparent, so that joints and lines within are seen. */
+  shell(key) {
+    const settings = { transparent: true, opacity: 0.55, side: THREE.DoubleSide };
+    return this._kept(`shell ${key}`, key, () => new THREE.MeshLambertMaterial(settings));
+  }
+
   line(key) {
     return this._kept(`line ${key}`, key, () => new THREE.LineBasicMaterial());
   }
