@@ -28,11 +28,12 @@ class View:
     given: Mapping[str, float] | None = None
     path: PlayedPath | None = None
     start: Mapping[str, Any] | None = None
+    plane: Mapping[str, Any] | None = None
 
     @cached_property
     def html(self) -> str:
         """The whole page as one HTML text."""
-        return page_html(self.mechanism, self.given, self.path, self.start)
+        return page_html(self.mechanism, self.given, self.path, self.start, self.plane)
 
     def save(self, path: Path | str) -> Path:
         """Write the page. Raises InputError for a file that cannot be written or has another suffix than .html."""
