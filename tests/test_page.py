@@ -296,6 +296,7 @@ def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], t
     for arguments, part in (
         (("four_bar", "--html", tmp_path / "page.txt"), ".html"),
         (("four_bar", "--given", "krank=3", "--html", tmp_path / "a.html"), "crank"),
+        (("zhang2009", "--joints", "1,900", "--html", tmp_path / "a.html"), "6"),
         (("zhang2009", "--joints", "1,900,1,900,1,900", "--html", tmp_path / "a.html"), "no configuration"),
         (("four_bar", "--path", tmp_path / "none.csv", "--html", tmp_path / "a.html"), "none.csv"),
     ):
