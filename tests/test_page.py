@@ -306,3 +306,12 @@ def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], t
         assert err.count("\n") == 1
     with pytest.raises(InputError, match="has no page"):
         symkin.view(3)
+
+
+@pytest.mark.parametrize(("name", "count"), [("ren2008", 28), ("klann_leg", 4)])
+def test_every_complex_solution_is_followed(open_page: Callable[..., Any], name: str, count: int) -> None:
+    """As many as `modes` counts: of a body on rods from symkin's own, of others by loops wide enough to go around branch points."""
+    assert symkin.modes(symkin.load(name)).complex_count == count
+    page = open_page(page_of(name))
+    page.wait_for_function("symkin.modes().length > 0")
+    page.wait_for_function(f"document.body.innerText.includes('{count} complex solutions are followed')")

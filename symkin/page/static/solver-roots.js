@@ -1,7 +1,7 @@
 // All complex solutions: found once for complex values by monodromy, then moved to the present values along paths.
 //
-// At the complex values p0 solutions are known from one seed on: moved around loops p0 -> pa -> pb -> p0 they become others, until the
-// number that symkin counts is reached. From p0, which is generic, paths to any real values meet no singularity on the way; their ends
+// At the complex values p0 solutions are known from seeds on, which are all where the unknown is one body on rods, else some: moved
+// around loops p0 -> pa -> pb -> p0 they become others, until the number that symkin counts is reached. From p0, which is generic, paths to any real values meet no singularity on the way; their ends
 // that are real are the modes.
 import { complexLeastSquares } from "solver-algebra";
 
@@ -10,6 +10,7 @@ const FAR = 1e6; // of a solution at infinity, in units of the size
 const SAME = 1e-6; // between two writings of one solution
 const REAL = 1e-6; // imaginary part of a real end before Newton's method makes it real
 const INFINITE = "infinite"; // what a path ends with that goes to infinity
+const WIDE = 3; // spread of loops' corners, of the size and radians: narrow loops go around no branch point
 const QUIET = 8; // loops without a new solution after which the search ends
 
 export class Roots {
@@ -75,24 +76,27 @@ export class Roots {
     this.begun = true;
     const { places } = this.solver;
     this.p0 = this._randomValues();
-    for (const seed of [this.model.start, ...this.model.modesHere, ...this.model.seeds]) {
-      if (this.model.complexCount !== null && this.starts.length >= this.model.complexCount) break;
-      const from = complexOf(seed), p = places.flatMap((k) => [seed[k], 0]);
+    const { start, complexHere, modesHere, seeds, complexCount } = this.model;
+    for (const from of [...complexHere.map((pairs) => Float64Array.from(pairs)), ...[start, ...modesHere, ...seeds].map(complexOf)]) {
+      if (complexCount !== null && this.starts.length >= complexCount) break;
+      const p = places.flatMap((k) => [from[2 * k], 0]);
       const end = this._path(from, p, this.p0);
       if (end && end !== INFINITE && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
     }
     this._ended();
   }
 
-  _randomValues() {
+  /** Complex values about the start, `spread` wide in units of the size and radians. */
+  _randomValues(spread = 1) {
     const { places } = this.solver, { start, columns } = this.model;
-    return places.flatMap((k) => [start[k] + columns[k] * (this.random() - 0.5), columns[k] * (this.random() - 0.5)]);
+    return places.flatMap((k) => [start[k] + spread * columns[k] * (this.random() - 0.5), spread * columns[k] * (this.random() - 0.5)]);
   }
 
   /** Move the solutions, one after another, around a loop; the loop ends when all have been moved. */
   _loop() {
     if (!this.loop || this.loop.next >= this.loop.count) {
-      this.loop = { corners: [this.p0, this._randomValues(), this._randomValues(), this.p0], next: 0, count: this.starts.length, news: 0 };
+      const [pa, pb] = [0, 1].map(() => this._randomValues(WIDE * 8 ** (this.random() - 0.5)));
+      this.loop = { corners: [this.p0, pa, pb, this.p0], next: 0, count: this.starts.length, news: 0 };
       if (!this.loop.count) this.done = true;
     }
     const { corners } = this.loop;
@@ -277,7 +281,8 @@ export class Roots {
     return complexLeastSquares(a, b, rows, this.solver.unknown.length);
   }
 
-  /** Newton's method in place until a step is below `close`; the first step's length (at least 1e-300), 0 where it fails. */
+  /** Newton's method in place until a step is below `close`; the first step's length (at least 1e-300), 0 where it fails. Lengths of
+   * steps are shares of the solution's own where that is large. */
   _newton(x, close, most) {
     const { rows, columns } = this.model, { unknown } = this.solver;
     let first = 0, last = Infinity;
@@ -287,7 +292,7 @@ export class Roots {
       if (!step) return 0;
       let length = 0;
       for (const v of step) length += v * v;
-      length = Math.sqrt(length);
+      length = Math.sqrt(length) / this._magnitude(x);
       if (!(length < 10)) return 0;
       unknown.forEach((place, i) => {
         x[2 * place] += columns[place] * step[2 * i];
@@ -298,6 +303,12 @@ export class Roots {
       last = length;
     }
     return last < 1e-7 ? first : 0;
+  }
+
+  /** The largest unknown, in units of its column, at least 1. */
+  _magnitude(x) {
+    const { columns } = this.model;
+    return this.solver.unknown.reduce((most, k) => Math.max(most, Math.hypot(x[2 * k], x[2 * k + 1]) / columns[k]), 1);
   }
 
   _linearise(x) {
