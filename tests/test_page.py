@@ -277,10 +277,26 @@ def test_results_have_pages(open_page: Callable[..., Any]) -> None:
     assert json.loads(track.view().html.split('id="data">')[1].split("</script>")[0])["options"]["path"]["names"] == ["crank"]
 
 
+def test_a_plane_with_singular_curves_is_pointed_at(open_page: Callable[..., Any]) -> None:
+    """The mechanism goes where the plane is pointed at, and no further than the first curve."""
+    here = symkin.solve(symkin.load("zhao2000")).solution
+    loci = symkin.singular_loci(here, ("theta1", "op"), ranges=[(20.0, 150.0), (60.0, 160.0)], starts=3)
+    page = open_page(loci.view().html)
+    box = page.locator("#plane canvas").bounding_box()
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    page.wait_for_function(
+        "Math.abs(symkin.solution().joints.op - 110) < 1 && Math.abs(symkin.solution().joints.theta1 - 85) < 1"
+    )
+    ARTEFACTS.mkdir(exist_ok=True)
+    page.wait_for_timeout(400)
+    page.screenshot(path=str(ARTEFACTS / "plane.png"))
+
+
 def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     for arguments, part in (
         (("four_bar", "--html", tmp_path / "page.txt"), ".html"),
         (("four_bar", "--given", "krank=3", "--html", tmp_path / "a.html"), "crank"),
+        (("zhang2009", "--joints", "1,900", "--html", tmp_path / "a.html"), "6"),
         (("zhang2009", "--joints", "1,900,1,900,1,900", "--html", tmp_path / "a.html"), "no configuration"),
         (("four_bar", "--path", tmp_path / "none.csv", "--html", tmp_path / "a.html"), "none.csv"),
     ):

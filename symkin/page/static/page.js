@@ -5,6 +5,7 @@ import { Drawing, roundLength } from "symkin/drawing";
 import { PlatformDrag } from "symkin/drag";
 import { Inputs, shown } from "symkin/inputs";
 import { Labels } from "symkin/labels";
+import { PlaneMap } from "symkin/plane";
 import { Player } from "symkin/player";
 import { Strip } from "symkin/strip";
 import { Trace } from "symkin/trace";
@@ -21,7 +22,7 @@ const strip = new Strip($("strip"), $("modes-text"), { solver, drawing, onChoose
 const drag = new PlatformDrag(drawing, solver, { itemAt, onMove: moved });
 const trace = new Trace(drawing, tracedPoints());
 const wishes = new Map(); // values that sliders ask for, taken once a frame
-let player = null, slow = 0;
+let player = null, plane = null, slow = 0;
 
 window.symkinPage = drawing;
 window.symkin = {
@@ -61,6 +62,7 @@ function choose(index) {
 function moved(result) {
   drawing.place(solver.linkPoses());
   trace.add();
+  plane?.draw();
   inputs.show(solver.values);
   tell(result.stop);
   readout();
@@ -148,6 +150,7 @@ function dress(dark) {
   document.documentElement.dataset.theme = dark ? "dark" : "light";
   $("theme").setAttribute("aria-pressed", String(dark));
   drawing.setDark(dark);
+  plane?.draw();
   strip.draw();
 }
 
@@ -180,6 +183,7 @@ function frame(now) {
     moved(solver.set(values));
   }
   drag.step();
+  plane?.step();
   player?.step(now);
   drawing.render();
   requestAnimationFrame(frame);
@@ -227,6 +231,20 @@ drawing.listeners.push(() => {
   if (now !== viewed) strip.draw();
   viewed = now;
 });
+if (options.plane) {
+  const { names } = options.plane, axes = names.map((name) => "xyz".indexOf(name));
+  const given = names.every((name) => solver.names.includes(name));
+  plane = new PlaneMap($("plane"), options.plane, {
+    ink: (key) => drawing.look.colour(key),
+    now: () => names.map((name, k) => (given ? solver.values[name] : solver.solution().position[axes[k]])),
+    go: (...place) => {
+      if (given) return moved(solver.set(Object.fromEntries(names.map((name, k) => [name, place[k]]))));
+      const { position, quaternion } = solver.solution();
+      axes.forEach((axis, k) => (position[axis] = place[k]));
+      return moved(solver.dragTo(position, quaternion));
+    },
+  });
+}
 if (options.path) {
   player = new Player($("player"), options.path, { go: (values) => moved(solver.set(values)).reached });
   $("player").addEventListener("pointerdown", () => wishes.clear());

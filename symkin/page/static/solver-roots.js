@@ -39,7 +39,7 @@ export class Roots {
   get sentence() {
     const { complexCount, follows } = this.model, found = this.starts.length;
     if (!this.done) return "Finding all solutions.";
-    if (!follows) return `${complexCount} complex solutions are too many to follow here: the mode shown is followed, and symkin modes lists them all.`;
+    if (!follows) return `${complexCount} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds all.`;
     if (this.alone) return "";
     const open = this.unresolved ? ` ${this.unresolved} of ${found} paths are unresolved here: modes may be missing.` : "";
     if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.${open}`;
