@@ -11,6 +11,7 @@ import numpy as np
 
 from report import new_figure
 from symkin.plots.configuration_panel import FRAME_COLOURS, draw_lines
+from symkin.plots.crossings import pieces
 from symkin.plots.mechanism_lines import MechanismLines, lines_at
 from symkin.plots.style import COLOURS, drawing
 from symkin.plots.view3d import View
@@ -131,11 +132,16 @@ def _spokes(axes: Any, body: MechanismLines, scale: float) -> None:
 
 
 def _colour_limbs(axes: Any, body: MechanismLines, view: View, scale: float) -> None:
-    """Each limb over its own line, at the depth of that line."""
-    for limb, colour in zip(body.limbs, LIMB_COLOURS, strict=False):
-        points = limb.points
-        depth = float(np.mean(points, axis=0) @ view.axes[2]) / float(view.extent.max())
-        axes.plot(*points.T, color=colour, lw=4.4 * scale, solid_capstyle="round", zorder=10.1 + depth)
+    """Each limb over its own lines, cut where they cross others, at the depth of each piece."""
+    parts = [
+        (colour, segment)
+        for limb, colour in zip(body.limbs, LIMB_COLOURS, strict=False)
+        for segment in limb.segments
+        if segment.length > 0.0
+    ]
+    for piece in pieces([(segment.start, segment.end) for _, segment in parts], view.axes):
+        ends, order = np.array([piece.start, piece.end]), 10.01 + piece.nearness / float(view.extent.max())
+        axes.plot(*ends.T, color=parts[piece.number][0], lw=4.4 * scale, solid_capstyle="round", zorder=order)
 
 
 def _legend(figure: Figure, names: Sequence[str]) -> None:

@@ -118,6 +118,11 @@ def meant(name: object, known: Iterable[object]) -> str:
     return "" if found is None else f" (do you mean {shown(found)}?)"
 
 
+def counted(count: int, what: str = "value") -> str:
+    """A count with its word: 1 value, 2 values."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
 # --- outputs -------------------------------------------------------------------------------------------------------
 
 

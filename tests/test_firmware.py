@@ -35,7 +35,11 @@ VARIANTS = GENERATE.variants()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("folder", "name", "options"), VARIANTS, ids=[v[0] for v in VARIANTS])
+@pytest.mark.parametrize(
+    ("folder", "name", "options"),
+    in_gate_but(VARIANTS, [v for v in VARIANTS if v[0] == "zhao2000_links_float"]),
+    ids=[v[0] for v in VARIANTS],
+)
 def test_committed_folders_are_what_the_generator_writes(folder, name, options):
     """The same model gives the same bytes."""
     files = folder_files(load(name), options, GENERATE.MEASURED.get(folder))

@@ -21,10 +21,7 @@ ARMS = structures(np.random.default_rng(3)) | short_structures(np.random.default
 ARMS |= {"gluon_6l3": symkin.load("gluon_6l3"), "yao2020": symkin.load("yao2020"), "pieper": pieper()}
 IN_GATE = (
     "parallel_inner",
-    "parallel_first",
-    "wrist_parallel_two_three",
     "wrist_first",
-    "five_wrist",
     "planar_with_slide",
     "gluon_6l3",
     "yao2020",

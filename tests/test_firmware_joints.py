@@ -17,7 +17,14 @@ from symkin.codegen.options import Options
     "made",
     in_gate_but(
         joint_types.MADE,
-        [joint_types.helical_actuated, joint_types.cylindrical, joint_types.five_joints, joint_types.seven_joints],
+        [
+            joint_types.helical_actuated,
+            joint_types.cylindrical_universal,
+            joint_types.mixed_arm,
+            joint_types.cylindrical,
+            joint_types.five_joints,
+            joint_types.seven_joints,
+        ],
     ),
     ids=[made.__name__ for made in joint_types.MADE],
 )

@@ -104,3 +104,23 @@ def test_a_key_of_a_file_is_told_the_nearest_one(capsys: pytest.CaptureFixture[s
         status, _, err = run(capsys, "show", str(tmp_path / "m.toml"))
         assert (status, err.count("\n")) == (2, 1)
         assert expected in err
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ("modes zhao2000 --joints 80deg,200,330,105", "without a unit"),
+        ("modes zhao2000 --joints 80,200,330,105mm", "without a unit"),
+        ("modes zhao2000 --joints theta1:80", "NAME=VALUE"),
+        ("modes zhao2000 --joints 80;200;330;105", "separated by commas"),
+        ("modes zhao2000 --pose x=0,y=0,z=100", "these values have no names"),
+        ("solve zhao2000 --start 1", "start: 1 value given"),
+        ("track zhao2000 81,202,330,105 85,200,330,110", "a path is --from 81,202,330,105 --to"),
+        ("view zhao2000 --joints 1,2 --html x.html", "2 values given, zhao2000 has 4 actuated joints"),
+    ],
+)
+def test_values_are_told_how_they_are_written(capsys: pytest.CaptureFixture[str], words: str, expected: str) -> None:
+    """Units, colons, names where none are taken, too few values: one line that says what is written instead."""
+    status, out, err = run(capsys, *words.split())
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert expected in err

@@ -86,13 +86,13 @@ def apart(mechanism: symkin.Mechanism, solution: symkin.Solution, told: dict[str
     return float(max(gaps))
 
 
-def random_rows(mechanism: symkin.Mechanism, count: int, seed: int) -> list[list[float]]:
+def random_rows(mechanism: symkin.Mechanism, count: int, seed: int, share: float = 0.04) -> list[list[float]]:
     rng, start = np.random.default_rng(seed), symkin.solve(mechanism).solution
     rows = []
     for _ in range(count):
         row = []
         for c, value in zip(mechanism.actuated, start.actuated_values, strict=True):
-            half = mechanism.angle_out(0.5) if c.is_angular else 0.04 * mechanism.characteristic_length
+            half = mechanism.angle_out(0.5) if c.is_angular else share * mechanism.characteristic_length
             low, high = c.limits or (-np.inf, np.inf)
             ends = (mechanism.angle_out(low), mechanism.angle_out(high)) if c.is_angular else (low, high)
             row.append(float(np.clip(value + half * rng.uniform(-1.0, 1.0), *ends)))
@@ -113,6 +113,17 @@ def test_poses_at_random_inputs_are_those_of_modes(name: str, open_page: Callabl
         assert min(apart(mechanism, solution, told[k]["solution"]) for solution in every) < SAME
         assert told[k]["solution"]["residual"] < 1e-9 * mechanism.characteristic_length
         assert mechanism.serial or told[k]["count"] == len(every)
+
+
+def test_modes_appear_and_vanish_as_those_of_symkin_do(open_page: Callable[..., Any]) -> None:
+    """Pairs of modes meet and vanish within these ranges: the page counts as many as symkin wherever it says that none may be missing."""
+    mechanism = symkin.load("ren2008")
+    rows = random_rows(mechanism, 40, seed=5, share=0.25)
+    page = open_page(page_of("ren2008"))
+    told = [one for one in zip(rows, page.evaluate(SET_ALL, rows), strict=True) if one[1]["reached"]]
+    found = symkin.modes(mechanism, joints=[row for row, _ in told])
+    assert [one["count"] for _, one in told] == [len(every) for every in found]
+    assert len({len(every) for every in found}) > 1
 
 
 STOPS = {
@@ -226,6 +237,34 @@ def symkin_view(*arguments: object) -> int:
     return _status(["view", *map(str, arguments)])
 
 
+TETRAHEDRON = "v 0 0 0\nv 300 0 0\nv 0 200 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+ROBOT = """<robot name='r'><link name='a'/><link name='b'><visual><geometry><mesh filename='b.obj' scale='0.001 0.001 0.001'/></geometry></visual>
+</link><link name='tip'><visual><geometry><mesh filename='tip.dae'/></geometry></visual></link>
+<joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/></joint>
+<joint name='k' type='continuous'><parent link='b'/><child link='tip'/><origin xyz='0 0 1'/><axis xyz='0 1 0'/></joint></robot>"""
+
+
+def test_meshes_that_are_there_are_shown_and_others_are_told(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    (tmp_path / "b.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    (tmp_path / "r.urdf").write_text(ROBOT, encoding="utf-8")
+    page = open_page(symkin.view(symkin.load(tmp_path / "r.urdf")).html)
+    shown = page.evaluate(
+        "symkinPage.items.meshes.map(mesh => [mesh.userData.item.name, mesh.geometry.attributes.position.count])"
+    )
+    assert shown == [["b", 12]]
+    assert "tip.dae" in page.locator("#notes").inner_text()
+    page.locator("#meshes").click()
+    assert page.evaluate("symkinPage.items.meshes[0].visible") is False
+
+
+def test_traces_are_drawn(open_page: Callable[..., Any]) -> None:
+    page = open_page(page_of("klann_leg"))
+    page.keyboard.press("t")
+    page.evaluate("for (let k = 0; k < 9; k++) symkin.set({crank: 180 + 5 * k})")
+    count = "symkinPage.extras.children.find(line => line.userData.kind === 'trace').geometry.attributes.position.count"
+    assert page.evaluate(count) == 9
+
+
 def test_results_have_pages(open_page: Callable[..., Any]) -> None:
     """The page of a solution begins there; a track is played; a notebook shows the page in place."""
     mechanism = symkin.load("zhang2009")
@@ -238,10 +277,26 @@ def test_results_have_pages(open_page: Callable[..., Any]) -> None:
     assert json.loads(track.view().html.split('id="data">')[1].split("</script>")[0])["options"]["path"]["names"] == ["crank"]
 
 
+def test_a_plane_with_singular_curves_is_pointed_at(open_page: Callable[..., Any]) -> None:
+    """The mechanism goes where the plane is pointed at, and no further than the first curve."""
+    here = symkin.solve(symkin.load("zhao2000")).solution
+    loci = symkin.singular_loci(here, ("theta1", "op"), ranges=[(20.0, 150.0), (60.0, 160.0)], starts=3)
+    page = open_page(loci.view().html)
+    box = page.locator("#plane canvas").bounding_box()
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    page.wait_for_function(
+        "Math.abs(symkin.solution().joints.op - 110) < 1 && Math.abs(symkin.solution().joints.theta1 - 85) < 1"
+    )
+    ARTEFACTS.mkdir(exist_ok=True)
+    page.wait_for_timeout(400)
+    page.screenshot(path=str(ARTEFACTS / "plane.png"))
+
+
 def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     for arguments, part in (
         (("four_bar", "--html", tmp_path / "page.txt"), ".html"),
         (("four_bar", "--given", "krank=3", "--html", tmp_path / "a.html"), "crank"),
+        (("zhang2009", "--joints", "1,900", "--html", tmp_path / "a.html"), "6"),
         (("zhang2009", "--joints", "1,900,1,900,1,900", "--html", tmp_path / "a.html"), "no configuration"),
         (("four_bar", "--path", tmp_path / "none.csv", "--html", tmp_path / "a.html"), "none.csv"),
     ):
@@ -251,3 +306,12 @@ def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], t
         assert err.count("\n") == 1
     with pytest.raises(InputError, match="has no page"):
         symkin.view(3)
+
+
+@pytest.mark.parametrize(("name", "count"), [("ren2008", 28), ("klann_leg", 4)])
+def test_every_complex_solution_is_followed(open_page: Callable[..., Any], name: str, count: int) -> None:
+    """As many as `modes` counts: of a body on rods from symkin's own, of others by loops wide enough to go around branch points."""
+    assert symkin.modes(symkin.load(name)).complex_count == count
+    page = open_page(page_of(name))
+    page.wait_for_function("symkin.modes().length > 0")
+    page.wait_for_function(f"document.body.innerText.includes('{count} complex solutions are followed')")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
+from helpers.gate import in_gate
 
 README = Path(__file__).parent.parent / "codegen" / "README.md"
 SYSTEMS = ("zhang2009", "ren2008", "zhao2000", "gluon_6l3", "yao2020")
@@ -20,7 +21,7 @@ def table_rows() -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| ")]
 
 
-@pytest.fixture(scope="module", params=["zhang2009", "zhao2000", "gluon_6l3"])
+@pytest.fixture(scope="module", params=in_gate(["zhang2009", "zhao2000", "gluon_6l3"], ["zhang2009", "zhao2000"]))
 def both(request):
     tools.compiler("gcc")
     answers, plain = tools.bench_module("plain_answers"), tools.bench_module("plain_casadi")

@@ -288,7 +288,7 @@ def test_titles_and_labels_lie_in_the_figure_and_apart(name):
         assert box.y1 <= height
     assert not any(a.overlaps(b) for a, b in combinations(titles, 2))
     unit = modes_of(name).problem.mechanism.length_unit
-    assert all(any(t.get_text() == f"x ({unit})" for t in ax.texts) for ax in figure.axes)
+    assert all(any(t.get_text() == f"x [{unit}]" for t in ax.texts) for ax in figure.axes)
 
 
 @pytest.mark.slow

@@ -6,6 +6,8 @@ import json
 import math
 from functools import lru_cache
 from html.parser import HTMLParser
+from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
@@ -48,13 +50,16 @@ def results() -> dict[str, Result]:
         "mobility": symkin.mobility(symkin.load("zhao2000_links")),
         "jacobian": symkin.jacobian(arm),
         "calibration": symkin.calibrate(arm, readings),
+        "rates": symkin.jacobian(symkin.load("four_bar"), of=["follower"], by=["crank"]),
+        "closed": symkin.close("four_bar"),
+        "sweep": symkin.sweep(symkin.load("four_bar"), given={"crank": [0.0, 60.0, 90.0]}, directory=mkdtemp() + "/s", workers=0),
         "plan": symkin.plan_measurements(arm, 8, {"angles": 1e-4, "position": 0.05}, groups=0, readings=["position"]),
     }
 
 
 NAMES = (
     "modes", "no modes", "solve", "solution", "failed", "track", "singularity", "loci", "mode graph", "mobility", "jacobian",
-    "calibration", "plan",
+    "calibration", "plan", "rates", "closed", "sweep",
 )  # fmt: skip
 
 
@@ -112,17 +117,29 @@ def test_the_dictionary_is_json(name: str) -> None:
     assert json.loads(json.dumps(made, allow_nan=False)) == made
 
 
-@pytest.mark.long
-@pytest.mark.slow
-@pytest.mark.parametrize("name", [n for n in NAMES if n not in ("failed", "plan")])
-def test_the_picture_is_drawn_and_written(name: str, tmp_path) -> None:
-    figure = results()[name].plot(tmp_path / "picture.png")
+def test_every_type_of_result_is_tried_here() -> None:
+    """Each class that is a Result has one above, so that the laws of this module hold for all of them."""
+
+    def below(kind: type) -> set[type]:
+        return {kind, *(each for sub in kind.__subclasses__() for each in below(sub))}
+
+    kinds = {kind for kind in below(Result) - {Result} if kind.__module__.startswith("symkin.")}
+    assert {kind.__name__ for kind in kinds} == {type(result).__name__ for result in results().values()}
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if n != "failed"])
+def test_the_picture_is_drawn_and_written(name: str, tmp_path: Path) -> None:
+    """plot() returns the figure of every result, and writes it."""
+    from matplotlib.figure import Figure
+
+    figure = results()[name].plot(tmp_path / "picture.svg")
+    assert isinstance(figure, Figure)
     assert figure.axes
-    assert (tmp_path / "picture.png").stat().st_size > 5000
+    assert (tmp_path / "picture.svg").read_text().startswith("<?xml")
 
 
 @pytest.mark.parametrize(
-    ("name", "options"), [("failed", {}), ("plan", {}), ("modes", {"size": 3}), ("calibration", {"what": "x"})]
+    ("name", "options"), [("failed", {}), ("plan", {"names": "all"}), ("modes", {"size": 3}), ("calibration", {"what": "x"})]
 )
 def test_a_picture_that_cannot_be_is_one_sentence(name: str, options: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="plot: "):

@@ -291,11 +291,11 @@ def test_a_table_of_what_each_point_has(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("name", "given", "of", "axes"),
     [
-        ("jansen_leg", {"crank": np.linspace(0, 360, 121)}, ["foot"], ("x (mm)", "y (mm)")),
+        ("jansen_leg", {"crank": np.linspace(0, 360, 121)}, ["foot"], ("x [mm]", "y [mm]")),
         ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": 2.0}, ["toe", "heel"], None),
-        ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": np.linspace(0, 9, 3)}, ["upper_motor"], ("ankle.1 (deg)", "upper_motor (deg)")),
-        ("four_bar", {"follower": np.linspace(-80, 80, 9)}, "crank", ("follower (deg)", "crank (deg)")),
-        ("four_bar", {"follower": [-85.0, -80.0]}, "crank", ("follower (deg)", "crank (deg)")),
+        ("ankle", {"ankle.1": np.linspace(-9, 9, 5), "ankle.2": np.linspace(0, 9, 3)}, ["upper_motor"], ("ankle.1 [deg]", "upper_motor [deg]")),
+        ("four_bar", {"follower": np.linspace(-80, 80, 9)}, "crank", ("follower [deg]", "crank [deg]")),
+        ("four_bar", {"follower": [-85.0, -80.0]}, "crank", ("follower [deg]", "crank [deg]")),
     ],
 )  # fmt: skip
 def test_pictures_of_points_and_joints(tmp_path, name, given, of, axes):

@@ -115,7 +115,7 @@ def test_retyped_joints_turn_as_the_file_beside_tells() -> None:
     assert np.allclose(np.asarray(between.rotation), np.asarray(turned), atol=TOLD_TO)
 
 
-@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] if "strandbeest" in n else []) for n in NAMES])
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] if "strandbeest" in n else []) for n in NAMES])
 def test_mobility_is_that_of_an_independent_solver(name: str) -> None:
     """At the closed configuration nearest to the file's and at closed neighbours. Where the same joints are cut, the rank as well; the
     four-bar is singular in its file, and a neighbour is not."""

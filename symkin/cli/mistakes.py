@@ -102,5 +102,6 @@ def _too_many(ctx: Any, words: Sequence[str]) -> InputError:
     extra = alone[len(places)] if len(alone) > len(places) else ""
     taken = f"{' and '.join(places)}, and options" if places else "options only"
     joints = any("--joints" in p.opts for p in ctx.command.params) and _VALUE.fullmatch(extra)
-    hint = f"; joint values are given by --joints {extra}" if joints else ""
+    ends = any("--from" in p.opts for p in ctx.command.params) and _VALUE.fullmatch(extra)
+    hint = f"; joint values are given by --joints {extra}" if joints else f"; a path is --from {extra} --to ..." if ends else ""
     return InputError(f"{shown(extra)} stands alone: `{ctx.command_path}` takes {taken}{hint}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from enum import StrEnum
 from pathlib import Path
@@ -104,6 +105,9 @@ AllOption = Annotated[
 ]
 
 
+_WITH_UNIT = re.compile(r"[-+\d.eE]+\s*(mm|cm|m|um|in|deg|rad|mrad|°)")
+
+
 class Interrupted(Exception):  # noqa: N818 - no error: the user's wish
     """Ctrl-C in a command whose work is not lost; the text says what is kept."""
 
@@ -162,7 +166,18 @@ def _number(text: str, which: str, what: str, angle_unit: str) -> float:
     try:
         return written_number(text, angle_unit)
     except InputError as error:
-        raise InputError(f"--{what}: {which} = {error}; values are separated by commas") from None
+        raise InputError(f"--{what}: {which} = {error}; {_hint(text.strip())}") from None
+
+
+def _hint(text: str) -> str:
+    """What may be meant by a text that is no number."""
+    if _WITH_UNIT.fullmatch(text):
+        return "write it without a unit: values are in the file's units"
+    if "=" in text:
+        return "these values have no names"
+    if ":" in text:
+        return "a name and its value are written NAME=VALUE, values are separated by commas"
+    return "values are separated by commas"
 
 
 def check_output(output: Path | None, *inputs: Path | str | None) -> None:

@@ -10,6 +10,7 @@ import typer
 from symkin.cli.help import GIVEN
 from symkin.cli.options import named_from, numbers_from, start_from
 from symkin.errors import InputError
+from symkin.text import counted
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
@@ -40,11 +41,12 @@ _QUATERNION, _ANGLES, _POSITION = 7, 6, 3
 
 @dataclass(frozen=True)
 class PoseReader:
-    """How the poses of a command are written: `rpy` and `euler` are the options' texts."""
+    """How the poses of a command are written: `rpy` and `euler` are the options' texts; `has_rpy`: the command takes --rpy."""
 
     mechanism: Mechanism
     rpy: str | None = None
     euler: str | None = None
+    has_rpy: bool = True
 
     def pose(self, text: str | None, option: str) -> list[float] | None:
         """x, y, z, qw, qx, qy, qz of an option. Raises InputError for a number of values that does not fit the other options."""
@@ -88,8 +90,9 @@ class PoseReader:
         if len(numbers) == _POSITION and self.mechanism.motion == "translation":
             return [*numbers, *map(float, self.mechanism.reference_pose.quaternion)]
         if len(numbers) != _QUATERNION:
+            rpy = "X,Y,Z --rpy R,P,Y, or " if self.has_rpy else ""
             raise InputError(
-                f"{what}: {len(numbers)} values given, 7 are needed: x, y, z, qw, qx, qy, qz; for angles write X,Y,Z --rpy R,P,Y, or "
+                f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz; for angles write {rpy}"
                 "X,Y,Z,A,B,C --euler ZYX"
             )
         return numbers
@@ -104,4 +107,4 @@ class PoseReader:
 
 def _check_count(numbers: list[float], count: int, what: str, form: str) -> None:
     if len(numbers) != count:
-        raise InputError(f"{what}: {len(numbers)} values given, {count} are needed: {form}")
+        raise InputError(f"{what}: {counted(len(numbers))} given, {count} are needed: {form}")

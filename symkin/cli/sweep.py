@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -107,6 +107,10 @@ def sweep(
             rich_help_panel=OUTPUT,
         ),
     ] = None,
+    loci: Annotated[
+        bool,
+        typer.Option("--loci", help="Lay the curves of singular configurations over the map of --plot.", rich_help_panel=OUTPUT),
+    ] = False,
     table: Annotated[
         Path | None,
         typer.Option("--csv", metavar="FILE.csv", help="Write the result as a table too, a row a mode.", rich_help_panel=OUTPUT),
@@ -139,7 +143,7 @@ def sweep(
     cuts = read_values(slices, "slice", angle_unit=unit) if slices is not None else {}
     check_slices(cuts, values, sampled=sampled)
     check_map_is_left(cuts, values)
-    drawn = _drawn(of, slices, plot)
+    drawn = _drawn(of, slices, plot, loci=loci)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 
@@ -159,17 +163,22 @@ def sweep(
     if table is not None:
         lines.append(f"written: {table}, {swept.write_csv(table)} rows")
     if plot is not None:
-        swept.plot(plot, slices=cuts, of=drawn)
+        with progress_bar("singularity loci") if loci else nullcontext():
+            swept.plot(plot, slices=cuts, of=drawn, loci=loci)
         lines.append(f"picture: {plot}")
     print_result(as_json, swept.to_dict, lambda: "\n".join(lines))
 
 
-def _drawn(of: str | None, slices: str | None, plot: Path | None) -> list[str]:
+def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool) -> list[str]:
     """The names of --of. Raises InputError where there is no picture for it."""
     if slices is not None and plot is None:
         raise InputError("--slice says where the map of --plot is cut; give --plot FILE.png, or leave --slice out")
     if of is not None and plot is None:
         raise InputError("--of says what the picture of --plot shows; give --plot FILE.png, or leave --of out")
+    if loci and plot is None:
+        raise InputError("--loci lays curves over the map of --plot; give --plot FILE.png, or leave --loci out")
+    if loci and of is not None:
+        raise InputError("both --loci and --of are given; --loci belongs to the map, in whose place --of draws points or joints")
     names = [] if of is None else [name.strip() for name in of.split(",")]
     if of is not None and not all(names):
         raise InputError(f"--of {of!r}: names separated by commas are needed")

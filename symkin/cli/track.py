@@ -91,7 +91,7 @@ def track(
     mechanism = loaded(mech, read)
     check_output(output, mech, csv)
     options = picture_options(plot, mechanism, names=names, views=views)
-    reader = PoseReader(mechanism, euler=euler)
+    reader = PoseReader(mechanism, euler=euler, has_rpy=False)
     reader.check_used(start, *((begin, end) if poses else ()))
     if given is not None and poses:
         raise InputError("both --given and --poses are given; --given names the coordinates of the path")

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from symkin.cli.help import GIVEN, OUTPUT
 from symkin.cli.options import GivenOption, JointsOption, MechArgument, joints_from, named_from
-from symkin.cli.reading import reads_robots
+from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 
@@ -24,16 +25,23 @@ def view(
     given: GivenOption = None,
     path: Annotated[
         Path | None,
-        typer.Option("--path", metavar="FILE.csv", help="A trajectory to play: columns of the given coordinates, or poses."),
+        typer.Option(
+            "--path",
+            metavar="FILE.csv",
+            help="A trajectory to play: columns of the given coordinates, or poses.",
+            rich_help_panel=GIVEN,
+        ),
     ] = None,
-    html: Annotated[Path | None, typer.Option("--html", metavar="FILE.html", help="Write the page, and open no browser.")] = None,
+    html: Annotated[
+        Path | None,
+        typer.Option("--html", metavar="FILE.html", help="Write the page, and open no browser.", rich_help_panel=OUTPUT),
+    ] = None,
 ) -> None:
     """Show the mechanism in the browser, where it moves; `symkin view MECH --html FILE.html` writes the page into one file."""
-    from symkin.formats.load import load
     from symkin.page.played_path import played_path
     from symkin.page.view import view_mechanism
 
-    mechanism = load(mech, read)
+    mechanism = loaded(mech, read)
     values = _plain(named_from(given, "given", mechanism.angle_unit))
     played = None if path is None else played_path(mechanism, path, values)
     if played is not None and values is None and joints is None:

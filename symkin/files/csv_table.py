@@ -128,7 +128,7 @@ class Table:
     def held(self) -> str:
         """What columns there are, for messages about one that is missing."""
         left_out = f"; left out: {listed(self.left_out)}" if self.left_out else ""
-        return f"the header has {', '.join(self.columns)}{left_out}"
+        return f"the header has {', '.join(self.columns) or 'none that is read'}{left_out}"
 
     def _column(self, name: str) -> Column:
         if name not in self.columns:

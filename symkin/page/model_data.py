@@ -16,6 +16,7 @@ from symkin.codegen.js_text import javascript
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
+from symkin.page.complex_solutions import complex_solutions
 from symkin.position.problem import Problem
 from symkin.position.solution import Solution
 from symkin.position.solve import solve
@@ -101,8 +102,10 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
     here = [mode.variables.tolist() for mode in found if mode.partition == solution.partition]
     count = found.complex_count
     follows = count is None or count <= _MOST_ROOTS
-    elsewhere = _elsewhere(problem, known, names) if follows and count != len(here) else []
-    return {"modesHere": here[:_MOST_ROOTS], "seeds": elsewhere, "complexCount": count, "follows": follows}
+    over_complex = complex_solutions(problem, solution) if follows else ()
+    elsewhere = _elsewhere(problem, known, names) if follows and count not in (len(here), len(over_complex)) else []
+    pairs = [np.column_stack([z.real, z.imag]).ravel().tolist() for z in over_complex]
+    return {"modesHere": here[:_MOST_ROOTS], "complexHere": pairs, "seeds": elsewhere, "complexCount": count, "follows": follows}
 
 
 def _elsewhere(problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float]) -> list[list[float]]:

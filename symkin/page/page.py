@@ -19,7 +19,7 @@ _MODULES = {
     "three": "vendor/three.module.min.js",
     "OrbitControls": "vendor/OrbitControls.js",
     **{f"symkin/{name}": f"{name}.js" for name in ("look", "shapes", "items", "drawing", "sketch", "inputs", "labels", "strip")},
-    **{f"symkin/{name}": f"{name}.js" for name in ("drag", "player", "page")},
+    **{f"symkin/{name}": f"{name}.js" for name in ("drag", "plane", "player", "trace", "page")},
 }
 """Files of the page's modules by the names under which they import each other."""
 _TURN = {"deg": 180.0, "rad": math.pi}
@@ -40,11 +40,13 @@ def page_html(
     given: Mapping[str, float] | None = None,
     path: PlayedPath | None = None,
     start: Mapping[str, Any] | None = None,
+    plane: Mapping[str, Any] | None = None,
 ) -> str:
     """The page of a mechanism as HTML text.
 
     `given` are the coordinates with sliders and their values at the start, in the mechanism's units (None: the actuated joints at the
-    example or the reference); `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict` tells it.
+    example or the reference); `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict` tells it;
+    `plane` holds singular curves over two coordinates.
     Raises InputError for what `symkin modes --given` refuses.
     """
     require_mechanism(mechanism)
@@ -52,7 +54,7 @@ def page_html(
     data = {
         "model": made.model,
         "scene": scene_of(mechanism, made.model["links"]),
-        "options": _options(mechanism, made.model, path, start),
+        "options": _options(mechanism, made.model, path, start) | ({} if plane is None else {"plane": dict(plane)}),
     }
     return _filled(
         {

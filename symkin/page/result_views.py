@@ -13,12 +13,14 @@ from symkin.page.page import PlayedPath
 from symkin.page.view import View, view_mechanism
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
+from symkin.singularities.loci import Loci
 
 
 def view(result: object, **options: Any) -> View:
     """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
 
-    `result` is a mechanism, modes (the first one is shown), a solution or a track, which is played. `options` of a mechanism: `joints` (all
+    `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played, or
+    loci, whose plane is shown. `options` of a mechanism: `joints` (all
     actuated ones) or `given` (any coordinates by name), which get sliders, and `path`, what is played. `.save(file)` writes the page,
     `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
 
@@ -39,9 +41,11 @@ def view(result: object, **options: Any) -> View:
         return _of_solution(result, {})
     if isinstance(result, Track) and result.samples:
         return _of_track(result)
+    if isinstance(result, Loci):
+        return _of_loci(result)
     if isinstance(result, (Modes, SolveResult, Track)):
         raise InputError("view: there is no configuration to show; the mechanism's own page is symkin.view(mechanism)")
-    raise InputError(f"view: a {type(result).__name__} has no page; mechanisms, modes, solutions and tracks have one")
+    raise InputError(f"view: a {type(result).__name__} has no page; mechanisms, modes, solutions, tracks and loci have one")
 
 
 def _of_solution(solution: Solution, given: Mapping[str, Any]) -> View:
@@ -50,6 +54,20 @@ def _of_solution(solution: Solution, given: Mapping[str, Any]) -> View:
     if any(not isinstance(value, (int, float)) for value in given.values()) or not given:
         return View(mechanism, _actuated(mechanism, solution.joints), start=solution.to_dict())
     return View(mechanism, {name: float(value) for name, value in given.items()}, start=solution.to_dict())
+
+
+def _of_loci(loci: Loci) -> View:
+    """Curves over two given coordinates, or over two of the platform's position: the page goes where one points."""
+    solution, names = loci.solution, list(loci.plane.names)
+    actuated = _actuated(loci.plane.mechanism, solution.joints) or {}
+    known = all(name in actuated for name in names) or (loci.plane.of_pose and all(name in ("x", "y", "z") for name in names))
+    if len(names) != 2 or not known:
+        raise InputError(
+            f"view: loci over {', '.join(names)} have no page; those over two actuated joints, or over two of x, y, z, have one"
+        )
+    curves = [{"kind": curve.kind, "points": curve.points.tolist()} for curve in loci.curves]
+    plane = {"names": names, "units": list(loci.units), "ranges": [list(ends) for ends in loci.ranges], "held": loci.held}
+    return View(loci.plane.mechanism, actuated, start=solution.to_dict(), plane=plane | {"curves": curves})
 
 
 def _of_track(track: Track) -> View:

@@ -16,8 +16,10 @@ from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.page.bodies import body_of, distinct
+from symkin.page.mesh_files import mesh_item
 from symkin.plots.graph_lines import reference_graph_lines, view_axes
 from symkin.plots.graph_painter import LINK_COLOURS
+from symkin.plots.mechanism_lines import reference_lines
 from symkin.plots.style import COLOURS
 
 _SYMBOL, _SMALLEST = 0.085, 0.03
@@ -32,7 +34,8 @@ Item = dict[str, Any]
 
 def scene_of(mechanism: Mechanism, links: Sequence[str]) -> dict[str, Any]:
     """The scene of a mechanism whose links are numbered as in `links`; lengths in its unit."""
-    items = _Items(mechanism, links).all()
+    meshes, notes = _meshes(mechanism, links)
+    items = _Items(mechanism, links).all() + meshes
     axes, planar = view_axes(reference_graph_lines(mechanism))
     size = mechanism.characteristic_length
     return {
@@ -44,7 +47,20 @@ def scene_of(mechanism: Mechanism, links: Sequence[str]) -> dict[str, Any]:
         "view": {"right": axes[0].tolist(), "up": axes[1].tolist(), "towards": axes[2].tolist(), "planar": planar},
         "colours": COLOURS,
         "items": items,
+        "notes": notes,
     }
+
+
+def _meshes(mechanism: Mechanism, links: Sequence[str]) -> tuple[list[Item], list[str]]:
+    """The meshes that can be read, and sentences about the others."""
+    found, notes = [], []
+    for mesh in (mesh for mesh in mechanism.link_meshes if mesh.link in links):
+        item = mesh_item(mesh, links.index(mesh.link))
+        if item is None:
+            notes.append(f"The mesh {mesh.file!r} of link {mesh.link} is not shown: STL and OBJ files up to 40 MB are read.")
+        else:
+            found.append(item)
+    return found, notes
 
 
 def _symbol(items: Sequence[Item], size: float) -> float:
@@ -64,6 +80,7 @@ class _Items:
         self.number = {name: k for k, name in enumerate(links)}
         self.points: dict[str, list[np.ndarray]] = {}
         self.items: list[Item] = []
+        self.slides = _slides(mechanism)
 
     def all(self) -> list[Item]:
         edges = list(edges_of(self.mechanism))
@@ -72,11 +89,11 @@ class _Items:
             if isinstance(edge.elements[0].part, Bar):
                 self._rod(edge, edge.elements[0].part)
             elif edge not in slides:
-                self._joint(edge, self._place(edge))
+                self._joint(edge, *self._place(edge))
         for point in self.mechanism.link_points:
             self._point(point.link, point.name, np.array(point.point))
         for edge in slides:
-            self._joint(edge, self._beside(edge))
+            self._joint(edge, *[self._beside(edge)] * 2)
         self._frames()
         return [*self._bodies(edges), *self.items, *self._couplings()]
 
@@ -88,19 +105,22 @@ class _Items:
     def _attach(self, link: str, point: np.ndarray) -> None:
         self.points.setdefault(link, []).append(point)
 
-    def _place(self, edge: Branch) -> np.ndarray:
-        return np.asarray(self.mechanism.places[edge.elements[0].name])
+    def _place(self, edge: Branch) -> tuple[np.ndarray, np.ndarray]:
+        """The places of a joint on its two links: a slide of a limb goes from one to the other."""
+        name = edge.elements[0].name
+        place = np.asarray(self.mechanism.places[name])
+        return self.slides.get(name, (place, place))
 
     def _beside(self, edge: Branch) -> np.ndarray:
         """A slide or weld without a place of its own stands halfway between the other joints of its links."""
         middles = [np.mean(self.points[link], axis=0) for link in edge.ends if link != BASE and self.points.get(link)]
-        return np.asarray(np.mean(middles, axis=0)) if middles else self._place(edge)
+        return np.asarray(np.mean(middles, axis=0)) if middles else self._place(edge)[0]
 
-    def _joint(self, edge: Branch, place: np.ndarray) -> None:
+    def _joint(self, edge: Branch, start: np.ndarray, place: np.ndarray) -> None:
         joint = edge.elements[0].part
         assert isinstance(joint, Joint)  # noqa: S101 - the caller has asked
         before, after = edge.ends
-        self._attach(before, place)
+        self._attach(before, start)
         self._attach(after, place)
         axes = [list(axis) for axis in (joint.axis, joint.axis2) if axis is not None]
         self.items.append(
@@ -110,6 +130,7 @@ class _Items:
                 "name": joint.name,
                 "links": [self.number[before], self.number[after]],
                 "between": [before, after],
+                "start": start.tolist(),
                 "point": place.tolist(),
                 "axes": axes,
                 "actuated": joint.actuated,
@@ -165,7 +186,7 @@ class _Items:
         found, turn = [], 0
         for link, points in self.points.items():
             role = "base" if link == BASE else "platform" if link == self.mechanism.platform_link else "link"
-            colour = {"base": COLOURS["base edge"], "platform": COLOURS["platform"]}.get(role)
+            colour = {"base": "base edge", "platform": "platform"}.get(role)
             if colour is None:
                 colour, turn = LINK_COLOURS[turn % len(LINK_COLOURS)], turn + 1
             body = body_of(np.array(points), self.size)
@@ -197,6 +218,19 @@ class _Items:
 
 def _frame(link: int, name: str, position: np.ndarray, rotation: np.ndarray) -> Item:
     return {"kind": "frame", "link": link, "name": name, "position": position.tolist(), "rotation": rotation.tolist()}
+
+
+def _slides(mechanism: Mechanism) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Where the slides of limbs and arms begin and end, as pictures draw them: along their axes, one after the other."""
+    if mechanism.is_graph:
+        return {}
+    found: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    for lines in reference_lines(mechanism).limbs:
+        for segment in (s for s in lines.segments if "slide" in s.kind):
+            middle = 0.5 * (segment.start + segment.end)
+            names = [name for name, place in lines.places.items() if np.array_equal(place, middle)]
+            found |= dict.fromkeys(names, (segment.start, segment.end))
+    return found
 
 
 def _has_no_place(edge: Branch) -> bool:

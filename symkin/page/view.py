@@ -15,6 +15,7 @@ from symkin.files.outputs import check_output, write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.cache_folder import cache_folder
 from symkin.page.page import PlayedPath, page_html
+from symkin.position.given import given_from
 
 _HEIGHT = 640
 """Height of the page in a notebook, pixels."""
@@ -28,11 +29,12 @@ class View:
     given: Mapping[str, float] | None = None
     path: PlayedPath | None = None
     start: Mapping[str, Any] | None = None
+    plane: Mapping[str, Any] | None = None
 
     @cached_property
     def html(self) -> str:
         """The whole page as one HTML text."""
-        return page_html(self.mechanism, self.given, self.path, self.start)
+        return page_html(self.mechanism, self.given, self.path, self.start, self.plane)
 
     def save(self, path: Path | str) -> Path:
         """Write the page. Raises InputError for a file that cannot be written or has another suffix than .html."""
@@ -75,8 +77,6 @@ def view_mechanism(
     if joints is not None and given is not None:
         raise InputError("joints and given are both told; joints are the actuated ones, given any coordinates: give one of them")
     if joints is not None:
-        from symkin.position.given import in_file_order
-
-        ordered = in_file_order(mechanism, joints)
-        given = {c.name: float(value) for c, value in zip(mechanism.actuated, ordered, strict=True)}
+        ordered = given_from(mechanism, joints, None).echo["joints"]
+        given = {c.name: value for c, value in zip(mechanism.actuated, ordered, strict=True)}
     return View(mechanism, given, path)

@@ -32,8 +32,8 @@ _SYMBOL, _LEAST_SYMBOL = 40.0, 22.0
 """Length of a joint's symbol in pixels, and the least that crowded joints leave of it."""
 _SHARE = 0.9
 """What symbols take of the distance of the nearest two, and of their largest length."""
-_PANEL = 520.0
-"""Pixels of the longer side of a panel's drawing."""
+_PANEL, _LARGER = 520.0, {1: 1.6, 2: 1.3}
+"""Pixels of the longer side of a panel's drawing, and by what it is larger where panels are as few."""
 _PANEL_GAP, _PANEL_TITLE, _PANEL_LINE, _HEAD, _FOOT = 46.0, 44.0, 19.0, 150.0, 90.0
 """Pixels between panels, above each for its title and for a line of its text, and of the figure's head and foot."""
 _LEAST_CELL = 380.0
@@ -85,7 +85,7 @@ def sketch_of_graph(mechanism: Mechanism, names: Names = "all") -> Figure:
         more = f"; {unnamed} names find no room" if unnamed else ""
         facts = [f"graph at the reference configuration; lengths in {mechanism.length_unit}{more}"]
         _heading(ax, mechanism, facts, _WIDTH, _HEIGHT)
-        _legend(figure, ax, [lines], planar, _WIDTH, 0.0, named=names != "none")
+        _legend(figure, ax, [lines], planar, _WIDTH, 0.0, named=names not in ("none", "loops"))
     return figure
 
 
@@ -137,7 +137,8 @@ class GraphBlock:
         mechanism: Mechanism, panels: Sequence[GraphPanel], names: Names, views: Sequence[ViewName], columns: int | None = None
     ) -> GraphBlock:
         sides = tuple(_side(mechanism, panels, view) for view in views)
-        scale = _PANEL / float(max(np.max(side.high - side.low) for side in sides))
+        room = _PANEL * _LARGER.get(len(panels) * len(sides), 1.0)
+        scale = room / float(max(np.max(side.high - side.low) for side in sides))
         width, height = (scale * max(float((side.high - side.low)[k]) for side in sides) for k in range(2))
         cell_wide = max(width, _LEAST_CELL) + _PANEL_GAP
         across = columns or _columns(len(panels), len(sides), cell_wide)
@@ -187,7 +188,15 @@ class GraphBlock:
         return draw_labels(figure, painter, page, self.names, _PANEL_NAMES)
 
     def paint_legend(self, figure: Any, ax: Any, width: float, foot: float) -> None:
-        _legend(figure, ax, [panel.lines for panel in self.panels], self.sides[0].planar, width, foot, named=self.names != "none")
+        _legend(
+            figure,
+            ax,
+            [panel.lines for panel in self.panels],
+            self.sides[0].planar,
+            width,
+            foot,
+            named=self.names not in ("none", "loops"),
+        )
 
 
 def _side(mechanism: Mechanism, panels: Sequence[GraphPanel], name: ViewName) -> _Side:

@@ -63,11 +63,13 @@ def _wanted(painter: GraphPainter, names: Names) -> Iterator[_Name]:
     lines = painter.lines
     if names == "none":
         return
-    if painter.origin and lines.pose is not None and np.linalg.norm(lines.pose.position) > 1e-6 * painter.size:
-        yield _Name("O", painter.at(np.zeros(3)), 4.0, 10.0, {"color": COLOURS["text"], "fontweight": "bold"})
-    if lines.pose is not None:
-        look = {"color": COLOURS["platform edge"], "fontweight": "bold"}
-        yield _Name("P", painter.at(np.asarray(lines.pose.position)), 4.0, 10.0, look)
+    bold = {"fontweight": "bold"}
+    same = lines.pose is not None and float(np.linalg.norm(lines.pose.position)) <= 1e-6 * painter.size
+    if painter.origin and not same and names != "loops":
+        yield _Name("O", painter.at(np.zeros(3)), 4.0, 10.0, {"color": COLOURS["text"], **bold})
+    if lines.pose is not None and names != "loops":
+        text = "O = P" if same and painter.origin else "P"
+        yield _Name(text, painter.at(np.asarray(lines.pose.position)), 4.0, 10.0, {"color": COLOURS["platform edge"], **bold})
     if names != "links":
         yield from _joints(painter, names)
     if names == "loops":

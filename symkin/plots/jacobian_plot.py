@@ -9,8 +9,12 @@ import numpy as np
 
 from symkin.errors import InputError
 from symkin.plots.style import COLOURS, drawing
+from symkin.position.solution import Solution
+from symkin.position.solve_result import SolveError
+from symkin.singularities.configuration import configuration
 from symkin.text import matplotlib_text
 from symkin.velocity.jacobian import Jacobian, Values
+from symkin.velocity.rates import RateJacobian
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,16 +26,35 @@ _MOST_WRITTEN = 144
 def figure_of_jacobian(jacobian: Jacobian, *, at: Values | None = None) -> Figure:
     """The entries with their numbers, colours by their size with angles times the mechanism's size; `at` is the configuration
     (default: the reference). Raises InputError where the matrix is not finite there."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     matrix = jacobian.at(jacobian.closure.reference if at is None else at)
     if not np.isfinite(matrix).all():
         where = "reference configuration" if at is None else "configuration"
         raise InputError(f"plot: the {jacobian.kind} Jacobian is not defined at the {where}; give a regular one with at=...")
+    title = f"{jacobian.mechanism.name}: {jacobian.kind} Jacobian" + (" at the reference" if at is None else "")
+    return _matrix_figure(jacobian, matrix, title)
+
+
+def figure_of_rates(jacobian: RateJacobian, *, at: Solution | None = None) -> Figure:
+    """The same of rates of any coordinates by those of others. Raises InputError where these do not decide them at the configuration."""
+    mechanism = jacobian.mechanism
+    known = {c.name: c for c in jacobian.problem.known_coordinates}
+    here = {name: mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for name, c in known.items()}
+    try:
+        matrix = jacobian.at(configuration(mechanism, given=here) if at is None else at)
+    except SolveError as error:
+        raise InputError(f"plot: {error}; give a regular configuration with at=...") from None
+    title = f"{mechanism.name}: rates of rows by columns" + (" at the reference" if at is None else "")
+    return _matrix_figure(jacobian, matrix, title)
+
+
+def _matrix_figure(jacobian: Jacobian | RateJacobian, matrix: np.ndarray, title: str) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     rows, columns = jacobian.shape
     with drawing():
-        figure = Figure(figsize=(2.6 + 0.75 * columns, 1.9 + 0.42 * rows), facecolor="white", layout="constrained")
+        size = max(4.2, 2.6 + 0.75 * columns, 0.1 * len(title)), max(2.6, 1.9 + 0.42 * rows)
+        figure = Figure(figsize=size, facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
         ax: Any = figure.add_subplot()
         shade = matrix * np.array(_weights(jacobian, jacobian.rows))[:, None] / _weights(jacobian, jacobian.columns)
@@ -43,13 +66,12 @@ def figure_of_jacobian(jacobian: Jacobian, *, at: Values | None = None) -> Figur
             for (i, j), value in np.ndenumerate(matrix):
                 colour = "white" if abs(shade[i, j]) > 0.6 * reach else COLOURS["text"]
                 ax.text(j, i, f"{value + 0.0:.3g}", ha="center", va="center", fontsize=7.5, color=colour)
-        figure.colorbar(image, ax=ax, shrink=0.9, label="colours: angles times the size")
-        title = f"{jacobian.mechanism.name}: {jacobian.kind} Jacobian"
-        ax.set_title(title + (" at the reference" if at is None else ""), fontsize=11, color=COLOURS["text"], parse_math=False)
+        figure.colorbar(image, ax=ax, shrink=0.9, label="colours: angles\ntimes the size")
+        figure.suptitle(title, fontsize=11, color=COLOURS["text"], parse_math=False)
     return figure
 
 
-def _weights(jacobian: Jacobian, names: Sequence[str]) -> list[float]:
+def _weights(jacobian: Jacobian | RateJacobian, names: Sequence[str]) -> list[float]:
     """The size for each angle or part of a quaternion, 1 for each length."""
     lengths = {
         "vx",

@@ -83,7 +83,7 @@ def _facts(modes: Modes) -> list[str]:
     found = f"{count} mode{'' if count == 1 else 's'}" if count else _nothing(modes)
     units = f"{mechanism.length_unit}, {mechanism.angle_unit}"
     statement = f"{found}; completeness: {modes.completeness}" + (f", {modes.starts} starts" if modes.starts else "")
-    return [f"{modes.problem.name} problem at {given} ({units})", statement]
+    return [f"{modes.problem.name} problem at {given} [{units}]", statement]
 
 
 def _given_text(key: str, values: Any) -> str:

@@ -48,6 +48,8 @@ class PanelLabels:
 
     def draw(self, mechanism: Mechanism, body: MechanismLines, names: Names) -> None:
         """Write what is to be named at one configuration."""
+        if names == "none":
+            return
         page = self._page(body)
         middle = np.mean(self._seen(body.points), axis=0)
         wanted = [(name, self._seen(name.point[None])[0]) for name in _wanted(mechanism, body, names)]
@@ -121,8 +123,6 @@ class PanelLabels:
 
 def _wanted(mechanism: Mechanism, body: MechanismLines, names: Names) -> Iterator[_Name]:
     """All names, frames first."""
-    if names == "none":
-        return
     bold = {"color": COLOURS["text"], "fontweight": "bold"}
     origin = np.asarray(body.pose.position)
     same = float(np.linalg.norm(origin)) < 1e-9 * mechanism.characteristic_length

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,10 +24,21 @@ def draw(result: object, path: Path | str | None = None, **options: Any) -> Figu
     except TypeError as error:
         if "unexpected keyword argument" not in str(error):
             raise
-        raise InputError(f"plot: {', '.join(options)} is not what the picture of a {type(result).__name__} takes") from None
+        wrong = str(error).rsplit("'", 2)[-2]
+        raise InputError(f"plot: {wrong!r} is no option of the picture of a {type(result).__name__}{_taken(result)}") from None
     if target is not None:
         write_picture(figure, target)
     return figure
+
+
+def _taken(result: object) -> str:
+    """What the picture of a result takes, for a message."""
+    names = [
+        name
+        for name, p in signature(_function(result)).parameters.items()
+        if p.kind is p.KEYWORD_ONLY or p.default is not p.empty
+    ]
+    return f"; allowed: {', '.join(names)}" if names else ", which takes none"
 
 
 _FIGURES = {
@@ -36,6 +49,8 @@ _FIGURES = {
     "Mobility": ("sketch", "figure_of_mobility"),
     "ModeGraph": ("mode_graph_plot", "figure_of_mode_graph"),
     "Modes": ("modes_plot", "figure_of_modes"),
+    "Plan": ("plan_plot", "figure_of_plan"),
+    "RateJacobian": ("jacobian_plot", "figure_of_rates"),
     "Singularity": ("singularity_plot", "figure_of_singularity"),
     "Solution": ("modes_plot", "figure_of_solution"),
     "SolveResult": ("modes_plot", "figure_of_solve"),
@@ -47,9 +62,15 @@ _FIGURES = {
 
 def figure_of(result: object, **options: Any) -> Figure:
     """The figure of a result, by its type."""
+    figure: Figure = _function(result)(result, **options)
+    return figure
+
+
+def _function(result: object) -> Callable[..., Any]:
+    """What draws a result, by its type. Raises InputError where there is nothing."""
     name = next((kind.__name__ for kind in type(result).__mro__ if kind.__name__ in _FIGURES), None)
     if name is None:
         raise InputError(f"plot: a {type(result).__name__} has no picture")
     module, function = _FIGURES[name]
-    figure: Figure = getattr(import_module(f"symkin.plots.{module}"), function)(result, **options)
-    return figure
+    found: Callable[..., Any] = getattr(import_module(f"symkin.plots.{module}"), function)
+    return found

@@ -53,7 +53,7 @@ def outlined() -> list[Any]:
     """The white edge of a text, which keeps it legible over lines."""
     from matplotlib.patheffects import withStroke
 
-    return [withStroke(linewidth=2.2, foreground="white", alpha=0.85)]
+    return [withStroke(linewidth=1.8, foreground="white", alpha=0.75)]
 
 
 def direction(vector: np.ndarray) -> np.ndarray:

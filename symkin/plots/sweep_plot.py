@@ -6,7 +6,7 @@ A grid of more dimensions is cut at the middle of the others, or where `slices` 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +15,10 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.style import COLOURS, drawing
+from symkin.plots.sweep_loci import draw_loci, loci_over
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.plots.sweep_values import figure_of_values
+from symkin.singularities.loci import Loci
 from symkin.sweeps.interrupts import interrupts_held
 from symkin.sweeps.layout import labels
 from symkin.sweeps.ranges import check_map_is_left, check_slices
@@ -49,13 +51,33 @@ _MOST_POINTS = 200_000
 @dataclass(frozen=True, eq=False)
 class _Slice:
     """What is drawn: `values` along the axes `x` and `y` (None for a curve), each (name, unit, coordinates); `fixed` says
-    where the others are cut; `scattered`: coordinates belong to single points."""
+    where the others are cut, `cuts` in numbers; `scattered`: coordinates belong to single points."""
 
     values: np.ndarray
     x: tuple[str, str, np.ndarray]
     y: tuple[str, str, np.ndarray] | None
     fixed: tuple[str, ...]
     scattered: bool
+    cuts: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The ends of each axis, of a grid those of its cells."""
+        axes = [axis for axis in (self.x, self.y) if axis is not None]
+        ends = {name: values if self.scattered or len(values) < 2 else _edges(values) for name, _, values in axes}
+        return {name: (float(values.min()), float(values.max())) for name, values in ends.items()}
+
+    @property
+    def some(self) -> list[float]:
+        """The point with a mode that is nearest to the middle; empty where none has one."""
+        axes = [axis[2] for axis in (self.x, self.y) if axis is not None]
+        flat = np.stack(axes if self.scattered else [a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=1)
+        values = self.values.ravel().astype(float)
+        spans = [high - low or 1.0 for low, high in self.ranges.values()]
+        away = np.linalg.norm((flat - flat.mean(axis=0)) / spans, axis=1)
+        away[~np.isfinite(values) | (values == 0)] = np.inf
+        place = int(np.argmin(away))
+        return [float(v) for v in flat[place]] if np.isfinite(away[place]) else []
 
 
 def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, float] | None = None) -> None:
@@ -64,10 +86,13 @@ def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, flo
     write_picture(figure_of_sweep(folder, slices=slices), target)
 
 
-def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | None = None, of: str | Sequence[str] = ()) -> Figure:
+def figure_of_sweep(
+    sweep: Swept | Path | str, slices: Mapping[str, float] | None = None, of: str | Sequence[str] = (), loci: Loci | bool = False
+) -> Figure:
     """The map of a sweep or of its folder, or with `of` the paths of named points or the values of joints (see `sweep_values`).
-    `slices` gives values, in the mechanism's units, at which dimensions of a grid are cut: the nearest grid values are taken. Raises
-    InputError for a folder that holds no sweep and a slice outside what is swept."""
+    `slices` gives values, in the mechanism's units, at which dimensions of a grid are cut: the nearest grid values are taken. `loci`
+    of the same plane, or True for a search, are laid over the map. Raises InputError for a folder that holds no sweep, a slice outside what is
+    swept, and loci of another plane."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -78,10 +103,13 @@ def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | Non
         names = list(attributes["axes"])
         check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)
         check_map_is_left(slices, names)
+        if of and loci is not False:
+            raise InputError("plot: loci are laid over the map, and `of` draws points or joints in its place; give one of them")
         if of:
             return figure_of_values(attributes, data, (of,) if isinstance(of, str) else tuple(of), slices)
         name = _SHOWN[attributes["quantity"]]
         part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
+    curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
     with drawing():
         figure = Figure(figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained")
         FigureCanvasAgg(figure)
@@ -93,6 +121,8 @@ def figure_of_sweep(sweep: Swept | Path | str, slices: Mapping[str, float] | Non
         else:
             _discrete_map(ax, part)
         _words(figure, ax, part, attributes, name)
+        if curves is not None:
+            draw_loci(figure, ax, curves, list(part.ranges))
     return figure
 
 
@@ -116,7 +146,7 @@ def _cut(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[st
     long = [n for n in names if n not in slices and len(axes[n][2]) > 1]
     shown = long[:2] or [n for n in names if n not in slices][:1] or names[:1]
     places: list[slice | int] = []
-    fixed = []
+    fixed, cuts = [], {}
     for n in names:
         values = axes[n][2]
         if n in shown:
@@ -126,8 +156,9 @@ def _cut(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[st
         place = int(np.argmin(np.abs(values - slices.get(n, middle))))
         places.append(place)
         fixed.append(f"{n} = {values[place]:.5g} {axes[n][1]}")
+        cuts[n] = float(values[place])
     values = data[name][tuple(places)].values
-    return _Slice(values, axes[shown[0]], axes[shown[1]] if len(shown) > 1 else None, tuple(fixed), False)
+    return _Slice(values, axes[shown[0]], axes[shown[1]] if len(shown) > 1 else None, tuple(fixed), False, cuts)
 
 
 def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> _Slice:

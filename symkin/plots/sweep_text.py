@@ -43,7 +43,7 @@ def _problem(attributes: Mapping[str, Any]) -> str:
 def axis_text(attributes: Mapping[str, Any], name: str, unit: str) -> str:
     """What stands at the axis of a swept coordinate."""
     titled = axis_title(name) if attributes["sweeps over"] == "poses" else name
-    return f"{titled} ({unit})"
+    return f"{titled} [{unit}]"
 
 
 def held_texts(attributes: Mapping[str, Any]) -> list[str]:

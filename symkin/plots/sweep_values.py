@@ -201,8 +201,8 @@ def _paths(figure: Figure, ax: Any, modes: _Modes, attributes: Mapping[str, Any]
     bar.set_label(axis_text(attributes, name, swept_unit), color=COLOURS["quiet"], parse_math=False)
     bar.ax.tick_params(colors=COLOURS["quiet"])
     ax.set_aspect("equal", adjustable="datalim")
-    ax.set_xlabel(f"{'xyz'[across[0]]} ({unit})", color=COLOURS["quiet"])
-    ax.set_ylabel(f"{'xyz'[across[1]]} ({unit})", color=COLOURS["quiet"])
+    ax.set_xlabel(f"{'xyz'[across[0]]} [{unit}]", color=COLOURS["quiet"])
+    ax.set_ylabel(f"{'xyz'[across[1]]} [{unit}]", color=COLOURS["quiet"])
     _legend(ax)
 
 
@@ -224,7 +224,7 @@ def _curves(ax: Any, modes: _Modes, attributes: Mapping[str, Any], names: Sequen
             ax.plot([], [], ".", color=colour, label=joint)
     ax.set_xlabel(axis_text(attributes, name, unit), color=COLOURS["quiet"], parse_math=False)
     ax.set_ylabel(
-        ", ".join(dict.fromkeys(f"{n} ({units[listed.index(n)]})" for n in names)), color=COLOURS["quiet"], parse_math=False
+        ", ".join(dict.fromkeys(f"{n} [{units[listed.index(n)]}]" for n in names)), color=COLOURS["quiet"], parse_math=False
     )
     ax.grid(True)
     _legend(ax)

@@ -107,7 +107,7 @@ def set_axes(ax: Any, view: View, share: float) -> None:
         axis, limits = {"x": ax.xaxis, "y": ax.yaxis, "z": ax.zaxis}[name], view.limits["xyz".index(name)]
         values = _ticks(limits, float(view.extent.max()))
         axis.set_ticks(values, labels=[""] * len(values))
-        _label_edge(ax, edge, (values - limits[0]) / (limits[1] - limits[0]), values, f"{name} ({view.unit})")
+        _label_edge(ax, edge, (values - limits[0]) / (limits[1] - limits[0]), values, f"{name} [{view.unit}]")
 
 
 def _zoom(ax: Any, view: View, share: float) -> None:

@@ -17,7 +17,7 @@ from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
 from symkin.spatial.rotation import conjugate, multiply, rotation_vector_from_quaternion
-from symkin.text import first_of, meant, shown
+from symkin.text import counted, first_of, meant, shown
 
 _ON_MOTION = 1e-6
 """A pose off a restricted motion by less than this (of the size, or rad) is projected onto it."""
@@ -174,7 +174,7 @@ def joint_values(mechanism: Mechanism, values: Joints, what: str = "joints") -> 
     if len(numbers) != len(coordinates):
         names = ", ".join(c.name for c in coordinates) or "none"
         raise InputError(
-            f"{what}: {len(numbers)} values given, {mechanism.name} has {len(coordinates)} actuated joints ({names})"
+            f"{what}: {counted(len(numbers))} given, {mechanism.name} has {len(coordinates)} actuated joints ({names})"
         )
     for coordinate, number in zip(coordinates, numbers, strict=True):
         if coordinate.least is not None and number < coordinate.least:
@@ -199,7 +199,7 @@ def pose_from(values: Joints | Pose, what: str = "pose") -> Pose:
         values = [*np.asarray(values.position).ravel(), *np.asarray(values.quaternion).ravel()]
     numbers = _numbers(values, what)
     if len(numbers) != 7:
-        raise InputError(f"{what}: {len(numbers)} values given, 7 are needed: x, y, z, qw, qx, qy, qz")
+        raise InputError(f"{what}: {counted(len(numbers))} given, 7 are needed: x, y, z, qw, qx, qy, qz")
     norm = math.hypot(*numbers[3:])
     if abs(norm - 1.0) > 1e-2:
         raise InputError(f"{what}: the quaternion {numbers[3:]} has norm {norm:.6g}; allowed: 1 to within 0.01")

@@ -21,7 +21,7 @@ FOLDERS = list(MANIFESTS)
 POSES = [name for name, manifest in MANIFESTS.items() if "given" not in manifest["options"]]
 """Folders of platforms and arms, not of maps between joints."""
 KINDS = [
-    "ankle_float", "delta_double", "gluon_6l3_double", "ren2008_true_float", "scara_float", "ur5e_double", "zhang2009_double_struct",
+    "ankle_float", "delta_double", "ren2008_float", "scara_float", "ur5e_double", "zhang2009_double_struct",
     "zhang2009_float_home_relative", "zhao2000_double", "zhao2000_links_float",
 ]  # fmt: skip
 """One of the committed folders of each kind, for laws that the gate tries on these alone."""

@@ -9,7 +9,12 @@ import pytest
 
 def in_gate(values: Iterable[object], kept: Collection[object]) -> list[object]:
     """Parameters of a test: those that are not kept are marked as long."""
-    return [value if value in kept else pytest.param(value, marks=pytest.mark.long) for value in values]
+    return [value if value in kept else _long(value) for value in values]
+
+
+def _long(value: object) -> object:
+    """A parameter that is marked as long; a tuple is several arguments."""
+    return pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=pytest.mark.long)
 
 
 def in_gate_but(values: Iterable[object], others: Collection[object]) -> list[object]:

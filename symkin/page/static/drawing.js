@@ -104,6 +104,11 @@ export class Drawing {
     this.dirty = true;
   }
 
+  setMeshes(shown) {
+    for (const mesh of this.items.meshes) mesh.visible = shown;
+    this.dirty = true;
+  }
+
   setDark(dark) {
     this.look.setDark(dark);
     this.dirty = true;
@@ -180,7 +185,7 @@ export class Drawing {
   /** Show lines through points (k, 3) of the base frame. */
   showTrace(points, colour, kind = "trace") {
     if (points.length < 2) return;
-    const geometry = new THREE.BufferGeometry().setFromPoints(points.map(shapes.vector));
+    const geometry = new THREE.BufferGeometry().setFromPoints(points.map((p) => (p.isVector3 ? p : shapes.vector(p))));
     const line = new THREE.Line(geometry, this.look.line(colour));
     line.userData.kind = kind;
     this.extras.add(line);

@@ -43,7 +43,8 @@ class Row {
     const box = element("span", { className: "number" });
     box.append(this.number, element("span", { className: "unit", textContent: unit }));
     const ends = element("div", { className: "ends" });
-    ends.append(element("span", { textContent: shown(range[0], 4) }), element("span", { textContent: shown(range[1], 4) }));
+    this.ends = range.map((end) => element("span", { textContent: shown(end, 4) }));
+    ends.append(...this.ends);
     this.element.append(label, box, this.track, ends);
     this.slider.addEventListener("input", () => onChange(this.slider.valueAsNumber));
     this.slider.addEventListener("keydown", (event) => this._step(event, onChange));
@@ -73,12 +74,12 @@ class Row {
   show(value) {
     this.value = value;
     this.number.removeAttribute("aria-invalid");
-    if (document.activeElement !== this.number || this.number.value === "") this.number.value = shown(value);
-    else this.number.value = shown(value);
-    // a value typed beyond the slider widens it
-    const [low, high] = this.range;
-    this.slider.min = Math.min(low, value);
-    this.slider.max = Math.max(high, value);
+    this.number.value = shown(value);
+    // a value beyond the slider widens it
+    const [low, high] = [Math.min(this.range[0], value), Math.max(this.range[1], value)];
+    this.slider.min = low;
+    this.slider.max = high;
+    [low, high].forEach((end, k) => (this.ends[k].textContent = shown(end, 4)));
     this.slider.value = value;
     this.slider.setAttribute("aria-valuetext", `${shown(value)} ${this.unit}`);
   }

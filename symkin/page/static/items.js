@@ -25,6 +25,8 @@ class Items {
       return group;
     });
     this.stretched = []; // {object, from, to, apply}
+    this.middles = []; // objects turned with a link, halfway between two points
+    this.meshes = []; // what files show of links
     this.solids = []; // what the pointer finds
     this.labels = []; // {item, at: [{link, point}, ...]}
   }
@@ -36,6 +38,11 @@ class Items {
       group.matrix.set(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11], 0, 0, 0, 1);
       group.matrixWorldNeedsUpdate = true;
     });
+    for (const { group, link, ends } of this.middles) {
+      const [a, b] = ends.map((end) => this.at(end));
+      group.matrix.copy(this.links[link].matrix).setPosition(a.add(b).multiplyScalar(0.5));
+      group.matrixWorldNeedsUpdate = true;
+    }
     for (const { object, from, to, apply } of this.stretched) {
       const a = this.at(from), b = this.at(to), along = b.clone().sub(a), length = along.length();
       object.position.copy(a);
@@ -123,8 +130,7 @@ class Items {
         this._solid(hold, shapes.drum(p, axis, 2.2 * s, 0.08 * s, 12), "link", item);
         break;
       case "P":
-        this._solid(hold, shapes.block(p, axis, s, 2 * R_WIDTH * s), fill, item);
-        this._solid(hold, shapes.drum(p, axis, 1.7 * s, 0.07 * s, 12), "link", item);
+        this._slide(item, fill);
         break;
       case "U":
         this._cross(before, p, axis, fill, item);
@@ -137,7 +143,8 @@ class Items {
         this._solid(after, shapes.block(p, [0, 0, 1], 0.36 * s, 0.36 * s), "link", item);
     }
     if (item.slides) this._rail(item);
-    this.labels.push({ item, at: [{ link: item.links[1], point: p }] });
+    const ends = [item.start, p].map((point, k) => ({ link: item.links[k], point }));
+    this.labels.push({ item, at: item.type === "P" ? ends : [ends[1]] });
   }
 
   _cross(group, centre, axis, fill, item) {
@@ -150,8 +157,18 @@ class Items {
   _rail(item) {
     const object = new THREE.Mesh(shapes.unitRod(0.07 * this.symbol), this.look.solid("link"));
     this.root.add(object);
-    const [from, to] = item.links.map((link) => ({ link, point: item.point }));
+    const [from, to] = [item.start, item.point].map((point, k) => ({ link: item.links[k], point }));
     this.stretched.push({ object, from, to, apply: (length) => (object.scale.z = length) });
+  }
+
+  /** A prism in the middle of its rail. */
+  _slide(item, fill) {
+    const [before] = item.links, s = this.symbol, [axis] = item.axes, group = new THREE.Group();
+    group.matrixAutoUpdate = false;
+    this._solid(group, shapes.block([0, 0, 0], axis, s, 2 * R_WIDTH * s), fill, item);
+    this._solid(group, shapes.drum([0, 0, 0], axis, 1.7 * s, 0.07 * s, 12), "link", item);
+    this.root.add(group);
+    this.middles.push({ group, link: before, ends: [item.start, item.point].map((point, k) => ({ link: item.links[k], point })) });
   }
 
   add_rod(item) {
@@ -208,10 +225,10 @@ class Items {
     const bytes = Uint8Array.from(atob(item.triangles), (c) => c.charCodeAt(0));
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes.buffer), 3));
     geometry.computeVertexNormals();
-    const mesh = new THREE.Mesh(geometry, this.look.solid("base"));
+    const mesh = new THREE.Mesh(geometry, this.look.shell("base"));
     mesh.userData.item = item;
-    mesh.userData.isMesh = true;
     this.links[item.link].add(mesh);
+    this.meshes.push(mesh);
     this.solids.push(mesh);
   }
 

@@ -47,7 +47,8 @@ export class Labels {
 
   _text(item) {
     const values = this.measures ? measureOf(item, this) : "";
-    if (this.names && item.name !== "base") return values ? `${item.name} ${values}` : item.name;
+    // links within a limb have no names of their own
+    if (this.names && item.role !== "base" && !(item.kind === "body" && /\.\d+$/.test(item.name))) return values ? `${item.name} ${values}` : item.name;
     return values;
   }
 

@@ -19,7 +19,7 @@ export class Look {
   /** The colour of a key of the palette, or of a "#rrggbb" of its own. */
   colour(key) {
     if (!key.startsWith("#")) return (this.dark ? DARK : this.light)[key];
-    return this.dark ? `#${new THREE.Color(key).lerp(new THREE.Color("#ffffff"), 0.3).getHexString()}` : key;
+    return this.dark ? `#${new THREE.Color(key).lerp(new THREE.Color("#ffffff"), 0.12).getHexString()}` : key;
   }
 
   solid(key) {
@@ -29,6 +29,12 @@ export class Look {
   glass(key) {
     const settings = { transparent: true, opacity: 0.22, side: THREE.DoubleSide, depthWrite: false };
     return this._kept(`glass ${key}`, key, () => new THREE.MeshBasicMaterial(settings));
+  }
+
+  /** Half transparent, so that joints and lines within are seen. */
+  shell(key) {
+    const settings = { transparent: true, opacity: 0.55, side: THREE.DoubleSide };
+    return this._kept(`shell ${key}`, key, () => new THREE.MeshLambertMaterial(settings));
   }
 
   line(key) {

@@ -5,8 +5,10 @@ import { Drawing, roundLength } from "symkin/drawing";
 import { PlatformDrag } from "symkin/drag";
 import { Inputs, shown } from "symkin/inputs";
 import { Labels } from "symkin/labels";
+import { PlaneMap } from "symkin/plane";
 import { Player } from "symkin/player";
 import { Strip } from "symkin/strip";
+import { Trace } from "symkin/trace";
 
 const $ = (id) => document.getElementById(id);
 const { model, scene, options } = JSON.parse($("data").textContent);
@@ -18,8 +20,9 @@ const inputs = new Inputs($("inputs"), { names: solver.names, units: solver.unit
 const labels = new Labels($("labels"), drawing, solver);
 const strip = new Strip($("strip"), $("modes-text"), { solver, drawing, onChoose: choose });
 const drag = new PlatformDrag(drawing, solver, { itemAt, onMove: moved });
+const trace = new Trace(drawing, tracedPoints());
 const wishes = new Map(); // values that sliders ask for, taken once a frame
-let player = null, slow = 0;
+let player = null, plane = null, slow = 0;
 
 window.symkinPage = drawing;
 window.symkin = {
@@ -31,6 +34,13 @@ window.symkin = {
   choose,
 };
 
+/** The named points of moving links, and the origin of the platform's frame. */
+function tracedPoints() {
+  const frames = scene.items.filter((item) => item.kind === "frame" && item.name !== "base");
+  const points = scene.items.filter((item) => item.kind === "point" && scene.items.some((body) => body.kind === "body" && body.link === item.link && body.role !== "base"));
+  return [...points, ...frames.map((item) => ({ link: item.link, point: item.position }))];
+}
+
 // --- movements -------------------------------------------------------------------------------------------------------
 
 function wish(name, value) {
@@ -41,6 +51,7 @@ function wish(name, value) {
 function choose(index) {
   const taken = solver.choose(index);
   if (taken) {
+    trace.clear();
     moved({ reached: true, share: 1, stop: null });
     strip.refresh();
   }
@@ -50,6 +61,8 @@ function choose(index) {
 /** Show where the mechanism is after a movement; returns what the movement came to. */
 function moved(result) {
   drawing.place(solver.linkPoses());
+  trace.add();
+  plane?.draw();
   inputs.show(solver.values);
   tell(result.stop);
   readout();
@@ -92,6 +105,9 @@ function readout() {
   $("readout").caption.textContent = solution?.position ? `${options.frameName} pose` : "";
   fill($("readout").tBodies[0], rows);
   const others = Object.entries(solution?.joints ?? {}).filter(([name, value]) => typeof value === "number" && !solver.names.includes(name));
+  const within = solution?.within_limits;
+  $("limits").textContent = within === null ? "" : within ? "All joints are within their limits." : `Outside its limits: ${outside(solution.joints).join(", ")}.`;
+  $("limits").classList.toggle("outside", within === false);
   $("passive").hidden = !others.length;
   $("passive").firstElementChild.textContent = `${others.length} other joint coordinates`;
   if ($("passive").open) fill($("passive").querySelector("tbody"), others.map(([name, value]) => [name, shown(value), solver.unitOf(name)]));
@@ -102,6 +118,11 @@ function readout() {
     $("distance").value = Math.min(1, Math.max(0, 1 + Math.log10(Math.max(distance, 1e-12)) / 4));
     $("distance-text").textContent = Number(distance).toPrecision(2);
   }
+}
+
+function outside(joints) {
+  const beyond = ([name, value]) => solver.limits[name] && (value < solver.limits[name][0] || value > (solver.limits[name][1] ?? Infinity));
+  return Object.entries(joints).filter(beyond).map(([name]) => name);
 }
 
 function fill(body, rows) {
@@ -129,6 +150,7 @@ function dress(dark) {
   document.documentElement.dataset.theme = dark ? "dark" : "light";
   $("theme").setAttribute("aria-pressed", String(dark));
   drawing.setDark(dark);
+  plane?.draw();
   strip.draw();
 }
 
@@ -161,6 +183,7 @@ function frame(now) {
     moved(solver.set(values));
   }
   drag.step();
+  plane?.step();
   player?.step(now);
   drawing.render();
   requestAnimationFrame(frame);
@@ -185,6 +208,10 @@ function takeStart() {
 toggle("names", (on) => labels.set(on, labels.measures));
 toggle("measures", (on) => labels.set(labels.names, on));
 toggle("theme", dress);
+toggle("trace", (on) => trace.set(on));
+$("trace").hidden = !tracedPoints().length;
+toggle("meshes", (on) => drawing.setMeshes(on));
+$("meshes").hidden = !drawing.items.meshes.length;
 $("fit").addEventListener("click", () => drawing.fit());
 $("reset").addEventListener("click", () => moved(solver.set(start)));
 $("passive").addEventListener("toggle", readout);
@@ -193,7 +220,7 @@ $("view").addEventListener("pointermove", hover);
 $("view").addEventListener("pointerleave", () => ($("tip").hidden = true));
 $("view").addEventListener("contextmenu", (event) => event.preventDefault());
 document.addEventListener("keydown", (event) => {
-  const keys = { n: "names", m: "measures", f: "fit", d: "theme" };
+  const keys = { n: "names", m: "measures", f: "fit", d: "theme", t: "trace" };
   const typing = event.target.matches?.("input[type=text], select") || event.ctrlKey || event.metaKey || event.altKey;
   if (!typing && keys[event.key.toLowerCase()]) $(keys[event.key.toLowerCase()]).click();
 });
@@ -204,6 +231,20 @@ drawing.listeners.push(() => {
   if (now !== viewed) strip.draw();
   viewed = now;
 });
+if (options.plane) {
+  const { names } = options.plane, axes = names.map((name) => "xyz".indexOf(name));
+  const given = names.every((name) => solver.names.includes(name));
+  plane = new PlaneMap($("plane"), options.plane, {
+    ink: (key) => drawing.look.colour(key),
+    now: () => names.map((name, k) => (given ? solver.values[name] : solver.solution().position[axes[k]])),
+    go: (...place) => {
+      if (given) return moved(solver.set(Object.fromEntries(names.map((name, k) => [name, place[k]]))));
+      const { position, quaternion } = solver.solution();
+      axes.forEach((axis, k) => (position[axis] = place[k]));
+      return moved(solver.dragTo(position, quaternion));
+    },
+  });
+}
 if (options.path) {
   player = new Player($("player"), options.path, { go: (values) => moved(solver.set(values)).reached });
   $("player").addEventListener("pointerdown", () => wishes.clear());
@@ -212,6 +253,7 @@ $("hints").textContent = scene.items.some((item) => item.role === "platform")
   ? "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
   : "Drag to turn the view, wheel or two fingers to zoom.";
 takeStart();
+$("notes").textContent = scene.notes.join(" ");
 dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
 moved({ reached: true, share: 1, stop: null });
 drawing.fit();

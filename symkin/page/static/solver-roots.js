@@ -1,7 +1,7 @@
 // All complex solutions: found once for complex values by monodromy, then moved to the present values along paths.
 //
-// At the complex values p0 solutions are known from one seed on: moved around loops p0 -> pa -> pb -> p0 they become others, until the
-// number that symkin counts is reached. From p0, which is generic, paths to any real values meet no singularity on the way; their ends
+// At the complex values p0 solutions are known from seeds on, which are all where the unknown is one body on rods, else some: moved
+// around loops p0 -> pa -> pb -> p0 they become others, until the number that symkin counts is reached. From p0, which is generic, paths to any real values meet no singularity on the way; their ends
 // that are real are the modes.
 import { complexLeastSquares } from "solver-algebra";
 
@@ -9,6 +9,8 @@ const LONGEST = 0.35, SHORTEST = 1e-10; // steps of a path's parameter
 const FAR = 1e6; // of a solution at infinity, in units of the size
 const SAME = 1e-6; // between two writings of one solution
 const REAL = 1e-6; // imaginary part of a real end before Newton's method makes it real
+const INFINITE = "infinite"; // what a path ends with that goes to infinity
+const WIDE = 3; // spread of loops' corners, of the size and radians: narrow loops go around no branch point
 const QUIET = 8; // loops without a new solution after which the search ends
 
 export class Roots {
@@ -18,6 +20,7 @@ export class Roots {
     this.rowsAt = new Float64Array(2 * rows);
     this.gradients = new Float64Array(2 * rows * width);
     this.starts = [];
+    this.unresolved = 0;
     this.quiet = 0;
     this.random = generator(20170614);
     this.alone = !this.model.complex || !this.model.follows || !solver.places.length || !solver.unknown.length;
@@ -25,18 +28,22 @@ export class Roots {
     this.begun = false;
   }
 
+  /** Whether the modes at the last values asked for are all: as many complex solutions as symkin counts, every path with an end of its own. */
   get complete() {
-    return this.done && (!this.model.follows || this.model.complexCount === null ? false : this.alone ? !solverHasPaths(this) : this.starts.length >= this.model.complexCount);
+    const { complexCount, follows } = this.model;
+    if (!this.done || !follows || complexCount === null) return false;
+    if (this.alone) return !this.solver.places.length || !this.solver.unknown.length;
+    return this.starts.length >= complexCount && !this.unresolved;
   }
 
   get sentence() {
-    const { complexCount, follows } = this.model;
+    const { complexCount, follows } = this.model, found = this.starts.length;
     if (!this.done) return "Finding all solutions.";
-    if (!follows) return `${complexCount} complex solutions are too many to follow here: the mode shown is followed, and symkin modes lists them all.`;
+    if (!follows) return `${complexCount} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds all.`;
     if (this.alone) return "";
-    const found = this.starts.length;
-    if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.`;
-    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.`;
+    const open = this.unresolved ? ` ${this.unresolved} of ${found} paths are unresolved here: modes may be missing.` : "";
+    if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.${open}`;
+    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.${open}`;
   }
 
   /** Search for solutions at p0 for some milliseconds; whether the search has ended. */
@@ -69,30 +76,33 @@ export class Roots {
     this.begun = true;
     const { places } = this.solver;
     this.p0 = this._randomValues();
-    for (const seed of [this.model.start, ...this.model.modesHere, ...this.model.seeds]) {
-      if (this.model.complexCount !== null && this.starts.length >= this.model.complexCount) break;
-      const from = complexOf(seed), p = places.flatMap((k) => [seed[k], 0]);
+    const { start, complexHere, modesHere, seeds, complexCount } = this.model;
+    for (const from of [...complexHere.map((pairs) => Float64Array.from(pairs)), ...[start, ...modesHere, ...seeds].map(complexOf)]) {
+      if (complexCount !== null && this.starts.length >= complexCount) break;
+      const p = places.flatMap((k) => [from[2 * k], 0]);
       const end = this._path(from, p, this.p0);
-      if (end && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
+      if (end && end !== INFINITE && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
     }
     this._ended();
   }
 
-  _randomValues() {
+  /** Complex values about the start, `spread` wide in units of the size and radians. */
+  _randomValues(spread = 1) {
     const { places } = this.solver, { start, columns } = this.model;
-    return places.flatMap((k) => [start[k] + columns[k] * (this.random() - 0.5), columns[k] * (this.random() - 0.5)]);
+    return places.flatMap((k) => [start[k] + spread * columns[k] * (this.random() - 0.5), spread * columns[k] * (this.random() - 0.5)]);
   }
 
   /** Move the solutions, one after another, around a loop; the loop ends when all have been moved. */
   _loop() {
     if (!this.loop || this.loop.next >= this.loop.count) {
-      this.loop = { corners: [this.p0, this._randomValues(), this._randomValues(), this.p0], next: 0, count: this.starts.length, news: 0 };
+      const [pa, pb] = [0, 1].map(() => this._randomValues(WIDE * 8 ** (this.random() - 0.5)));
+      this.loop = { corners: [this.p0, pa, pb, this.p0], next: 0, count: this.starts.length, news: 0 };
       if (!this.loop.count) this.done = true;
     }
     const { corners } = this.loop;
     let x = this.starts[this.loop.next++];
-    for (let k = 0; k < 3 && x; k++) x = this._path(x, corners[k], corners[k + 1]);
-    if (x && !this.starts.some((other) => this.same(other, x, 2))) {
+    for (let k = 0; k < 3 && x && x !== INFINITE; k++) x = this._path(x, corners[k], corners[k + 1]);
+    if (x && x !== INFINITE && !this.starts.some((other) => this.same(other, x, 2))) {
       this.starts.push(x);
       this.loop.news++;
     }
@@ -114,18 +124,43 @@ export class Roots {
     return here ? this.model.modesHere.map((seed) => Float64Array.from(seed)) : [];
   }
 
+  /** Real ends of all paths to the values of x; `unresolved` counts paths that neither end nor go to infinity, or share an end. */
   _ends(x) {
     const { places } = this.solver, target = places.flatMap((k) => [x[k], 0]);
     let ends = this.starts.map((start) => this._path(start, this.p0, target));
-    // two paths with one end: one of them has jumped; both are followed anew with shorter steps
-    const doubled = ends.map((end, k) => end && ends.some((other, j) => j !== k && other && this.same(other, end, 2)));
-    if (doubled.some(Boolean)) ends = ends.map((end, k) => (doubled[k] ? this._path(this.starts[k], this.p0, target, 0.02) : end));
+    for (const longest of [0.05, 0.01]) {
+      const open = this._open(ends);
+      if (!open.some(Boolean)) break;
+      ends = ends.map((end, k) => (open[k] ? this._path(this.starts[k], this.p0, target, longest) : end));
+    }
+    if (this._open(ends).some(Boolean)) ends = this._fewerOpen(ends, this._detour(target));
+    this.unresolved = this._open(ends).filter(Boolean).length;
     const found = [];
     for (const end of ends) {
-      const real = end && this._real(end, x);
+      const real = end && end !== INFINITE && this._real(end, x);
       if (real && !found.some((other) => this.same(other, real))) found.push(real);
     }
     return found;
+  }
+
+  /** Which paths are in doubt: those without an end, and those with the end of another. */
+  _open(ends) {
+    const finite = (end) => end && end !== INFINITE;
+    return ends.map((end, k) => !end || (finite(end) && ends.some((other, j) => j !== k && finite(other) && this.same(other, end, 2))));
+  }
+
+  /** Ends of paths over other complex values. */
+  _detour(target) {
+    const corner = this._randomValues();
+    return this.starts.map((start) => {
+      const half = this._path(start, this.p0, corner);
+      return half && half !== INFINITE ? this._path(half, corner, target) : half;
+    });
+  }
+
+  _fewerOpen(first, second) {
+    const count = (ends) => this._open(ends).filter(Boolean).length;
+    return count(second) < count(first) ? second : first;
   }
 
   /** The real solution at a complex one's place, null where there is none. */
@@ -169,7 +204,7 @@ export class Roots {
 
   // --- paths -----------------------------------------------------------------------------------------------------------
 
-  /** The end at known values q of the path from solution x at p; null at infinity or where the steps become too short. */
+  /** The end at known values q of the path from solution x at p; INFINITE, or null where the steps become too short. */
   _path(x, p, q, longest = LONGEST) {
     const way = q.map((v, k) => v - p[k]);
     let t = 0, step = Math.min(0.1, longest), here = Float64Array.from(x);
@@ -185,7 +220,7 @@ export class Roots {
       t = step === 1 - t ? 1 : t + step;
       if (next.error < 1e-5) step = Math.min(2 * step, longest);
       else if (next.error > 1e-3) step *= 0.5;
-      if (this._far(here)) return null;
+      if (this._far(here)) return INFINITE;
     }
     return this._newton(here, 1e-13, 6) ? here : null;
   }
@@ -246,7 +281,8 @@ export class Roots {
     return complexLeastSquares(a, b, rows, this.solver.unknown.length);
   }
 
-  /** Newton's method in place until a step is below `close`; the first step's length (at least 1e-300), 0 where it fails. */
+  /** Newton's method in place until a step is below `close`; the first step's length (at least 1e-300), 0 where it fails. Lengths of
+   * steps are shares of the solution's own where that is large. */
   _newton(x, close, most) {
     const { rows, columns } = this.model, { unknown } = this.solver;
     let first = 0, last = Infinity;
@@ -256,7 +292,7 @@ export class Roots {
       if (!step) return 0;
       let length = 0;
       for (const v of step) length += v * v;
-      length = Math.sqrt(length);
+      length = Math.sqrt(length) / this._magnitude(x);
       if (!(length < 10)) return 0;
       unknown.forEach((place, i) => {
         x[2 * place] += columns[place] * step[2 * i];
@@ -267,6 +303,12 @@ export class Roots {
       last = length;
     }
     return last < 1e-7 ? first : 0;
+  }
+
+  /** The largest unknown, in units of its column, at least 1. */
+  _magnitude(x) {
+    const { columns } = this.model;
+    return this.solver.unknown.reduce((most, k) => Math.max(most, Math.hypot(x[2 * k], x[2 * k + 1]) / columns[k]), 1);
   }
 
   _linearise(x) {
@@ -281,10 +323,6 @@ export class Roots {
       }
     return a;
   }
-}
-
-function solverHasPaths({ model, solver }) {
-  return solver.places.length > 0 && solver.unknown.length > 0 && !model.complex;
 }
 
 function complexOf(x) {

@@ -9,7 +9,8 @@ const CLOSED = 1e-13; // Newton's step, over the size, at which a configuration 
 const REACH = 0.12; // of a step in units of the size and radians
 const CORRECTION = 0.25; // share of a predicted step that Newton may add to it
 const CONTRACTION = 0.2; // of Newton's second step over its first
-const SMALLEST = 2e-9; // share of a movement below which a step is given up
+const SMALLEST = 1e-7; // share of a movement below which a step is given up
+const ESCAPE = 1e-14; // the same for a first step that leads away from a singularity
 const NEAR = 0.05; // smallest singular value, of the largest, below which a halt is told as a singularity
 
 export function createSolver(model, generated) {
@@ -91,14 +92,15 @@ class Solver {
       if (share + step > 1) step = 1 - share;
       const next = this._advance(x, way, start, share, step);
       const limit = next && this._limitBetween(x, next);
-      if (next && !limit) {
+      const leaves = step >= SMALLEST || (next && this._ratio(next) > this._ratio(x));
+      if (next && !limit && leaves) {
         x = next;
         share = step === 1 - share ? 1 : share + step;
         step = Math.min(2 * step, REACH / length);
         continue;
       }
       step *= 0.5;
-      if (step < SMALLEST) return { x, share, halt: { kind: limit ? "limit" : "halt", limit } };
+      if (step < (share > 0 ? SMALLEST : ESCAPE)) return { x, share, halt: { kind: limit ? "limit" : "halt", limit } };
     }
     return { x, share: 1, halt: null };
   }
@@ -184,8 +186,11 @@ class Solver {
 
   /** Smallest singular value of the unknowns' Jacobian over the largest, lengths over the size. */
   distanceToSingularity() {
-    const count = this.unknown.length;
-    return count ? singularPair(this._linearise(this.x), this.rows.length, count).ratio : null;
+    return this.unknown.length ? this._ratio(this.x) : null;
+  }
+
+  _ratio(x) {
+    return singularPair(this._linearise(x), this.rows.length, this.unknown.length).ratio;
   }
 
   /** The platform's twist (velocity, angular velocity) in the motion that the given values hold least. */

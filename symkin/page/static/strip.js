@@ -56,7 +56,7 @@ export class Strip {
     const count = this.modes.length, sentence = this.solver.modesSentence ?? "";
     const counted = count === 1 ? "1 mode" : `${count} modes`;
     const most = count > MOST ? `; the first ${MOST} are shown` : "";
-    this.text.textContent = `${counted} at these values${most}. ${sentence}`.trim();
+    this.text.textContent = `${counted} ${this.solver.modesComplete ? "" : "found "}at these values${most}. ${sentence}`.trim();
   }
 
   _buttons() {

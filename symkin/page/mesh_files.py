@@ -1,0 +1,72 @@
+"""Triangles of mesh files, for pictures: STL (binary and text) and OBJ. NumPy only."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from symkin.model.mesh import LinkMesh
+
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_HEADER = 84
+"""Bytes of a binary STL file before its triangles; the last four count them."""
+_LARGEST = 40e6
+"""Bytes of a mesh file that a page takes at most."""
+
+
+def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object] | None:
+    """A mesh as an item of a scene, its triangles in the base frame at the reference; None where the file is not there or is of another
+    kind."""
+    triangles = read_triangles(Path(mesh.file))
+    if triangles is None:
+        return None
+    placed = np.asarray(mesh.pose.rotation) @ (triangles * np.array(mesh.scale)).reshape(-1, 3).T
+    corners = (placed.T + np.array(mesh.position)).astype("<f4")
+    return {"kind": "mesh", "link": link, "name": mesh.link, "triangles": base64.b64encode(corners.tobytes()).decode("ascii")}
+
+
+def read_triangles(path: Path) -> np.ndarray | None:
+    """Corners (n, 3, 3) of a mesh file's triangles in its own numbers; None where it cannot be read as one."""
+    readers = {".stl": _stl, ".obj": _obj}
+    reader = readers.get(path.suffix.lower())
+    if reader is None or not path.is_file() or path.stat().st_size > _LARGEST:
+        return None
+    triangles = reader(path.read_bytes())
+    return triangles if len(triangles) and np.isfinite(triangles).all() else None
+
+
+def _stl(content: bytes) -> np.ndarray:
+    count = int.from_bytes(content[_HEADER - 4 : _HEADER], "little")
+    if len(content) == _HEADER + count * _TRIANGLE.itemsize:
+        return np.asarray(np.frombuffer(content, _TRIANGLE, offset=_HEADER)["corners"], dtype=float)
+    numbers = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", content)
+    return _rows(numbers[: len(numbers) // 3 * 3])
+
+
+def _rows(numbers: list[tuple[bytes, ...]]) -> np.ndarray:
+    try:
+        return np.array(numbers, dtype=float).reshape(-1, 3, 3)
+    except ValueError:
+        return np.zeros((0, 3, 3))
+
+
+def _obj(content: bytes) -> np.ndarray:
+    lines = content.decode("utf-8", "replace").splitlines()
+    try:
+        points = np.array([[float(v) for v in line.split()[1:4]] for line in lines if line.startswith("v ")])
+        triangles = [corners for line in lines if line.startswith("f ") for corners in _fan(line, len(points))]
+        return points[np.array(triangles, dtype=int)] if triangles else np.zeros((0, 3, 3))
+    except (ValueError, IndexError):
+        return np.zeros((0, 3, 3))
+
+
+def _fan(line: str, count: int) -> Iterator[tuple[int, int, int]]:
+    """Triangles of a face; its numbers count from 1, negative ones from the end."""
+    corners = [int(part.split("/")[0]) for part in line.split()[1:]]
+    places = [k - 1 if k > 0 else count + k for k in corners]
+    return ((places[0], a, b) for a, b in pairwise(places[1:]))
