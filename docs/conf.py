@@ -10,6 +10,7 @@ sys.path.insert(0, str(HERE))
 from _site.gallery import write_gallery  # noqa: E402
 from _site.program import help_page, tolerances_page  # noqa: E402
 from _site.verdicts import papers_page  # noqa: E402
+from pygments.lexers.special import TextLexer  # noqa: E402
 from sphinx.application import Sphinx  # noqa: E402
 
 import symkin  # noqa: E402
@@ -54,7 +55,9 @@ write_pages(HERE / "generated", short=tags.has("short"))  # type: ignore[name-de
 
 
 def setup(app: Sphinx) -> None:
-    """Docstrings are plain text with formulas, in which columns count: they are shown as they stand."""
+    """Docstrings are plain text with formulas, in which columns count: they are shown as they stand; so are diagrams in text."""
+    for diagram in ("layers", "mermaid"):
+        app.add_lexer(diagram, TextLexer)
     app.connect("autodoc-process-docstring", show_as_it_stands)
 
 

@@ -48,7 +48,7 @@ def machines(document: str) -> dict[str, str]:
 def shown_outputs(document: str) -> list[tuple[str, str]]:
     """Python blocks with an `output` block right below them."""
     text = (ROOT / document).read_text(encoding="utf-8")
-    return re.findall(r"^```python\n((?:(?!^```).*\n)*)^```\n\n```output\n(.*?)^```$", text, re.M | re.S)
+    return re.findall(r"^```python\n((?:(?!```)[^\n]*\n)*)^```\n\n```output\n(.*?)^```$", text, re.M | re.S)
 
 
 def is_as_printed(told: str, output: str) -> bool:
