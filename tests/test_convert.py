@@ -85,7 +85,7 @@ def test_wrong_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         ((path, "-o", tmp_path), "another suffix"),
         ((tmp_path / "none.xml", "-o", tmp_path / "out.toml"), "there is no such file"),
         (("four_ba", "-o", tmp_path / "out.toml"), "is unknown"),
-        ((path,), "'-o'"),
+        ((path,), "-o FILE is missing"),
     ]:
         status, out, err = run(capsys, "convert", *map(str, arguments))
         assert (status, out, err.count("\n")) == (2, "", 1), arguments

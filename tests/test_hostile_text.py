@@ -316,7 +316,7 @@ def test_terminal_text_is_the_files(hostile, capsys):
     shown = run(capsys, "show", str(hostile))
     assert TITLE in shown
     assert SOURCE in shown
-    modes = run(capsys, "modes", str(hostile))
+    modes = run(capsys, "modes", str(hostile), "--all")
     assert TITLE in modes
     assert LEGS[1].limbs[2].joints[1].name in modes
     assert "\x1b" not in shown + modes

@@ -346,7 +346,7 @@ def test_command_names_the_singularity(capsys: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     ("arguments", "status", "message"),
     [
-        (["zhang2009", "--plot", "a.png"], 2, "belong to --plane"),
+        (["zhang2009", "--range", "1:2,3:4"], 2, "belong to --plane"),
         (["zhang2009", "--plane", "leg1"], 2, "two different coordinates"),
         (["zhang2009", "--plane", "x,y", "--range", "1:2:3,4:5"], 2, "is no range"),
         (["zhang2009", "--plane", "leg1,leg2", "--range=-50:-10,10:20"], 2, "range of leg1 ends at -10 mm"),

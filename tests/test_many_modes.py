@@ -131,7 +131,7 @@ def test_no_inputs_have_no_modes():
     ("joints", "text"),
     [
         ([[10.0, 20.0], [10.0, float("nan")]], "input 1: joints: value 2"),
-        ([[10.0, 20.0], [10.0]], "input 1: joints: 1 values given"),
+        ([[10.0, 20.0], [10.0]], "input 1: joints: 1 value given"),
         ([[10.0, 20.0], [10.0, "x"]], "input 1: joints: value 2 = 'x' is not a number"),
     ],
 )

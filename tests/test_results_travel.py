@@ -212,5 +212,5 @@ def test_a_calibration_report_comes_back(pool: ProcessPoolExecutor, tmp_path) ->
 
 
 def test_errors_keep_their_kind(pool: ProcessPoolExecutor) -> None:
-    with pytest.raises(InputError, match="values given"):
+    with pytest.raises(InputError, match="1 value given, five_bar has 2 actuated joints"):
         pool.submit(solved, BARS, [1.0]).result()

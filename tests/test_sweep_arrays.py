@@ -59,7 +59,7 @@ def test_poses_are_one_of_two_things_swept_over(tmp_path):
     sweep(mechanism, grid, tmp_path / "over", over="poses", workers=0)
     sweep(mechanism, grid, tmp_path / "poses", poses=True, workers=0)
     assert same_files(tmp_path / "over", tmp_path / "poses")
-    with pytest.raises(InputError, match=r"over = 'joints' is unknown; allowed: inputs, poses"):
+    with pytest.raises(InputError, match=r"over = 'joints' is unknown \(do you mean 'inputs'\?\); allowed: inputs, poses"):
         sweep(mechanism, grid, tmp_path / "none", over="joints", workers=0)
 
 

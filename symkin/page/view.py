@@ -5,11 +5,11 @@ from __future__ import annotations
 import webbrowser
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from html import escape
 from pathlib import Path
 from typing import Any
 
+from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.files.outputs import check_output, write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
