@@ -7,8 +7,9 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
+from _site.docstrings import docstring_as_rst  # noqa: E402
 from _site.gallery import write_gallery  # noqa: E402
-from _site.program import help_page, tolerances_page  # noqa: E402
+from _site.program import api_page, help_page, tolerances_page  # noqa: E402
 from _site.verdicts import papers_page  # noqa: E402
 from pygments.lexers.special import TextLexer  # noqa: E402
 from sphinx.application import Sphinx  # noqa: E402
@@ -45,6 +46,7 @@ def write_pages(folder: Path, short: bool) -> None:
     folder.mkdir()
     (folder / "extra").mkdir(exist_ok=True)
     (folder / "help.md").write_text(help_page(), encoding="utf-8")
+    (folder / "api.md").write_text(api_page(), encoding="utf-8")
     (folder / "tolerances.md").write_text(tolerances_page(), encoding="utf-8")
     (folder / "papers.md").write_text(papers_page(HERE / "papers"), encoding="utf-8")
     names = SHORT if short else symkin.shipped_names()
@@ -55,13 +57,12 @@ write_pages(HERE / "generated", short=tags.has("short"))  # type: ignore[name-de
 
 
 def setup(app: Sphinx) -> None:
-    """Docstrings are plain text with formulas, in which columns count: they are shown as they stand; so are diagrams in text."""
+    """Diagrams in text need no colours; docstrings are plain text."""
     for diagram in ("layers", "mermaid"):
         app.add_lexer(diagram, TextLexer)
-    app.connect("autodoc-process-docstring", show_as_it_stands)
+    app.connect("autodoc-process-docstring", set_docstring)
 
 
-def show_as_it_stands(app, what, name, obj, options, lines: list[str]) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG001
-    """Put a docstring into a block of text."""
-    if lines:
-        lines[:] = [".. code-block:: text", "", *("   " + line for line in lines), ""]
+def set_docstring(app, what, name, obj, options, lines: list[str]) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """What autodoc shows of a docstring."""
+    lines[:] = docstring_as_rst(lines)

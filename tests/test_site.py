@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -31,9 +32,10 @@ def test_site_is_built_without_a_warning(tmp_path: Path) -> None:
         "generated/papers.html": "refuted",
         "generated/gallery/zhao2000.html": "4 modes",
         "explanations/completeness.html": "<math",
-        "reference/api.html": "symkin.modes",
+        "generated/api.html": "symkin.modes",
     }.items():
-        assert told in (tmp_path / page).read_text(encoding="utf-8"), page
+        text = (tmp_path / page).read_text(encoding="utf-8")
+        assert told in text or told in re.sub("<[^>]*>", "", text), page
 
 
 @pytest.mark.long

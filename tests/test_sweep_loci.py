@@ -11,6 +11,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run
+from helpers.samples import five_bar
 from symkin import InputError
 from symkin.plots.sweep_plot import figure_of_sweep
 
@@ -100,6 +101,23 @@ def test_over_one_value_loci_are_lines(tmp_path):
     changes = np.flatnonzero(np.diff(count))
     assert len(places) == len(changes) == 2
     assert all(follower[k] <= place <= follower[k + 1] for k, place in zip(changes, places, strict=True))
+
+
+def test_loci_over_poses_of_a_graph_are_refused_before_the_sweep(tmp_path, capsys):
+    words = ["sweep", "delta_parallelograms", "--poses", "--grid", "x=-10:10:3,y=-10:10:3", "-o", tmp_path / "s"]
+    status, _, err = run(capsys, *words, "--plot", tmp_path / "a.png", "--loci")
+    assert status == 2
+    assert "whose loci are traced over joints" in err
+    assert not (tmp_path / "s").exists()
+
+
+def test_points_of_the_loci_are_named(tmp_path):
+    """A five-bar with equal rods turns as one where both cranks' ends meet (two points of the plane of its cranks)."""
+    mechanism = five_bar()
+    axes = {"q1": np.linspace(-180.0, 180.0, 13), "q2": np.linspace(-180.0, 180.0, 13)}
+    figure = figure_of_sweep(symkin.sweep(mechanism, axes, tmp_path / "s", workers=0), loci=True)
+    named = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "singular, type 2, self-motion" in named
 
 
 def test_the_command_lays_them_over(tmp_path, capsys):

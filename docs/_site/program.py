@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import ast
+import inspect
 from pathlib import Path
+from typing import Any
 
-import click
 import typer
 
+import symkin
 from symkin.cli.app import app
 from symkin.numeric import tolerances
 
 HELP = """# Help of the commands
 
 What each command prints with `-h`. This page is made from the program.
+"""
+API = """# Python API
+
+The functions and types of `import symkin`, from their docstrings. [Python](../reference/python.md) says how they go together.
 """
 TOLERANCES = """# Tolerances
 
@@ -25,6 +31,21 @@ def help_page() -> str:
     """The help of every command, 80 columns wide."""
     command = typer.main.get_command(app)
     return HELP + "".join(_help(command, "symkin", None))
+
+
+def api_page() -> str:
+    """Every name of `symkin`: its verbs, its types, its errors."""
+    shown = {name: getattr(symkin, name) for name in symkin.__all__}
+    errors = [name for name, each in shown.items() if inspect.isclass(each) and issubclass(each, Exception)]
+    types = [name for name, each in shown.items() if inspect.isclass(each) and name not in errors]
+    verbs = [name for name, each in shown.items() if inspect.isfunction(each)]
+    text = API
+    for title, names, directive in [("Verbs", verbs, "function"), ("Types", types, "class"), ("Errors", errors, "class")]:
+        text += f"\n## {title}\n"
+        for name in names:
+            members = "" if directive == "function" else "   :members:\n"
+            text += f"\n### {name}\n\n```{{eval-rst}}\n.. auto{directive}:: symkin.{name}\n{members}```\n"
+    return text
 
 
 def tolerances_page() -> str:
@@ -40,10 +61,11 @@ def tolerances_page() -> str:
     return "\n\n".join([TOLERANCES, *table, "## Each of them", *rows])
 
 
-def _help(command: click.Command, name: str, parent: click.Context | None) -> list[str]:
+def _help(command: Any, name: str, parent: Any) -> list[str]:
+    """Typer brings its own click or uses the one installed, so that groups are known by their commands, not by their class."""
     context = command.make_context(name.split()[-1], [], parent, resilient_parsing=True, terminal_width=80, max_content_width=80)
     text = f"\n## `{name}`\n\n```text\n{command.get_help(context).rstrip()}\n```\n"
-    below = command.commands if isinstance(command, click.Group) else {}
+    below = getattr(command, "commands", {})
     return [text, *(part for word, each in below.items() for part in _help(each, f"{name} {word}", context))]
 
 

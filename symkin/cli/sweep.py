@@ -28,6 +28,7 @@ from symkin.cli.progress import progress_bar
 from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
+from symkin.model.mechanism import Mechanism
 
 
 class Quantity(StrEnum):
@@ -144,6 +145,8 @@ def sweep(
     check_slices(cuts, values, sampled=sampled)
     check_map_is_left(cuts, values)
     drawn = _drawn(of, slices, plot, loci=loci)
+    if loci and poses:
+        _check_pose_loci(mechanism)
     if plot is not None:
         from symkin.plots.picture_file import check_picture_path
 
@@ -183,6 +186,17 @@ def _drawn(of: str | None, slices: str | None, plot: Path | None, *, loci: bool)
     if of is not None and not all(names):
         raise InputError(f"--of {of!r}: names separated by commas are needed")
     return names
+
+
+def _check_pose_loci(mechanism: Mechanism) -> None:
+    """Raise InputError where no loci are traced over poses; known before the sweep, which may take long."""
+    from symkin.singularities.locus_system import has_pose_planes
+
+    if not has_pose_planes(mechanism):
+        raise InputError(
+            f"--loci with --poses: {mechanism.name} is a graph of links, whose loci are traced over joints; sweep joints with --grid or "
+            "--given, or leave --loci out"
+        )
 
 
 @contextmanager

@@ -83,6 +83,11 @@ def _draw_points(axes: Any, loci: Loci) -> None:
     axes.set_xlabel(f"{loci.plane.names[0]} [{loci.units[0]}]" + _caption(loci), color=COLOURS["text"], parse_math=False)
 
 
+def point_look(curve: Locus) -> tuple[str, str]:
+    """Marker and name of a locus that is a point."""
+    return ("s", "self-motion") if curve.self_motion else ("D", "curves that nearly touch")
+
+
 def _caption(loci: Loci) -> str:
     """Below the axes, where no curve is: that some may be missing."""
     return (
@@ -96,8 +101,8 @@ def _curve(axes: Any, curve: Locus, emphasise: bool) -> None:
     colour = KIND_COLOURS[curve.kind]
     points, mode = curve.points, curve.in_mode | (not emphasise)
     if curve.is_point:
-        what = "self-motion" if curve.self_motion else "curves that nearly touch"
-        axes.plot(*points[:1].T, "s" if curve.self_motion else "D", color=colour, ms=6, label=f"{curve.kind}, {what}", zorder=4)
+        marker, what = point_look(curve)
+        axes.plot(*points[:1].T, marker, color=colour, ms=6, label=f"{curve.kind}, {what}", zorder=4)
         return
     if curve.closed:
         points, mode = np.vstack([points, points[:1]]), np.append(mode, mode[0])

@@ -11,7 +11,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.file import parse
 from symkin.model.mechanism import Mechanism
-from symkin.plots.loci_plot import KIND_COLOURS
+from symkin.plots.loci_plot import KIND_COLOURS, point_look
 from symkin.plots.style import COLOURS
 from symkin.position.given_by_name import given_coordinates
 from symkin.singularities.configuration import configuration
@@ -119,15 +119,19 @@ def draw_loci(figure: Any, ax: Any, loci: Loci, names: Sequence[str]) -> None:
     for curve in loci.curves:
         colour = KIND_COLOURS[curve.kind]
         points = curve.points[:, order] if len(order) == 2 else curve.points
+        name = f"singular, {curve.kind}"
         if len(order) == 1:
             drawn = ax.axvline(points[0, 0], color=colour, lw=_WIDTH, path_effects=edge, zorder=5.0, gid=f"locus {curve.kind}")
         else:
             closed = np.vstack([points, points[:1]]) if curve.closed else points
-            look = {"marker": "D", "ms": 6, "ls": "none"} if curve.is_point else {"lw": _WIDTH}
+            look: dict[str, Any] = {"lw": _WIDTH}
+            if curve.is_point:
+                marker, what = point_look(curve)
+                look, name = {"marker": marker, "ms": 6, "ls": "none"}, f"{name}, {what}"
             drawn = ax.plot(*closed.T, color=colour, path_effects=edge, zorder=5.0, gid=f"locus {curve.kind}", **look)[0]
             if len(curve.cusps):
                 ax.plot(*curve.cusps[:, order].T, "o", mfc="white", mec=colour, ms=6, mew=1.4, zorder=6.0, gid="cusp")
-        handles.setdefault(f"singular, {curve.kind}", drawn)
+        handles.setdefault(name, drawn)
     ax.set(xlim=limits[0], ylim=limits[1])
     missing = {MISSING, NONE_MET} & set(loci.notes)
     told = "" if loci.curves else f"{loci.without_curves}; "

@@ -104,12 +104,17 @@ class Plane:
         return ca.vertcat(*(self.closure.variables[self.closure.slices[c.name]] for c in coordinates))
 
 
+def has_pose_planes(mechanism: Mechanism) -> bool:
+    """Whether loci may be asked for over pose coordinates: of a platform on limbs; a graph of links has those of what is given."""
+    return plain_kind(mechanism, pose_names(mechanism)) is not None
+
+
 def plane_of(solution: Solution, names: Sequence[str], known: Sequence[str] | None = None) -> Plane:
     """The plane of two named coordinates through a configuration; `known` are all coordinates that are given, of which they are two.
     Raises InputError for names that do not fit."""
     mechanism = solution.mechanism
     told = tuple(c.name for c in mechanism.actuated) if known is None else checked_names(mechanism, known, "given")
-    by_name = plain_kind(mechanism, told) is None and (known is not None or plain_kind(mechanism, pose_names(mechanism)) is None)
+    by_name = plain_kind(mechanism, told) is None and (known is not None or not has_pose_planes(mechanism))
     if not (1 if by_name else 2) <= len(names) <= 2 or len(set(names)) < len(names):
         raise InputError(f"plane = {', '.join(names)!r}; {'one or ' * by_name}two different coordinates are needed")
     return _plane_of_known(solution, names, told) if by_name else _plane_of_limbs(solution, names)
