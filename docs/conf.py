@@ -9,6 +9,7 @@ sys.path.insert(0, str(HERE))
 
 from _site.docstrings import docstring_as_rst  # noqa: E402
 from _site.gallery import write_gallery  # noqa: E402
+from _site.pictures import draw_pictures, with_pictures  # noqa: E402
 from _site.program import api_page, help_page, tolerances_page  # noqa: E402
 from _site.verdicts import papers_page  # noqa: E402
 from pygments.lexers.special import TextLexer  # noqa: E402
@@ -49,6 +50,8 @@ def write_pages(folder: Path, short: bool) -> None:
     (folder / "api.md").write_text(api_page(), encoding="utf-8")
     (folder / "tolerances.md").write_text(tolerances_page(), encoding="utf-8")
     (folder / "papers.md").write_text(papers_page(HERE / "papers"), encoding="utf-8")
+    if not short:
+        draw_pictures(sorted((HERE / "tutorials").glob("*.md")), folder / "pictures")
     names = SHORT if short else symkin.shipped_names()
     write_gallery(folder / "gallery", HERE.parent / "studies", names, moving=not short)
 
@@ -60,7 +63,14 @@ def setup(app: Sphinx) -> None:
     """Diagrams in text need no colours; docstrings are plain text."""
     for diagram in ("layers", "mermaid"):
         app.add_lexer(diagram, TextLexer)
+    app.connect("source-read", set_pictures)
     app.connect("autodoc-process-docstring", set_docstring)
+
+
+def set_pictures(app, page: str, source: list[str]) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """What the commands of a tutorial draw."""
+    if page.startswith("tutorials/"):
+        source[0] = with_pictures(page.removeprefix("tutorials/"), source[0], HERE / "generated" / "pictures")
 
 
 def set_docstring(app, what, name, obj, options, lines: list[str]) -> None:  # type: ignore[no-untyped-def]  # noqa: ARG001

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -51,11 +52,13 @@ def test_shipped_mechanisms_are_listed() -> None:
 def test_commands_print_what_stands_below_them(
     document: str, session: list[Command], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In a copy of the folder of example robots, with the document's machines; `...` stands for any text."""
+    """In a copy of the folder of example robots, with the document's machines and, for tutorials, those of the first one; `...`
+    stands for any text."""
     pytest.importorskip("mujoco")
     folder = Path(shutil.copytree(ROBOTS, tmp_path / "robots"))
     monkeypatch.chdir(folder)
-    for name, text in machines(document).items():
+    described = machines("docs/tutorials/describe.md") if "tutorials" in document else {}
+    for name, text in (described | machines(document)).items():
         (folder / name).write_text(text, encoding="utf-8")
     for command in session:
         assert command.words[0] == "symkin"
@@ -89,3 +92,15 @@ def test_python_prints_what_stands_below_it(code: str, told: str, capsys: pytest
     """An `output` block below a Python block is what it prints."""
     exec(compile(code, "document", "exec"), {})
     assert is_as_printed(told, capsys.readouterr().out)
+
+
+@pytest.mark.slow
+def test_c_of_the_firmware_tutorial_compiles(tmp_path: Path) -> None:
+    """Against the folder that the tutorial's command writes, with that folder's warnings."""
+    if shutil.which("gcc") is None:
+        pytest.skip("gcc is not installed")
+    symkin.write_firmware(symkin.load("zhang2009"), tmp_path, real="float")
+    for number, code in enumerate(blocks("docs/tutorials/firmware.md", "c")):
+        (tmp_path / f"block{number}.c").write_text(code, encoding="utf-8")
+        strict = ["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
+        subprocess.run(["gcc", *strict, f"block{number}.c"], cwd=tmp_path, check=True)
