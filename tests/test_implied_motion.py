@@ -59,8 +59,23 @@ def test_declared_the_named_motion_gives_the_complete_list() -> None:
 
 
 @pytest.mark.slow
-def test_tied_poses_are_not_told_of_a_motion() -> None:
-    """The five-bar's platform has two freedoms of a planar motion's three: no declared motion removes its condition."""
-    mechanism = readme_five_bar()
+@pytest.mark.parametrize("given", [{"pose": [80.0, 20.0, 0.0, 1.0, 0.0, 0.0, 0.0]}, {"given": {"x": 80.0, "y": 20.0}}])
+def test_a_motion_around_that_of_the_platform_is_told(given) -> None:
+    """The five-bar's platform has two freedoms of a planar motion's three. No crank's end, on a circle of radius 100, is 150 from a
+    point that is 21 from the circle's centre, so that there is no solution; declared planar, the list says so with its ground."""
+    mechanism = readme_five_bar("spatial")
+    found = symkin.modes(mechanism, **given)
+    declared = symkin.modes(replace(mechanism, motion="planar"), **given)
+    assert not found
+    assert not declared
+    assert declared.completeness == "probability one"
+    named = [note for note in found.notes if "motion = 'planar' in [platform]" in note]
+    assert bool(named) == (found.completeness == "sampled")
+
+
+@pytest.mark.slow
+def test_complete_lists_are_not_told_of_a_motion() -> None:
+    """Formulas list all solutions of a pose that the five-bar takes, and nothing is to be declared."""
+    mechanism = readme_five_bar("spatial")
     found = symkin.modes(mechanism, pose=symkin.solve(mechanism, joints=[10, -10]).solution.pose)
     assert not [note for note in found.notes if "in [platform]" in note]

@@ -14,6 +14,7 @@ from symkin.assembly.search import Search
 from symkin.numeric.levenberg import Progress
 from symkin.position.given import Given
 from symkin.position.mobility import open_loops_note
+from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 
 
@@ -29,6 +30,9 @@ def modes_by_name(
         if given.off_motion > 0.0:
             modes = _off_the_motion(modes, given)
         found.append(with_least_modes(problem, given, search, modes))
+    if any(modes.completeness == "sampled" and given.off_motion == 0.0 for modes, given in zip(found, givens, strict=True)):
+        notes = motion_notes(problem)
+        found = [replace(m, notes=(*m.notes, *notes)) if m.completeness == "sampled" else m for m in found]
     note = open_loops_note(problem.mechanism) if not all(found) else None
     if note is None:
         return tuple(found)

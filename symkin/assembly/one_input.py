@@ -19,7 +19,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.multistart import batched, one_by_one
-from symkin.position.platform_motion import implied_motion
+from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
 from symkin.position.roots import MOST_MODES, Roots
 from symkin.position.solution import PartialProof, Solution
@@ -52,7 +52,7 @@ def _searched(problem: Problem, given: Given, search: Search, progress: Progress
     name = search.method if search.solver == "batched" else f"{search.method} {search.solver}"
     found = _result(problem, given, blocks, name, search.seed, notes)
     if search.method == "continuation" and found.completeness == "sampled":
-        found = replace(found, notes=(*found.notes, *_motion_notes(problem)))
+        found = replace(found, notes=(*found.notes, *motion_notes(problem)))
     return found, random_starts
 
 
@@ -187,17 +187,6 @@ def _names(block: Roots) -> str:
 
 def _unseen(blocks: list[Roots]) -> float:
     return prod(len(b.points) + b.unseen for b in blocks) - prod(len(b.points) for b in blocks)
-
-
-def _motion_notes(problem: Problem) -> list[str]:
-    """Which motion, declared, removes the conditions that poses of a platform declared spatial must satisfy."""
-    motion = implied_motion(problem.mechanism) if problem.kind == "inverse" else None
-    if motion is None:
-        return []
-    return [
-        f"its joints leave the platform a {motion} motion: with motion = {motion!r} in [platform] poses need not satisfy "
-        "conditions, and the list of that motion's solutions is complete"
-    ]
 
 
 def _continuum_note(problem: Problem, block: Roots) -> str:

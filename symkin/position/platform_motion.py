@@ -8,6 +8,7 @@ from symkin.closure.closure import build_closure
 from symkin.model.mechanism import MOTIONS, Mechanism, Motion
 from symkin.position.mobility import mobility
 from symkin.position.mobility_result import Mobility
+from symkin.position.problem import Problem
 
 
 def fewer_rows(found: Mobility) -> tuple[Motion, int] | None:
@@ -37,3 +38,20 @@ def implied_motion(mechanism: Mechanism) -> Motion | None:
         if found.closed and found.mobility == spatial.mobility:
             return motion
     return None
+
+
+def motion_notes(problem: Problem) -> list[str]:
+    """Which motion, declared, removes the conditions that poses of a platform declared spatial must satisfy, or some of them."""
+    motion = implied_motion(problem.mechanism) if problem.kind == "inverse" else None
+    if motion is not None:
+        return [
+            f"its joints leave the platform a {motion} motion: with motion = {motion!r} in [platform] poses need not satisfy "
+            "conditions, and the list of that motion's solutions is complete"
+        ]
+    within = fewer_rows(mobility(problem.mechanism))
+    if within is None:
+        return []
+    return [
+        f"its joints move the platform within a {within[0]} motion: with motion = {within[0]!r} in [platform] fewer rows are redundant, and "
+        "the list of that motion's solutions may be complete"
+    ]

@@ -119,7 +119,7 @@ RRR_BASE, RRR_PLATFORM, RRR_LINKS = 100.0, 30.0, (60.0, 65.0)
 def readme_five_bar(motion: str = "spatial") -> Mechanism:
     """The tutorial's: bases 150 apart, cranks 100 that stand upright at 0, couplers 150."""
     text = machines("docs/tutorials/describe.md")["five_bar.toml"]
-    return parse(text.replace("[platform]", f'[platform]\nmotion = "{motion}"'), "five_bar.toml")
+    return parse(text.replace('motion = "planar"', f'motion = "{motion}"'), "five_bar.toml")
 
 
 def three_rrr(motion: str = "spatial") -> Mechanism:
