@@ -165,10 +165,10 @@ def _draw(result: Result, path: Path | str | None = None, **options: Any) -> "Fi
     return draw(result, path, **options)
 
 
-def _view(result: Result) -> Any:
+def _view(result: Result, **options: Any) -> Any:
     from symkin.page.result_views import view
 
-    return view(result)
+    return view(result, **options)
 
 
 draw_with(_draw)

@@ -70,10 +70,10 @@ class Result:
         """
         return _draw(self, path, **options)
 
-    def view(self) -> Any:
+    def view(self, **options: Any) -> Any:
         """The page on which the result moves: `.save("robot.html")` writes it, `.open()` shows it in the browser, a notebook shows it in
-        place. Raises InputError where there is no configuration to show."""
-        return _view(self)
+        place. `options` are those of the result's page (`symkin.view`). Raises InputError where there is no configuration to show."""
+        return _view(self, **options)
 
     def __str__(self) -> str:
         return self.summary().text()
@@ -101,12 +101,12 @@ def _draw(result: Result, path: Path | str | None, **options: Any) -> Figure:
 
 
 def view_with(function: Callable[..., Any]) -> None:
-    """Name the function that makes pages of results: `function(result)`."""
+    """Name the function that makes pages of results: `function(result, **options)`."""
     global _view
     _view = function
 
 
-def _view(result: Result) -> Any:
+def _view(result: Result, **options: Any) -> Any:
     raise NotImplementedError("no function that makes pages is set; `import symkin` sets one")
 
 

@@ -13,6 +13,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run
+from helpers.samples import readme_five_bar
 from symkin.errors import InputError
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -290,6 +291,56 @@ def test_a_plane_with_singular_curves_is_pointed_at(open_page: Callable[..., Any
     ARTEFACTS.mkdir(exist_ok=True)
     page.wait_for_timeout(400)
     page.screenshot(path=str(ARTEFACTS / "plane.png"))
+
+
+def test_a_sweeps_map_is_pointed_at(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    """The five-bar's tip over its workspace: it goes where the map is pointed at, and a sweep's counts are those of the page."""
+    pytest.importorskip("zarr")
+    swept = symkin.sweep(readme_five_bar("planar"), given={"x": np.linspace(-250, 250, 20), "y": np.linspace(-260, 260, 20)},
+                         directory=tmp_path / "map", workers=0)  # fmt: skip
+    page = open_page(swept.view(loci=True).html)
+    assert page.locator("#plane p").inner_text().startswith("Number of real modes, singular curves (type 2)")
+    assert page.locator("#plane .legend").inner_text().split() == ["4", "none"]
+    assert page.evaluate("symkin.modes().length") == 4
+    box = page.locator("#plane canvas").bounding_box()
+    page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.25 * box["height"])
+    page.wait_for_function("symkin.solution().position[1] > 100 && Math.abs(symkin.solution().position[0]) < 5")
+    ARTEFACTS.mkdir(exist_ok=True)
+    page.screenshot(path=str(ARTEFACTS / "map.png"))
+
+
+def test_the_map_of_poses_drags_the_platform(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    """A slice of a workspace: sliders are those of the motors, and the platform goes where the map is pointed at."""
+    pytest.importorskip("zarr")
+    delta, reach = symkin.load("delta"), np.linspace(-120.0, 120.0, 9)
+    swept = symkin.sweep(delta, {"x": reach, "y": reach, "z": [-300.0, -250.0]}, tmp_path / "map", poses=True, quantity="conditioning",
+                         workers=0)  # fmt: skip
+    page = open_page(swept.view(slices={"z": -250.0}).html)
+    assert page.evaluate("symkin.names") == [c.name for c in delta.actuated]
+    assert "z = -250 mm" in page.locator("#plane p").inner_text()
+    box = page.locator("#plane canvas").bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.4 * box["height"])
+    page.wait_for_function("symkin.solution().position[0] > 15 && symkin.solution().position[1] > 15")
+    assert abs(page.evaluate("symkin.solution().position[2]") + 250.0) < 1e-3
+
+
+def test_maps_without_a_page_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("zarr")
+    bars = symkin.load("four_bar")
+    symkin.sweep(bars, given={"crank": [10.0, 20.0]}, directory=tmp_path / "line", workers=0)
+    symkin.sweep(symkin.load("ankle"), given={"upper_motor": [0.0, 5.0], "lower_motor": [0.0, 5.0]}, directory=tmp_path / "ankle",
+                 workers=0)  # fmt: skip
+    for arguments, part in (
+        (("four_bar", "--map", tmp_path / "line"), "is no plane"),
+        (("four_bar", "--map", tmp_path / "ankle"), "the sweep is of ankle"),
+        (("four_bar", "--map", tmp_path / "none"), "none"),
+        (("four_bar", "--map", tmp_path / "line", "--given", "crank=3"), "both --map and --given"),
+        (("four_bar", "--loci"), "belongs to the map"),
+    ):
+        status, _, err = run(capsys, "view", *arguments, "--html", tmp_path / "a.html")
+        assert status == 2
+        assert part in err
+        assert err.count("\n") == 1
 
 
 def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,11 +10,13 @@ import typer
 
 from symkin.cli.help import GIVEN, OUTPUT
 from symkin.cli.options import GivenOption, JointsOption, MechArgument, joints_from, named_from
+from symkin.cli.progress import progress_bar
 from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
+    from symkin.model.mechanism import Mechanism
     from symkin.page.view import View
 
 
@@ -32,6 +35,27 @@ def view(
             rich_help_panel=GIVEN,
         ),
     ] = None,
+    swept: Annotated[
+        Path | None,
+        typer.Option(
+            "--map",
+            metavar="FOLDER",
+            help="A folder of `symkin sweep`: its map is shown, and the mechanism goes where one points.",
+            rich_help_panel=GIVEN,
+        ),
+    ] = None,
+    slices: Annotated[
+        str | None,
+        typer.Option(
+            "--slice",
+            metavar="NAME=VALUE,...",
+            help="Where --map cuts a grid of more than two dimensions.",
+            rich_help_panel=GIVEN,
+        ),
+    ] = None,
+    loci: Annotated[
+        bool, typer.Option("--loci", help="Lay the curves of singular configurations over --map.", rich_help_panel=GIVEN)
+    ] = False,
     html: Annotated[
         Path | None,
         typer.Option("--html", metavar="FILE.html", help="Write the page, and open no browser.", rich_help_panel=OUTPUT),
@@ -42,12 +66,37 @@ def view(
     from symkin.page.view import view_mechanism
 
     mechanism = loaded(mech, read)
+    if swept is not None:
+        for name, value in (("--joints", joints), ("--given", given), ("--path", path)):
+            if value is not None:
+                raise InputError(f"both --map and {name} are given; a map brings its values: give one of them")
+        print(_shown(_of_map(mechanism, swept, slices, loci=loci), html))
+        return
+    if slices is not None or loci:
+        raise InputError(
+            f"{'--slice' if slices is not None else '--loci'} belongs to the map of a sweep; give --map FOLDER, or leave it out"
+        )
     values = _plain(named_from(given, "given", mechanism.angle_unit))
     played = None if path is None else played_path(mechanism, path, values)
     if played is not None and values is None and joints is None:
         values = dict(zip(played.names, played.rows[0], strict=True))
     page = view_mechanism(mechanism, joints_from(joints, "joints", mechanism.angle_unit), values, played)
     print(_shown(page, html))
+
+
+def _of_map(mechanism: Mechanism, folder: Path, slices: str | None, *, loci: bool) -> View:
+    """The page of a sweep's map. Raises InputError for a sweep of another mechanism."""
+    from symkin.page.sweep_plane import view_of_sweep
+    from symkin.sweeps.ranges import read_values
+
+    cuts = {} if slices is None else read_values(slices, "slice", angle_unit=mechanism.angle_unit)
+    with progress_bar("singularity loci") if loci else nullcontext():
+        page = view_of_sweep(folder, cuts, loci=loci)
+    if page.mechanism.to_toml() != mechanism.to_toml():
+        raise InputError(
+            f"--map {folder}: the sweep is of {page.mechanism.name}, or its geometry is another than that of {mechanism.name}"
+        )
+    return page
 
 
 def _shown(page: View, html: Path | None) -> str:

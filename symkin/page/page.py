@@ -54,7 +54,7 @@ def page_html(
     data = {
         "model": made.model,
         "scene": scene_of(mechanism, made.model["links"]),
-        "options": _options(mechanism, made.model, path, start) | ({} if plane is None else {"plane": dict(plane)}),
+        "options": _options(mechanism, made.model, path, start, plane),
     }
     return _filled(
         {
@@ -75,12 +75,22 @@ def _filled(parts: Mapping[str, str]) -> str:
 
 
 def _options(
-    mechanism: Mechanism, model: Mapping[str, Any], path: PlayedPath | None, start: Mapping[str, Any] | None
+    mechanism: Mechanism,
+    model: Mapping[str, Any],
+    path: PlayedPath | None,
+    start: Mapping[str, Any] | None,
+    plane: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
     options: dict[str, Any] = {
         "ranges": {name: _range(mechanism, name, model["values"][name]) for name in model["names"]},
         "frameName": mechanism.frame_name,
     }
+    if plane is not None:
+        options["plane"] = dict(plane)
+        for name, (low, high) in zip(plane["names"], plane["ranges"], strict=True):
+            if name in options["ranges"] and _limits(mechanism, name) is None:
+                least, most = options["ranges"][name]
+                options["ranges"][name] = [min(least, low), max(most, high)]
     if start is not None:
         options["start"] = {"pose": start["pose"], "joints": dict(start["joints"])}
     if path is not None:
@@ -88,6 +98,10 @@ def _options(
         times = None if path.times is None else [float(t) for t in path.times]
         options["path"] = {"title": path.title, "names": list(path.names), "rows": rows, "times": times}
     return options
+
+
+def _limits(mechanism: Mechanism, name: str) -> tuple[float, float] | None:
+    return next((c.limits for c in mechanism.coordinates if c.name == name), None)
 
 
 def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:

@@ -10,19 +10,21 @@ from symkin.errors import InputError
 from symkin.following.track_result import Track
 from symkin.model.mechanism import Mechanism
 from symkin.page.page import PlayedPath
+from symkin.page.sweep_plane import view_of_sweep
 from symkin.page.view import View, view_mechanism
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
 from symkin.singularities.loci import Loci
+from symkin.sweeps.run import Swept
 
 
 def view(result: object, **options: Any) -> View:
     """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
 
-    `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played, or
-    loci, whose plane is shown. `options` of a mechanism: `joints` (all
-    actuated ones) or `given` (any coordinates by name), which get sliders, and `path`, what is played. `.save(file)` writes the page,
-    `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
+    `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played, loci, whose plane is shown, or a sweep, whose
+    map is. `options` of a mechanism: `joints` (all actuated ones) or `given` (any coordinates by name), which get sliders, and
+    `path`, what is played; of a sweep: `slices`, where its map is cut, and `loci`, whether singular curves lie over it. `.save(file)` writes
+    the page, `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
 
     >>> import symkin
     >>> page = symkin.view(symkin.load("four_bar"), given={"crank": 60.0})
@@ -31,6 +33,8 @@ def view(result: object, **options: Any) -> View:
     """
     if isinstance(result, Mechanism):
         return view_mechanism(result, **options)
+    if isinstance(result, Swept) and set(options) <= {"slices", "loci"}:
+        return view_of_sweep(result.folder, **options)
     if options:
         raise InputError(f"view: {', '.join(options)} is not what the page of a {type(result).__name__} takes")
     if isinstance(result, SolveResult) and result.solution is not None:
@@ -45,7 +49,9 @@ def view(result: object, **options: Any) -> View:
         return _of_loci(result)
     if isinstance(result, (Modes, SolveResult, Track)):
         raise InputError("view: there is no configuration to show; the mechanism's own page is symkin.view(mechanism)")
-    raise InputError(f"view: a {type(result).__name__} has no page; mechanisms, modes, solutions, tracks and loci have one")
+    raise InputError(
+        f"view: a {type(result).__name__} has no page; mechanisms, modes, solutions, tracks, loci and sweeps have one"
+    )
 
 
 def _of_solution(solution: Solution, given: Mapping[str, Any]) -> View:

@@ -6,7 +6,6 @@ A grid of more dimensions is cut at the middle of the others, or where `slices` 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,26 +14,18 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.plots.picture_file import check_picture_path, write_picture
 from symkin.plots.style import COLOURS, drawing
-from symkin.plots.sweep_loci import draw_loci, loci_over
+from symkin.plots.sweep_loci import draw_loci
 from symkin.plots.sweep_text import axis_text, write_title
 from symkin.plots.sweep_values import figure_of_values
 from symkin.singularities.loci import Loci
 from symkin.sweeps.interrupts import interrupts_held
-from symkin.sweeps.layout import labels
-from symkin.sweeps.ranges import check_map_is_left, check_slices
+from symkin.sweeps.map_loci import loci_over
+from symkin.sweeps.map_slice import SHOWN, TITLES, MapSlice, check_map, edges, map_slice, opened
 from symkin.sweeps.run import Swept
-from symkin.sweeps.store import read_attributes, require_zarr
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_SHOWN = {"modes": "count", "conditioning": "least_condition", "reach": "count_within_limits"}
-"""The array that is drawn of each quantity."""
-_TITLES = {
-    "count": "Number of real modes",
-    "least_condition": "Condition of the best mode",
-    "count_within_limits": "Number of real modes within limits",
-}
 _NONE, _UNKNOWN = "#dfe3e8", "#ffffff"
 """Colours of cells without a mode, and of points that are not counted."""
 _CROSS: dict[str, Any] = {"marker": "x", "color": "#b03a48", "linewidths": 0.8}
@@ -44,40 +35,6 @@ _MOST_ENTRIES = 12
 """Counts that the legend of a map names one by one; of more, it names evenly spaced ones."""
 _NARROW = 20.0
 """Ratio of conditions below which powers of ten alone make too few ticks."""
-_MOST_POINTS = 200_000
-"""Points of a sample that are drawn."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Slice:
-    """What is drawn: `values` along the axes `x` and `y` (None for a curve), each (name, unit, coordinates); `fixed` says
-    where the others are cut, `cuts` in numbers; `scattered`: coordinates belong to single points."""
-
-    values: np.ndarray
-    x: tuple[str, str, np.ndarray]
-    y: tuple[str, str, np.ndarray] | None
-    fixed: tuple[str, ...]
-    scattered: bool
-    cuts: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """The ends of each axis, of a grid those of its cells."""
-        axes = [axis for axis in (self.x, self.y) if axis is not None]
-        ends = {name: values if self.scattered or len(values) < 2 else _edges(values) for name, _, values in axes}
-        return {name: (float(values.min()), float(values.max())) for name, values in ends.items()}
-
-    @property
-    def some(self) -> list[float]:
-        """The point with a mode that is nearest to the middle; empty where none has one."""
-        axes = [axis[2] for axis in (self.x, self.y) if axis is not None]
-        flat = np.stack(axes if self.scattered else [a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=1)
-        values = self.values.ravel().astype(float)
-        spans = [high - low or 1.0 for low, high in self.ranges.values()]
-        away = np.linalg.norm((flat - flat.mean(axis=0)) / spans, axis=1)
-        away[~np.isfinite(values) | (values == 0)] = np.inf
-        place = int(np.argmin(away))
-        return [float(v) for v in flat[place]] if np.isfinite(away[place]) else []
 
 
 def draw_sweep(folder: Path | str, path: Path | str, *, slices: Mapping[str, float] | None = None) -> None:
@@ -98,17 +55,14 @@ def figure_of_sweep(
 
     slices, folder = slices or {}, sweep.folder if isinstance(sweep, Swept) else Path(sweep)
     with interrupts_held():
-        attributes, data = _opened(folder)
-        sampled = attributes["sample"] is not None
-        names = list(attributes["axes"])
-        check_slices(slices, {n: data[label].values for n, label in zip(names, labels(names), strict=True)}, sampled=sampled)
-        check_map_is_left(slices, names)
+        attributes, data = opened(folder)
+        check_map(attributes, data, slices)
         if of and loci is not False:
             raise InputError("plot: loci are laid over the map, and `of` draws points or joints in its place; give one of them")
         if of:
             return figure_of_values(attributes, data, (of,) if isinstance(of, str) else tuple(of), slices)
-        name = _SHOWN[attributes["quantity"]]
-        part = _sampled(attributes, data, name) if sampled else _cut(attributes, data, name, slices)
+        name = SHOWN[attributes["quantity"]]
+        part = map_slice(attributes, data, name, slices)
     curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
     with drawing():
         figure = Figure(figsize=(7.4, 6.0 if part.y else 4.4), facecolor="white", layout="constrained")
@@ -126,55 +80,10 @@ def figure_of_sweep(
     return figure
 
 
-def _opened(folder: Path) -> tuple[dict[str, Any], Any]:
-    require_zarr()
-    import xarray
-
-    attributes = read_attributes(folder)
-    if attributes is None:
-        raise InputError(f"{folder}: holds no sweep")
-    return attributes, xarray.open_zarr(folder)
-
-
-# --- slices ------------------------------------------------------------------------------------------------------
-
-
-def _cut(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]) -> _Slice:
-    """A grid, cut so that at most two axes are left: those of most values, unless `slices` cuts them."""
-    names = list(attributes["axes"])
-    axes = {n: (n, data[label].attrs["units"], data[label].values) for n, label in zip(names, labels(names), strict=True)}
-    long = [n for n in names if n not in slices and len(axes[n][2]) > 1]
-    shown = long[:2] or [n for n in names if n not in slices][:1] or names[:1]
-    places: list[slice | int] = []
-    fixed, cuts = [], {}
-    for n in names:
-        values = axes[n][2]
-        if n in shown:
-            places.append(slice(None))
-            continue
-        middle = values[(len(values) - 1) // 2]
-        place = int(np.argmin(np.abs(values - slices.get(n, middle))))
-        places.append(place)
-        fixed.append(f"{n} = {values[place]:.5g} {axes[n][1]}")
-        cuts[n] = float(values[place])
-    values = data[name][tuple(places)].values
-    return _Slice(values, axes[shown[0]], axes[shown[1]] if len(shown) > 1 else None, tuple(fixed), False, cuts)
-
-
-def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> _Slice:
-    """The first points of a sample over the first two swept values."""
-    names = list(attributes["axes"])
-    part = slice(0, _MOST_POINTS)
-    axes = [(n, data[label].attrs["units"], data[label][part].values) for n, label in zip(names, labels(names), strict=True)]
-    values = data[name][part].values
-    fixed = (f"all values of {', '.join(names[2:])}",) if len(names) > 2 else ()
-    return _Slice(values, axes[0], axes[1] if len(names) > 1 else None, fixed, True)
-
-
 # --- drawing -----------------------------------------------------------------------------------------------------
 
 
-def _curve(ax: Any, part: _Slice, name: str) -> None:
+def _curve(ax: Any, part: MapSlice, name: str) -> None:
     values = np.where(part.values < 0, np.nan, part.values.astype(float))
     x, look = part.x[2], {"color": COLOURS["platform edge"]}
     if part.scattered or len(x) < 2:
@@ -198,11 +107,11 @@ def _curve(ax: Any, part: _Slice, name: str) -> None:
         ax.yaxis.get_major_locator().set_params(integer=True)
         ax.set_ylim(bottom=-0.3, top=max(1.0, float(np.nanmax(values, initial=0.0))) + 0.7)
     note = " (cross: no mode)" if name == "least_condition" and empty.any() else ""
-    ax.set_ylabel(_TITLES[name].lower() + note, color=COLOURS["quiet"])
+    ax.set_ylabel(TITLES[name].lower() + note, color=COLOURS["quiet"])
     ax.grid(True)
 
 
-def _painted(ax: Any, part: _Slice, **look: Any) -> Any:
+def _painted(ax: Any, part: MapSlice, **look: Any) -> Any:
     """Cells of a grid, or points of a sample, with their values as colours; single points without a value get marks."""
     assert part.y is not None  # noqa: S101 - curves are drawn elsewhere
     if part.scattered:
@@ -211,18 +120,10 @@ def _painted(ax: Any, part: _Slice, **look: Any) -> Any:
         for mark, where in ((_CROSS, np.isnan(part.values) | (part.values == 0)), (_PLUS, part.values < 0)):
             ax.scatter(part.x[2][where], part.y[2][where], s=size, rasterized=True, **mark)
         return drawn
-    return ax.pcolormesh(_edges(part.x[2]), _edges(part.y[2]), part.values.T, rasterized=True, **look)
+    return ax.pcolormesh(edges(part.x[2]), edges(part.y[2]), part.values.T, rasterized=True, **look)
 
 
-def _edges(values: np.ndarray) -> np.ndarray:
-    """Edges of the cells about rising values."""
-    if len(values) == 1:
-        return np.asarray(values[0] + np.array([-0.5, 0.5]))
-    middle = 0.5 * (values[1:] + values[:-1])
-    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
-
-
-def _discrete_map(ax: Any, part: _Slice) -> None:
+def _discrete_map(ax: Any, part: MapSlice) -> None:
     """A colour for each count that occurs; its legend names them with their shares."""
     from matplotlib import colormaps
     from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -243,7 +144,7 @@ def _discrete_map(ax: Any, part: _Slice) -> None:
     ax.legend(handles, texts, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9, labelcolor=COLOURS["text"])
 
 
-def _continuous_map(figure: Figure, ax: Any, part: _Slice) -> None:
+def _continuous_map(figure: Figure, ax: Any, part: MapSlice) -> None:
     from matplotlib.colors import LogNorm
     from matplotlib.ticker import LogLocator
 
@@ -258,9 +159,9 @@ def _continuous_map(figure: Figure, ax: Any, part: _Slice) -> None:
     bar.ax.tick_params(colors=COLOURS["quiet"])
 
 
-def _words(figure: Figure, ax: Any, part: _Slice, attributes: Mapping[str, Any], name: str) -> None:
+def _words(figure: Figure, ax: Any, part: MapSlice, attributes: Mapping[str, Any], name: str) -> None:
     """Title, what is fixed, labels of the axes."""
-    write_title(figure, ax, _TITLES[name], attributes, part.fixed)
+    write_title(figure, ax, TITLES[name], attributes, part.fixed)
     ax.set_xlabel(axis_text(attributes, part.x[0], part.x[1]), color=COLOURS["quiet"], parse_math=False)
     if part.y is not None:
         ax.set_ylabel(axis_text(attributes, part.y[0], part.y[1]), color=COLOURS["quiet"], parse_math=False)

@@ -1,19 +1,41 @@
-// A plane of two coordinates with singular curves: where the mechanism is, and a place to point at where it shall go.
+// A plane of two coordinates with singular curves and the map of a sweep: where the mechanism is, and a place to point at where it shall go.
 const COLOURS = { "type 1": "#d55e00", "type 2": "#0072b2", passive: "#009e73" };
 const SIDE = 14; // pixels around the plane
+const SHADES = ["#46327e", "#365c8d", "#277f8e", "#1fa187", "#4ac16d", "#a0da39", "#fde725"]; // viridis
+const NO_MODE = { light: "#dfe3e8", dark: "#333a44" };
+const MOST_APART = Math.log(1.5); // of the sides' lengths
+const MOST_ENTRIES = 8; // counts that the legend names
+
+/** The colour of each value of a map, and what the legend says: [[colour, text], ...]. */
+function coloured({ values, condition }) {
+  const shade = (share) => SHADES[Math.round(share * (SHADES.length - 1))];
+  const positive = [...new Set(values.filter((value) => value > 0))].sort((a, b) => a - b);
+  const low = Math.log(positive[0]), span = Math.log(positive.at(-1)) - low || 1, place = new Map(positive.map((value, k) => [value, k]));
+  if (condition) {
+    const ends = [...new Set([positive[0], Math.exp(low + span / 2), positive.at(-1)])];
+    const colour = (value) => (value > 0 ? shade(1 - (Math.log(value) - low) / span) : null);
+    return { colour, legend: ends.map((value) => [colour(value), `${Number(value.toPrecision(3))}`]) };
+  }
+  const colour = (value) => (value > 0 ? shade(positive.length > 1 ? place.get(value) / (positive.length - 1) : 0) : null);
+  const named = positive.filter((_, k) => positive.length <= MOST_ENTRIES || k % Math.ceil(positive.length / MOST_ENTRIES) === 0);
+  return { colour, legend: named.map((value) => [colour(value), `${value}`]) };
+}
 
 export class PlaneMap {
-  /** `plane` {names, units, ranges, held, curves: [{kind, points}]}; `go(u, v)` moves there; `now()` tells where it is. */
+  /** `plane` {names, units, ranges, held, curves: [{kind, points}], map: {title, values, condition, every, edges or points} or absent};
+   * `go(u, v)` moves there; `now()` tells where it is. */
   constructor(element, plane, { go, now, ink }) {
     Object.assign(this, { plane, go, now, ink });
     element.hidden = false;
     const kinds = [...new Set(plane.curves.map((curve) => curve.kind))];
     const title = Object.assign(document.createElement("p"), { className: "path-title" });
-    title.textContent = `Singular curves${kinds.length ? ` (${kinds.join(", ")})` : ": none met"}; ${plane.held}`;
+    const curves = `ingular curves${kinds.length ? ` (${kinds.join(", ")})` : ": none met"}`, told = kinds.length > 0 || !plane.map;
+    title.textContent = plane.map ? `${plane.map.title}${told ? `, s${curves}` : ""}; ${plane.held}` : `S${curves}; ${plane.held}`;
+    if (plane.map) this._legend(title);
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", `Plane of ${plane.names.join(" and ")} with singular curves; point at a place to go there, or use the sliders`);
+    this.canvas.setAttribute("aria-label", `Plane of ${plane.names.join(" and ")} with ${plane.map ? "the map of a sweep" : "singular curves"}; point at a place to go there, or use the sliders`);
     element.append(title, this.canvas);
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
@@ -21,6 +43,43 @@ export class PlaneMap {
     });
     this.canvas.addEventListener("pointermove", (event) => event.buttons && this._point(event));
     new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+
+  _legend(title) {
+    const { colour, legend } = coloured(this.plane.map);
+    this.colour = colour;
+    const { every } = this.plane.map, entries = [...legend, [null, "none"]];
+    if (every > 1) title.append(`; one point of ${every} each way`);
+    const list = Object.assign(document.createElement("span"), { className: "legend" });
+    for (const [shade, text] of entries) {
+      const swatch = Object.assign(document.createElement("i"), { className: shade ? "" : "no-mode" });
+      if (shade) swatch.style.background = shade;
+      list.append(swatch, `${text} `);
+    }
+    title.append(" ", list);
+  }
+
+  /** The map's cells or dots, drawn once for each size and theme. */
+  _map(at, width, height, ratio) {
+    const { edges, points, values } = this.plane.map, none = NO_MODE[document.documentElement.dataset.theme === "dark" ? "dark" : "light"];
+    const key = [width, height, ratio, none].join();
+    if (this.drawn?.key === key) return this.drawn.canvas;
+    const canvas = Object.assign(document.createElement("canvas"), { width: width * ratio, height: height * ratio }), pen = canvas.getContext("2d");
+    pen.scale(ratio, ratio);
+    values.forEach((value, k) => {
+      if (points && value === null) return;
+      pen.fillStyle = value === null && !this.plane.map.condition ? "#fff" : (this.colour(value) ?? none);
+      if (points) {
+        const [x, y] = at(points[k]);
+        return pen.fillRect(x - 1.5, y - 1.5, 3, 3);
+      }
+      const n = edges[1].length - 1, i = Math.floor(k / n), j = k % n;
+      const whole = (place) => at(place).map((v) => Math.round(v * ratio) / ratio); // no seams between cells
+      const [x0, y1] = whole([edges[0][i], edges[1][j]]), [x1, y0] = whole([edges[0][i + 1], edges[1][j + 1]]);
+      pen.fillRect(x0, y0, x1 - x0, y1 - y0);
+    });
+    this.drawn = { key, canvas };
+    return canvas;
   }
 
   /** Go to the place pointed at, once a frame. */
@@ -39,7 +98,11 @@ export class PlaneMap {
   }
 
   draw() {
-    const { canvas, plane } = this, ratio = Math.min(window.devicePixelRatio || 1, 2), width = canvas.clientWidth, height = canvas.clientHeight;
+    const { canvas, plane } = this, ratio = Math.min(window.devicePixelRatio || 1, 2), width = canvas.clientWidth;
+    const [across, up] = plane.ranges.map(([low, high]) => high - low);
+    // one scale for both sides, where they have one unit and are about as long
+    if (plane.units[0] === plane.units[1] && Math.abs(Math.log(up / across)) < MOST_APART) canvas.style.height = `${((width - 2 * SIDE) * up) / across + 2 * SIDE}px`;
+    const height = canvas.clientHeight;
     canvas.width = width * ratio;
     canvas.height = height * ratio;
     const pen = canvas.getContext("2d"), [[u0, u1], [v0, v1]] = plane.ranges;
@@ -51,14 +114,18 @@ export class PlaneMap {
     pen.beginPath();
     pen.rect(SIDE, SIDE, width - 2 * SIDE, height - 2 * SIDE);
     pen.clip();
+    if (plane.map) pen.drawImage(this._map(at, width, height, ratio), 0, 0, width, height);
     for (const { kind, points } of plane.curves) this._curve(pen, points.map(at), COLOURS[kind] ?? this.ink("loop"));
     pen.restore();
     this._words(pen, width, height);
     const [x, y] = at(this.now());
     pen.fillStyle = this.ink("accent");
+    pen.strokeStyle = "#fff";
+    pen.lineWidth = 1.5;
     pen.beginPath();
     pen.arc(x, y, 5, 0, 2 * Math.PI);
     pen.fill();
+    pen.stroke();
   }
 
   _curve(pen, places, colour) {

@@ -1,0 +1,131 @@
+"""The part of a sweep that a map shows: one quantity over one or two of the swept values, the others cut."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symkin.errors import InputError
+from symkin.model.file import parse
+from symkin.sweeps.layout import labels
+from symkin.sweeps.ranges import check_map_is_left, check_slices
+from symkin.sweeps.space import Axis, Space
+from symkin.sweeps.store import read_attributes, require_zarr
+
+SHOWN = {"modes": "count", "conditioning": "least_condition", "reach": "count_within_limits"}
+"""The array that is shown of each quantity."""
+TITLES = {
+    "count": "Number of real modes",
+    "least_condition": "Condition of the best mode",
+    "count_within_limits": "Number of real modes within limits",
+}
+_MOST_POINTS = 200_000
+"""Points of a sample that are shown."""
+
+
+@dataclass(frozen=True, eq=False)
+class MapSlice:
+    """What is shown: `values` along the axes `x` and `y` (None for a curve), each (name, unit, coordinates); `fixed` says
+    where the others are cut, `cuts` in numbers; `scattered`: coordinates belong to single points."""
+
+    values: np.ndarray
+    x: tuple[str, str, np.ndarray]
+    y: tuple[str, str, np.ndarray] | None
+    fixed: tuple[str, ...]
+    scattered: bool
+    cuts: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """The ends of each axis, of a grid those of its cells."""
+        axes = [axis for axis in (self.x, self.y) if axis is not None]
+        ends = {name: values if self.scattered or len(values) < 2 else edges(values) for name, _, values in axes}
+        return {name: (float(values.min()), float(values.max())) for name, values in ends.items()}
+
+    @property
+    def some(self) -> list[float]:
+        """The point with a mode that is nearest to the middle; empty where none has one."""
+        axes = [axis[2] for axis in (self.x, self.y) if axis is not None]
+        flat = np.stack(axes if self.scattered else [a.ravel() for a in np.meshgrid(*axes, indexing="ij")], axis=1)
+        values = self.values.ravel().astype(float)
+        spans = [high - low or 1.0 for low, high in self.ranges.values()]
+        away = np.linalg.norm((flat - flat.mean(axis=0)) / spans, axis=1)
+        away[~np.isfinite(values) | (values == 0)] = np.inf
+        place = int(np.argmin(away))
+        return [float(v) for v in flat[place]] if np.isfinite(away[place]) else []
+
+
+def opened(folder: Path) -> tuple[dict[str, Any], Any]:
+    """A sweep's attributes and arrays. Raises InputError for a folder that holds none."""
+    require_zarr()
+    import xarray
+
+    attributes = read_attributes(folder)
+    if attributes is None:
+        raise InputError(f"{folder}: holds no sweep")
+    return attributes, xarray.open_zarr(folder)
+
+
+def check_map(attributes: Mapping[str, Any], data: Any, slices: Mapping[str, float]) -> None:
+    """Raise InputError for slices outside what is swept, and where they leave no map."""
+    names = list(attributes["axes"])
+    values = {n: data[label].values for n, label in zip(names, labels(names), strict=True)}
+    check_slices(slices, values, sampled=attributes["sample"] is not None)
+    check_map_is_left(slices, names)
+
+
+def map_slice(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]) -> MapSlice:
+    """The array `name` of a sweep, cut at `slices`: the nearest grid values are taken."""
+    return _sampled(attributes, data, name) if attributes["sample"] is not None else _cut(attributes, data, name, slices)
+
+
+def space_of(attributes: Mapping[str, Any]) -> Space:
+    """What a sweep went over, from its folder: points of it give the arguments of `symkin.modes`."""
+    axes = tuple(Axis(name, "", np.zeros(1)) for name in attributes["axes"])
+    base = attributes["base"]
+    told = base if isinstance(base, Mapping) else tuple(base)
+    return Space(parse(attributes["mechanism_file"]), attributes["sweeps over"], axes, told)
+
+
+def _cut(attributes: Mapping[str, Any], data: Any, name: str, slices: Mapping[str, float]) -> MapSlice:
+    """A grid, cut so that at most two axes are left: those of most values, unless `slices` cuts them."""
+    names = list(attributes["axes"])
+    axes = {n: (n, data[label].attrs["units"], data[label].values) for n, label in zip(names, labels(names), strict=True)}
+    long = [n for n in names if n not in slices and len(axes[n][2]) > 1]
+    shown = long[:2] or [n for n in names if n not in slices][:1] or names[:1]
+    places: list[slice | int] = []
+    fixed, cuts = [], {}
+    for n in names:
+        values = axes[n][2]
+        if n in shown:
+            places.append(slice(None))
+            continue
+        middle = values[(len(values) - 1) // 2]
+        place = int(np.argmin(np.abs(values - slices.get(n, middle))))
+        places.append(place)
+        fixed.append(f"{n} = {values[place]:.5g} {axes[n][1]}")
+        cuts[n] = float(values[place])
+    values = data[name][tuple(places)].values
+    return MapSlice(values, axes[shown[0]], axes[shown[1]] if len(shown) > 1 else None, tuple(fixed), False, cuts)
+
+
+def _sampled(attributes: Mapping[str, Any], data: Any, name: str) -> MapSlice:
+    """The first points of a sample over the first two swept values."""
+    names = list(attributes["axes"])
+    part = slice(0, _MOST_POINTS)
+    axes = [(n, data[label].attrs["units"], data[label][part].values) for n, label in zip(names, labels(names), strict=True)]
+    values = data[name][part].values
+    fixed = (f"all values of {', '.join(names[2:])}",) if len(names) > 2 else ()
+    return MapSlice(values, axes[0], axes[1] if len(names) > 1 else None, fixed, True)
+
+
+def edges(values: np.ndarray) -> np.ndarray:
+    """Edges of the cells about rising values."""
+    if len(values) == 1:
+        return np.asarray(values[0] + np.array([-0.5, 0.5]))
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
