@@ -14,6 +14,7 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.samples import readme_five_bar
+from symkin import RodLimb
 from symkin.errors import InputError
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -151,6 +152,25 @@ def test_it_stops_where_track_stops(name: str, open_page: Callable[..., Any]) ->
     ARTEFACTS.mkdir(exist_ok=True)
     page.wait_for_timeout(300)
     page.screenshot(path=str(ARTEFACTS / f"stop_{name}.png"))
+
+
+def test_a_singular_start_is_told(open_page: Callable[..., Any]) -> None:
+    """Six rods with base and platform in one plane: the platform moves out of it at first order, and no slider is followed from there."""
+    rods = [RodLimb(f"leg{k}", (300 * np.cos(a), 300 * np.sin(a), 0.0), (150 * np.cos(b), 150 * np.sin(b), 0.0))
+            for k, (a, b) in enumerate(np.radians([(10, 50), (110, 70), (130, 170), (230, 190), (250, 290), (350, 310)]), start=1)]  # fmt: skip
+    page = open_page(symkin.view(symkin.Mechanism("flat", rods)).html)
+    told = page.locator("#status").inner_text()
+    assert "This configuration is singular" in told
+    assert "as the arrow shows" in told
+
+
+def test_joints_that_move_at_a_stop_are_named(open_page: Callable[..., Any]) -> None:
+    """A delta's platform too low: each motor turns a little while the platform stands, with its arm and rods in one line."""
+    page = open_page(symkin.view(symkin.load("delta"), given={"x": 0.0, "y": 0.0, "z": -200.0}).html)
+    stop = page.evaluate("symkin.set({x: 0, y: 0, z: -700}).stop")
+    assert stop["kind"] == "singularity"
+    assert stop["motion"] is None
+    assert "(motor1, motor2, motor3)" in stop["sentence"]
 
 
 def test_sliders_and_fields_move_it(open_page: Callable[..., Any]) -> None:

@@ -80,7 +80,6 @@ function tell(stop) {
   drawing.clearExtras("twist");
   const at = solver.solution()?.position;
   if (stop?.motion && at) drawing.showTwist(stop.motion, at);
-  else if (stop?.wrench && at) drawing.showTwist(stop.wrench, at, "accent");
 }
 
 /** Mark on every slider how far it may move on. */
@@ -255,7 +254,7 @@ $("hints").textContent = scene.items.some((item) => item.role === "platform")
 takeStart();
 $("notes").textContent = scene.notes.join(" ");
 dress(options.dark ?? window.matchMedia?.("(prefers-color-scheme: dark)").matches ?? false);
-moved({ reached: true, share: 1, stop: null });
+moved({ reached: true, share: 1, stop: solver.stopHere() });
 drawing.fit();
 new ResizeObserver(() => drawing.resize()).observe($("stage"));
 requestAnimationFrame(frame);

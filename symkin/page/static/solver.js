@@ -11,6 +11,8 @@ const CORRECTION = 0.25; // share of a predicted step that Newton may add to it
 const CONTRACTION = 0.2; // of Newton's second step over its first
 const SMALLEST = 1e-7; // share of a movement below which a step is given up
 const ESCAPE = 1e-14; // the same for a first step that leads away from a singularity
+const SINGULAR = 1e-6; // the same at the start, below which a configuration is singular
+const STANDS = 1e-3; // share of a motion below which the platform, or a joint, stands in it
 const NEAR = 0.05; // smallest singular value, of the largest, below which a halt is told as a singularity
 
 export function createSolver(model, generated) {
@@ -174,14 +176,23 @@ class Solver {
     if (halt.limit) {
       const value = this._out(halt.limit.kind, halt.limit.value), unit = this.units[halt.limit.name] ?? "";
       const sentence = `Stopped after ${percent} of the way: ${halt.limit.name} is at its limit of ${Number(value.toPrecision(6))} ${unit}.`;
-      return { kind: "limit", sentence, motion: null, wrench: null, limit: { name: halt.limit.name, value } };
+      return { kind: "limit", sentence, motion: null, limit: { name: halt.limit.name, value } };
     }
-    const ratio = this.distanceToSingularity(), motion = this._singularMotion();
+    const ratio = this.distanceToSingularity(), { motion, sentence: moves } = this._singularMotion();
     const sentence =
       ratio < NEAR
-        ? `Stopped after ${percent} of the way, at a singularity: the mechanism can move a little with these values held${motion ? ", as the arrow shows" : ""}, and beyond it this mode does not go on.`
+        ? `Stopped after ${percent} of the way, at a singularity: ${moves}, and beyond it this mode does not go on.`
         : `Stopped after ${percent} of the way: this mode cannot be followed further.`;
-    return { kind: ratio < NEAR ? "singularity" : "lost", sentence, motion: ratio < NEAR ? motion : null, wrench: null, ratio };
+    return { kind: ratio < NEAR ? "singularity" : "lost", sentence, motion: ratio < NEAR ? motion : null, ratio };
+  }
+
+  /** What `set` would stop at where the mechanism stands: null where it is regular. */
+  stopHere() {
+    const ratio = this.distanceToSingularity();
+    if (ratio === null || ratio >= SINGULAR) return null;
+    const { motion, sentence } = this._singularMotion();
+    const where = "begin elsewhere, with --joints, --given, or [example] in the file";
+    return { kind: "singularity", sentence: `This configuration is singular: ${sentence}, so that no movement is followed from it; ${where}.`, motion, ratio };
   }
 
   /** Smallest singular value of the unknowns' Jacobian over the largest, lengths over the size. */
@@ -193,10 +204,21 @@ class Solver {
     return singularPair(this._linearise(x), this.rows.length, this.unknown.length).ratio;
   }
 
-  /** The platform's twist (velocity, angular velocity) in the motion that the given values hold least. */
+  /** The motion that the given values hold least: the platform's twist (velocity, angular velocity; null where it stands), and in words. */
   _singularMotion() {
-    if (!this.model.hasPlatform) return null;
     const { vector } = singularPair(this._linearise(this.x), this.rows.length, this.unknown.length);
+    const twist = this.model.hasPlatform ? this._twistOf(vector) : null, length = (k) => (k < 3 ? 1 / this.size : 1);
+    const motion = twist && Math.hypot(...twist.map((v, k) => v * length(k))) > STANDS ? twist : null;
+    const rates = this.model.coordinates.flatMap((c) => {
+      const k = this.unknown.indexOf(c.place);
+      return k < 0 || c.kind === "quaternion" || c.name.startsWith("pose.") ? [] : [[c.name, Math.abs(vector[k])]];
+    });
+    const most = Math.max(...rates.map(([, rate]) => rate)), named = rates.filter(([, rate]) => rate > 0.3 * most && most > STANDS).slice(0, 3);
+    const how = motion ? ", as the arrow shows" : named.length ? ` (${named.map(([name]) => name).join(", ")})` : "";
+    return { motion, sentence: `the mechanism can move a little with these values held${how}` };
+  }
+
+  _twistOf(vector) {
     const pose = new Float64Array(7), gradients = new Float64Array(7 * this.model.width), rates = new Float64Array(7);
     this.functions.pose(this.x, pose, gradients);
     for (let r = 0; r < 7; r++) this.unknown.forEach((place, k) => (rates[r] += gradients[r * this.model.width + place] * vector[k]));
