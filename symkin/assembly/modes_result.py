@@ -13,6 +13,7 @@ from symkin.position.problem import Problem
 from symkin.position.solution import Solution, finite, heading
 from symkin.position.table import given_text, solution_table
 from symkin.result import Result, Summary
+from symkin.text import counted
 
 Completeness = Literal["proved", "probability one", "incomplete", "sampled"]
 
@@ -168,7 +169,8 @@ class Modes(Result):
         count, unit = len(self), self.problem.mechanism.length_unit
         parts = [f"{self._count()}; completeness: {self.completeness}"]
         if self.complex_count is not None and self.method != "forward":
-            parts.append(f"{self.complex_count} complex solutions, {self.unresolved_paths} unresolved paths")
+            paths = self.unresolved_paths or 0
+            parts.append(f"{counted(self.complex_count, 'complex solution')}, {counted(paths, 'unresolved path')}")
         radii = [mode.radius or 0.0 for mode in self if mode.certified]
         if radii:
             every = "each mode" if len(radii) == count else f"{len(radii)} of them"
