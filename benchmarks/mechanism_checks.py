@@ -113,7 +113,11 @@ class Checks:
         self.times[arguments[0]] = self.times.get(arguments[0], 0.0) + time.process_time() - begin
         key = f"{arguments[0]} {run.status}"
         self.statuses[key] = self.statuses.get(key, 0) + 1
-        lines = [line for line in run.error.strip().splitlines() if not _PROGRESS.fullmatch(line)]
+        lines = [
+            line
+            for line in run.error.strip().splitlines()
+            if not _PROGRESS.fullmatch(line) and not line.startswith("symkin: note: ")
+        ]
         if run.status == 2:
             if len(lines) != 1 or not lines[0].startswith("symkin: ") or run.out:
                 self.found("traceback", f"status 2 with {len(lines)} lines on stderr: {_short(run.error)}", run)

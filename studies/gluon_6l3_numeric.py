@@ -127,7 +127,7 @@ def joint_lists(found: Modes) -> list[np.ndarray]:
 
 
 def continued(arm: symkin.Mechanism, T: np.ndarray) -> Modes:
-    return symkin.modes(arm, pose=symkin.Pose.from_matrix(T))
+    return symkin.modes(arm, pose=symkin.Pose.from_matrix(T), method="continuation")
 
 
 def sampled(arm: symkin.Mechanism, T: np.ndarray, solver: str, starts: int, seed: int) -> Modes:

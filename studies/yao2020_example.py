@@ -155,7 +155,7 @@ def report_solutions(report: Report, arm: symkin.Mechanism) -> list[np.ndarray]:
     solutions = inverse(TIP, goal_rotation())
     for k, q in enumerate(solutions, start=1):
         row(f"inverse, solution {k}: theta1..5, L6", PRINTED if k == 1 else None, q, "deg, mm", run=inverse)
-    found = symkin.modes(arm, pose=pose)
+    found = symkin.modes(arm, pose=pose, method="continuation")
     row("solutions by return of the axes, by continuation", None, [len(solutions), len(found)], run=(inverse, found))
     row("completeness", None, statement(found), run=found)
     row(
@@ -182,7 +182,7 @@ def report_random(report: Report, arm: symkin.Mechanism) -> None:
     poses, total = [symkin_pose(A, R) for A, R in goals], sum(len(e) for e in exact)
     sizes = [len(e) for e in exact]
     row("random poses with 4, with 8 solutions", None, [sizes.count(4), sizes.count(8)], run=inverse)
-    found = [symkin.modes(arm, pose=pose) for pose in poses]
+    found = [symkin.modes(arm, pose=pose, method="continuation") for pose in poses]
     row(
         f"random poses, of {SETS}: continuation = return of the axes",
         None,

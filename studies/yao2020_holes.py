@@ -149,7 +149,10 @@ def _report_seat(report: Report, arm: symkin.Mechanism) -> None:
 def _report_reach(report: Report, arm: symkin.Mechanism) -> None:
     """The stadium against enumeration just inside and outside of it, and against the place where a track stops."""
     for z in (D1, D1 + 150.0):
-        here, place = [symkin.modes(arm, pose=symkin_pose(outward(z, d), np.eye(3))) for d in (-1.0, 1.0)], f"reach at z = {z:g}"
+        here, place = (
+            [symkin.modes(arm, pose=symkin_pose(outward(z, d), np.eye(3)), method="continuation") for d in (-1.0, 1.0)],
+            f"reach at z = {z:g}",
+        )
         label = f"{place}: solutions 1 mm inside and 1 mm outside of it on the face, by continuation"
         report.row(label, None, [len(found) for found in here], place="3.3", run=here)
         track = track_outward(arm, z)

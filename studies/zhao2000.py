@@ -244,7 +244,7 @@ def report_direct(report: Report, platform: symkin.Mechanism) -> list[np.ndarray
     for k, (pose, paper) in enumerate(zip(poses, PAPER_POSES, strict=True), start=1):
         verdict = "reproduced" if k <= 2 else "refuted"
         report.row(f"direct, closed form, pose {k}", paper, pose, "mm, deg", place="4", run=closed_form, verdict=verdict)
-    found = symkin.modes(platform, joints=INPUT)
+    found = symkin.modes(platform, joints=INPUT, method="continuation")
     modes = [pose_numbers(m.pose) for m in found]
     report.row("poses by continuation", 4, len(modes), place="4", run=found)
     report.row("completeness, line model", None, statement(found), place="4", run=found)

@@ -16,7 +16,7 @@ import pytest
 
 import symkin
 from helpers.samples import pieper
-from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import STUDIES, Outcome, assert_complete
 from symkin import Joint, Limb, Mechanism
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
@@ -35,15 +35,6 @@ SOLUTIONS = [[15.0] * 6, [15.0, 30.0, -15.0, 30.0, 15.0, 15.0]]
 @pytest.fixture(scope="module")
 def gluon(tmp_path_factory) -> Outcome:
     return Outcome("gluon_6l3", tmp_path_factory.mktemp("gluon"), "--poses", "20", "--points", "5")
-
-
-@pytest.mark.slow
-def test_rows_quote_what_was_run(gluon):
-    assert_rows_quote_runs(gluon)
-
-
-def test_docs_show_the_table(gluon):
-    assert_docs_show(gluon)
 
 
 def test_gluon_errata(gluon):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import STUDIES, Outcome, assert_complete
 
 sys.path.insert(0, str(STUDIES))
 import ren2008_errors as errors
@@ -36,15 +36,6 @@ def ren(tmp_path_factory) -> Outcome:
 
 
 # --- rows --------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.slow
-def test_rows_quote_what_was_run(ren):
-    assert_rows_quote_runs(ren)
-
-
-def test_docs_show_the_table(ren):
-    assert_docs_show(ren)
 
 
 def test_errata_and_pictures(ren):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import STUDIES, Outcome, assert_complete
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -34,15 +34,6 @@ def yao(tmp_path_factory) -> Outcome:
 @pytest.fixture
 def studies(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(STUDIES))
-
-
-@pytest.mark.slow
-def test_rows_quote_what_was_run(yao):
-    assert_rows_quote_runs(yao)
-
-
-def test_docs_show_the_table(yao):
-    assert_docs_show(yao)
 
 
 def test_errata_and_pictures(yao):

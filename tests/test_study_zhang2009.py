@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from helpers.study_outcome import STUDIES, Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import STUDIES, Outcome, assert_complete
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -25,15 +25,6 @@ MIRROR = np.array([1, 1, -1, -1, -1, 1])
 @pytest.fixture(scope="module")
 def zhang(tmp_path_factory) -> Outcome:
     return Outcome("zhang2009", tmp_path_factory.mktemp("zhang2009"), "--points", "5")
-
-
-@pytest.mark.slow
-def test_rows_quote_what_was_run(zhang):
-    assert_rows_quote_runs(zhang)
-
-
-def test_docs_show_the_table(zhang):
-    assert_docs_show(zhang)
 
 
 def test_zhang_errata_and_pictures(zhang):

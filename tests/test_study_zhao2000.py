@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from helpers.study_outcome import Outcome, assert_complete, assert_docs_show, assert_rows_quote_runs
+from helpers.study_outcome import Outcome, assert_complete
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -17,14 +17,6 @@ pytestmark = [pytest.mark.slow, pytest.mark.long]
 @pytest.fixture(scope="module")
 def zhao(tmp_path_factory) -> Outcome:
     return Outcome("zhao2000", tmp_path_factory.mktemp("zhao2000"), "--points", "5")
-
-
-def test_rows_quote_what_was_run(zhao):
-    assert_rows_quote_runs(zhao)
-
-
-def test_docs_show_the_table(zhao):
-    assert_docs_show(zhao)
 
 
 def test_zhao_errata(zhao):
