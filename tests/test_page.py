@@ -14,7 +14,7 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.samples import readme_five_bar
-from symkin import RodLimb
+from symkin import Joint, Limb, RodLimb
 from symkin.errors import InputError
 
 sync_api = pytest.importorskip("playwright.sync_api")
@@ -162,6 +162,24 @@ def test_a_singular_start_is_told(open_page: Callable[..., Any]) -> None:
     told = page.locator("#status").inner_text()
     assert "This configuration is singular" in told
     assert "as the arrow shows" in told
+
+
+def test_inputs_that_must_agree_leave_the_page_alive(open_page: Callable[..., Any]) -> None:
+    """A structure without mobility, one joint of which is called actuated: paths to other values have no end, and are given up."""
+    turns = [
+        Joint("r1", "R", (50, 0, 100), (0.10636, 0.750981, -0.651702)),
+        Joint("r2", "R", (50, 0, -100), (-0.108946, 0.987947, -0.109961), actuated=True),
+    ]
+    slides = [
+        Joint("c3", "C", (0, 0, 100), (-0.161586, 0.704548, -0.691015)),
+        Joint("c4", "C", (-50, 100, 50), (0.971493, 0.215036, -0.0998007)),
+    ]
+    page = open_page(
+        symkin.view(symkin.Mechanism("rigid", [Limb("a", turns), Limb("b", slides)], platform_position=(-100, 0, 0))).html
+    )
+    assert page.evaluate("symkin.modes().length") == 1
+    page.wait_for_function("document.querySelector('#modes').innerText.includes('must perhaps agree')")
+    assert not page.evaluate("symkin.set({r2: 0.1}).reached")
 
 
 def test_joints_that_move_at_a_stop_are_named(open_page: Callable[..., Any]) -> None:

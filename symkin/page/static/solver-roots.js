@@ -6,6 +6,7 @@
 import { complexLeastSquares } from "solver-algebra";
 
 const LONGEST = 0.35, SHORTEST = 1e-10; // steps of a path's parameter
+const MOST_STEPS = 1000; // of a path: where rows are more than the unknowns and the values do not agree, steps stay short
 const FAR = 1e6; // of a solution at infinity, in units of the size
 const SAME = 1e-6; // between two writings of one solution
 const REAL = 1e-6; // imaginary part of a real end before Newton's method makes it real
@@ -41,6 +42,7 @@ export class Roots {
     if (!this.done) return "Finding all solutions.";
     if (!follows) return `${complexCount} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds all.`;
     if (this.alone) return "";
+    if (!found) return "No solution could be followed to other values, which must perhaps agree with each other: the mode shown alone is followed; symkin modes finds all.";
     const open = this.unresolved ? ` ${this.unresolved} of ${found} paths are unresolved here: modes may be missing.` : "";
     if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.${open}`;
     return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.${open}`;
@@ -50,7 +52,7 @@ export class Roots {
   prepare(milliseconds) {
     const end = now() + milliseconds;
     if (!this.begun && !this.done) this._begin();
-    while (!this.done && now() < end) this._loop();
+    while (!this.done && now() < end) this.seeds.length ? this._seed(this.seeds.shift()) : this._loop();
     return this.done;
   }
 
@@ -74,15 +76,15 @@ export class Roots {
 
   _begin() {
     this.begun = true;
-    const { places } = this.solver;
     this.p0 = this._randomValues();
-    const { start, complexHere, modesHere, seeds, complexCount } = this.model;
-    for (const from of [...complexHere.map((pairs) => Float64Array.from(pairs)), ...[start, ...modesHere, ...seeds].map(complexOf)]) {
-      if (complexCount !== null && this.starts.length >= complexCount) break;
-      const p = places.flatMap((k) => [from[2 * k], 0]);
-      const end = this._path(from, p, this.p0);
-      if (end && end !== INFINITE && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
-    }
+    const { start, complexHere, modesHere, seeds } = this.model;
+    this.seeds = [...complexHere.map((pairs) => Float64Array.from(pairs)), ...[start, ...modesHere, ...seeds].map(complexOf)];
+  }
+
+  /** Move a solution at values of its own to p0. */
+  _seed(from) {
+    const p = this.solver.places.flatMap((k) => [from[2 * k], 0]), end = this._path(from, p, this.p0);
+    if (end && end !== INFINITE && !this.starts.some((other) => this.same(other, end, 2))) this.starts.push(end);
     this._ended();
   }
 
@@ -208,7 +210,8 @@ export class Roots {
   _path(x, p, q, longest = LONGEST) {
     const way = q.map((v, k) => v - p[k]);
     let t = 0, step = Math.min(0.1, longest), here = Float64Array.from(x);
-    while (t < 1) {
+    for (let steps = 0; t < 1; steps++) {
+      if (steps > MOST_STEPS) return null;
       step = Math.min(step, 1 - t);
       const next = this._advance(here, p, way, t, step);
       if (!next) {
