@@ -404,3 +404,15 @@ def test_every_complex_solution_is_followed(open_page: Callable[..., Any], name:
     page = open_page(page_of(name))
     page.wait_for_function("symkin.modes().length > 0")
     page.wait_for_function(f"document.body.innerText.includes('{count} complex solutions are followed')")
+
+
+def test_a_search_that_finds_too_many_solutions_ends(open_page: Callable[..., Any]) -> None:
+    """Where symkin counts none, the page stops at as many as it can follow, and keeps to the mode shown and those of the start."""
+    html = page_of("klann_leg")
+    assert '"complexCount":4' in html
+    page = open_page(html.replace('"complexCount":4', '"complexCount":null').replace('"mostFollowed":200', '"mostFollowed":3'))
+    page.wait_for_function("document.querySelector('#modes').innerText.includes('More than 3 complex solutions are too many')")
+    assert page.evaluate("symkin.modes().length") == len(symkin.modes(symkin.load("klann_leg")))
+    name, value = page.evaluate("[symkin.names[0], symkin.solution().joints[symkin.names[0]]]")
+    assert page.evaluate("([name, value]) => symkin.set({[name]: value}).reached", [name, value + 0.01])
+    assert page.evaluate("symkin.modes().length") == 1

@@ -101,11 +101,11 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
         found = modes(mechanism, given=names)
     here = [mode.variables.tolist() for mode in found if mode.partition == solution.partition]
     count = found.complex_count
-    follows = count is None or count <= _MOST_ROOTS
+    follows = (len(here) if count is None else count) <= _MOST_ROOTS
     over_complex = complex_solutions(problem, solution) if follows else ()
     elsewhere = _elsewhere(problem, known, names) if follows and count not in (len(here), len(over_complex)) else []
     pairs = [np.column_stack([z.real, z.imag]).ravel().tolist() for z in over_complex]
-    return {"modesHere": here[:_MOST_ROOTS], "complexHere": pairs, "seeds": elsewhere, "complexCount": count, "follows": follows}
+    return {"modesHere": here[:_MOST_ROOTS], "complexHere": pairs, "seeds": elsewhere, "complexCount": count, "follows": follows, "mostFollowed": _MOST_ROOTS}
 
 
 def _elsewhere(problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float]) -> list[list[float]]:

@@ -1,8 +1,8 @@
 // All complex solutions: found once for complex values by monodromy, then moved to the present values along paths.
 //
 // At the complex values p0 solutions are known from seeds on, which are all where the unknown is one body on rods, else some: moved
-// around loops p0 -> pa -> pb -> p0 they become others, until the number that symkin counts is reached. From p0, which is generic, paths to any real values meet no singularity on the way; their ends
-// that are real are the modes.
+// around loops p0 -> pa -> pb -> p0 they become others, until the number that symkin counts is reached. From p0, which is generic,
+// paths to any real values meet no singularity on the way; their ends that are real are the modes.
 import { complexLeastSquares } from "solver-algebra";
 
 const LONGEST = 0.35, SHORTEST = 1e-10; // steps of a path's parameter
@@ -13,6 +13,7 @@ const REAL = 1e-6; // imaginary part of a real end before Newton's method makes 
 const INFINITE = "infinite"; // what a path ends with that goes to infinity
 const WIDE = 3; // spread of loops' corners, of the size and radians: narrow loops go around no branch point
 const QUIET = 8; // loops without a new solution after which the search ends
+const MOST_SEARCHED = 150000; // steps of all paths of a search that symkin's count does not end: half a minute
 
 export class Roots {
   constructor(solver) {
@@ -26,7 +27,8 @@ export class Roots {
     this.random = generator(20170614);
     this.alone = !this.model.complex || !this.model.follows || !solver.places.length || !solver.unknown.length;
     this.done = this.alone;
-    this.begun = false;
+    this.steps = 0; // of all paths so far
+    this.tooMany = false;
   }
 
   /** Whether the modes at the last values asked for are all: as many complex solutions as symkin counts, every path with an end of its own. */
@@ -38,28 +40,28 @@ export class Roots {
   }
 
   get sentence() {
-    const { complexCount, follows } = this.model, found = this.starts.length;
+    const { complexCount, follows, mostFollowed } = this.model, found = this.starts.length;
     if (!this.done) return "Finding all solutions.";
-    if (!follows) return `${complexCount} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds all.`;
+    if (!follows || this.tooMany) {
+      const counted = complexCount !== null, many = counted ? complexCount : `More than ${mostFollowed}`;
+      return `${many} complex solutions are too many to follow here: away from the start the mode shown alone is followed; symkin modes finds ${counted ? "all" : "others"}.`;
+    }
     if (this.alone) return "";
     if (!found) return "No solution could be followed to other values, which must perhaps agree with each other: the mode shown alone is followed; symkin modes finds all.";
     const open = this.unresolved ? ` ${this.unresolved} of ${found} paths are unresolved here: modes may be missing.` : "";
     if (complexCount !== null && found < complexCount) return `${found} of the ${complexCount} complex solutions that symkin counts are followed here.${open}`;
-    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed.${open}`;
+    const ended = complexCount === null && this.steps > MOST_SEARCHED ? "; the search for more took too long" : "";
+    return `${found} complex ${found === 1 ? "solution is" : "solutions are"} followed${ended}.${open}`;
   }
 
-  /** Search for solutions at p0 for some milliseconds; whether the search has ended. */
-  prepare(milliseconds) {
-    const end = now() + milliseconds;
-    if (!this.begun && !this.done) this._begin();
-    while (!this.done && now() < end) this.seeds.length ? this._seed(this.seeds.shift()) : this._loop();
-    return this.done;
-  }
-
-  /** All real solutions at the known values of x, itself among them. */
-  at(x) {
-    this.prepare(Infinity);
-    const found = this.alone ? this._seedsAt(x) : this._ends(x);
+  /** Search for all real solutions at the known values of x, itself among them, a path at a time; solutions at p0 are sought once. */
+  *search(x) {
+    if (!this.done && !this.p0) this._begin();
+    while (!this.done) {
+      this.seeds.length ? this._seed(this.seeds.shift()) : this._loop();
+      yield;
+    }
+    const found = this.alone ? this._seedsAt(x) : yield* this._ends(x);
     if (!found.some((other) => this.same(other, x))) found.unshift(Float64Array.from(x));
     return found;
   }
@@ -75,7 +77,6 @@ export class Roots {
   // --- search ----------------------------------------------------------------------------------------------------------
 
   _begin() {
-    this.begun = true;
     this.p0 = this._randomValues();
     const { start, complexHere, modesHere, seeds } = this.model;
     this.seeds = [...complexHere.map((pairs) => Float64Array.from(pairs)), ...[start, ...modesHere, ...seeds].map(complexOf)];
@@ -113,9 +114,10 @@ export class Roots {
   }
 
   _ended() {
-    const { complexCount } = this.model;
-    if (complexCount !== null && this.starts.length >= complexCount) this.done = true;
-    if (this.quiet >= QUIET) this.done = true;
+    const { complexCount, mostFollowed } = this.model, count = this.starts.length;
+    this.tooMany = count > mostFollowed;
+    this.alone ||= this.tooMany;
+    this.done = this.tooMany || (complexCount !== null && count >= complexCount) || this.quiet >= QUIET || this.steps > MOST_SEARCHED;
   }
 
   // --- ends ------------------------------------------------------------------------------------------------------------
@@ -127,15 +129,15 @@ export class Roots {
   }
 
   /** Real ends of all paths to the values of x; `unresolved` counts paths that neither end nor go to infinity, or share an end. */
-  _ends(x) {
+  *_ends(x) {
     const { places } = this.solver, target = places.flatMap((k) => [x[k], 0]);
-    let ends = this.starts.map((start) => this._path(start, this.p0, target));
+    let ends = yield* this._all(() => true, (start) => this._path(start, this.p0, target));
     for (const longest of [0.05, 0.01]) {
       const open = this._open(ends);
       if (!open.some(Boolean)) break;
-      ends = ends.map((end, k) => (open[k] ? this._path(this.starts[k], this.p0, target, longest) : end));
+      ends = yield* this._all((k) => open[k], (start) => this._path(start, this.p0, target, longest), ends);
     }
-    if (this._open(ends).some(Boolean)) ends = this._fewerOpen(ends, this._detour(target));
+    if (this._open(ends).some(Boolean)) ends = this._fewerOpen(ends, yield* this._detour(target));
     this.unresolved = this._open(ends).filter(Boolean).length;
     const found = [];
     for (const end of ends) {
@@ -145,6 +147,17 @@ export class Roots {
     return found;
   }
 
+  /** `end` of the starts that are chosen by number, a start at a time; of the others what it was. */
+  *_all(chosen, end, before = []) {
+    const ends = [...before];
+    for (const [k, start] of this.starts.entries()) {
+      if (!chosen(k)) continue;
+      ends[k] = end(start);
+      yield;
+    }
+    return ends;
+  }
+
   /** Which paths are in doubt: those without an end, and those with the end of another. */
   _open(ends) {
     const finite = (end) => end && end !== INFINITE;
@@ -152,9 +165,9 @@ export class Roots {
   }
 
   /** Ends of paths over other complex values. */
-  _detour(target) {
+  *_detour(target) {
     const corner = this._randomValues();
-    return this.starts.map((start) => {
+    return yield* this._all(() => true, (start) => {
       const half = this._path(start, this.p0, corner);
       return half && half !== INFINITE ? this._path(half, corner, target) : half;
     });
@@ -212,6 +225,7 @@ export class Roots {
     let t = 0, step = Math.min(0.1, longest), here = Float64Array.from(x);
     for (let steps = 0; t < 1; steps++) {
       if (steps > MOST_STEPS) return null;
+      this.steps++;
       step = Math.min(step, 1 - t);
       const next = this._advance(here, p, way, t, step);
       if (!next) {
@@ -332,10 +346,6 @@ function complexOf(x) {
   const pairs = new Float64Array(2 * x.length);
   Array.from(x).forEach((v, k) => (pairs[2 * k] = v));
   return pairs;
-}
-
-function now() {
-  return globalThis.performance.now();
 }
 
 /** Uniform numbers in [0, 1) from a seed (Mulberry32). */

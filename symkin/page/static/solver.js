@@ -42,7 +42,7 @@ class Solver {
     this.correct(this.x);
     this.roots = new Roots(this);
     this.modeIndex = -1;
-    this.found = null;
+    this.found = this.search = null; // the modes at the present values, and the search for them
   }
 
   // --- values --------------------------------------------------------------------------------------------------------
@@ -75,7 +75,7 @@ class Solver {
   goTo(target) {
     const { x, share, halt } = this.follow(this.x, target);
     this.x = x;
-    this.found = null;
+    this.found = this.search = null;
     return { reached: !halt, share, stop: halt ? this._stop(halt, share) : null };
   }
 
@@ -259,14 +259,21 @@ class Solver {
     return { position, quaternion, joints, residual, within_limits: within, variables: Array.from(x) };
   }
 
-  /** Search for all complex solutions for some milliseconds; whether they are found. `modes` waits for the end of the search. */
-  prepare(milliseconds) {
-    return this.roots.prepare(milliseconds);
+  /** Search for all modes at the present values for some milliseconds; whether they are found. */
+  findModes(milliseconds) {
+    if (this.found) return true;
+    const end = performance.now() + milliseconds;
+    this.search ??= this.roots.search(this.x);
+    do {
+      const { done, value } = this.search.next();
+      if (done) [this.found, this.search] = [value, null];
+    } while (!this.found && performance.now() < end);
+    return this.found !== null;
   }
 
-  /** All modes at the present values. */
+  /** All modes at the present values; waits for the end of the search. */
   modes() {
-    if (!this.found) this.found = this.roots.at(this.x);
+    this.findModes(Infinity);
     this.modeIndex = this.roots.indexOf(this.found, this.x);
     return this.found.map((x) => this.solution(x));
   }

@@ -2,7 +2,8 @@
 import { drawSketch, frameOf } from "symkin/sketch";
 
 const MOST = 64; // small views at most
-const SEARCH = 25; // milliseconds of a search for all solutions between two frames
+const SEARCH = 25; // milliseconds of a search between two frames that goes on
+const FIRST = 100; // milliseconds for the modes at new values at once, where the last ones took less
 const QUICK = 12; // milliseconds within which the modes are found at every movement
 
 export class Strip {
@@ -10,7 +11,7 @@ export class Strip {
     Object.assign(this, { list, text, solver, drawing, onChoose });
     this.buttons = [];
     this.modes = [];
-    this.took = 0;
+    this.took = this.spent = 0; // milliseconds of the last search, and so far of the one that goes on
     this.timer = 0;
     list.addEventListener("keydown", (event) => this._key(event));
   }
@@ -26,7 +27,10 @@ export class Strip {
   }
 
   refresh() {
-    if (!this.solver.prepare(SEARCH)) {
+    const before = performance.now(), quick = this.took > 0 && this.took < FIRST && !this.spent;
+    const found = this.solver.findModes(quick ? FIRST : SEARCH);
+    this.spent += performance.now() - before;
+    if (!found) {
       this.text.textContent = "Finding all modes …";
       this.timer = setTimeout(() => {
         this.timer = 0;
@@ -34,9 +38,8 @@ export class Strip {
       });
       return;
     }
-    const before = performance.now();
     this.modes = this.solver.modes();
-    this.took = performance.now() - before;
+    [this.took, this.spent] = [this.spent, 0];
     this.poses = this.modes.slice(0, MOST).map((mode) => Float64Array.from(this.solver.linkPoses(mode)));
     this._words();
     this._buttons();
