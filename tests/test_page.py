@@ -388,6 +388,10 @@ def test_wrong_input_is_told_in_a_sentence(capsys: pytest.CaptureFixture[str], t
         (("zhang2009", "--joints", "1,900", "--html", tmp_path / "a.html"), "6"),
         (("zhang2009", "--joints", "1,900,1,900,1,900", "--html", tmp_path / "a.html"), "no configuration"),
         (("four_bar", "--path", tmp_path / "none.csv", "--html", tmp_path / "a.html"), "none.csv"),
+        (("ren2008", "--given", "pose=1,2,3,1,0,0,0", "--html", tmp_path / "a.html"), "--pose"),
+        (("ren2008", "--pose", "1,2,3,1,0,0,0", "--joints", "1,2", "--html", tmp_path / "a.html"), "--joints"),
+        (("zhao2000", "--pose", "20,0,700", "--rpy", "0,10,0", "--html", tmp_path / "a.html"), "off the platform's"),
+        (("ren2008", "--rpy", "0,10,0", "--html", tmp_path / "a.html"), "--pose X,Y,Z"),
     ):
         status, _, err = run(capsys, "view", *arguments)
         assert status == 2
@@ -416,3 +420,16 @@ def test_a_search_that_finds_too_many_solutions_ends(open_page: Callable[..., An
     name, value = page.evaluate("[symkin.names[0], symkin.solution().joints[symkin.names[0]]]")
     assert page.evaluate("([name, value]) => symkin.set({[name]: value}).reached", [name, value + 0.01])
     assert page.evaluate("symkin.modes().length") == 1
+
+
+def test_a_page_begins_at_a_pose(open_page: Callable[..., Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """At the first of the working modes there, with sliders for the motors; roll, pitch and yaw as Euler's angles about fixed axes."""
+    page_file, pose = tmp_path / "page.html", ["--pose", "0.02,0.01,0.7", "--rpy", "5,-3,20"]
+    assert run(capsys, "view", "ren2008", *pose, "--html", page_file)[0] == 0
+    page = open_page(page_file.read_text())
+    told = page.evaluate("symkin.solution()")
+    mechanism = symkin.load("ren2008")
+    at = symkin.Pose.from_euler((0.02, 0.01, 0.7), (5, -3, 20), "xyz", angle_unit="deg")
+    (mode,) = symkin.modes(mechanism, pose=at)
+    assert apart(mechanism, mode, told) < 1e-9
+    assert page.evaluate("symkin.names") == [c.name for c in mechanism.actuated]

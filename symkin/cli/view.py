@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from symkin.cli.help import GIVEN, OUTPUT
-from symkin.cli.options import GivenOption, JointsOption, MechArgument, joints_from, named_from
+from symkin.cli.options import GivenOption, JointsOption, MechArgument, PoseOption, joints_from, named_from
+from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.progress import progress_bar
 from symkin.cli.reading import loaded, reads_robots
 from symkin.errors import InputError
@@ -25,6 +26,9 @@ def view(
     mech: MechArgument,
     read: ReadOptions,
     joints: JointsOption = None,
+    pose: PoseOption = None,
+    rpy: RpyOption = None,
+    euler: EulerOption = None,
     given: GivenOption = None,
     path: Annotated[
         Path | None,
@@ -67,7 +71,8 @@ def view(
 
     mechanism = loaded(mech, read)
     if swept is not None:
-        for name, value in (("--joints", joints), ("--given", given), ("--path", path)):
+        told = {"--joints": joints, "--pose": pose, "--rpy": rpy, "--euler": euler, "--given": given, "--path": path}
+        for name, value in told.items():
             if value is not None:
                 raise InputError(f"both --map and {name} are given; a map brings its values: give one of them")
         print(_shown(_of_map(mechanism, swept, slices, loci=loci), html))
@@ -76,11 +81,19 @@ def view(
         raise InputError(
             f"{'--slice' if slices is not None else '--loci'} belongs to the map of a sweep; give --map FOLDER, or leave it out"
         )
+    reader = PoseReader(mechanism, rpy, euler)
+    reader.check_used(pose)
+    if pose is not None:
+        for name, value in (("--joints", joints), ("--given", given), ("--path", path)):
+            if value is not None:
+                raise InputError(f"both --pose and {name} are given; each tells where the page begins: give one of them")
     values = _plain(named_from(given, "given", mechanism.angle_unit))
     played = None if path is None else played_path(mechanism, path, values)
     if played is not None and values is None and joints is None:
         values = dict(zip(played.names, played.rows[0], strict=True))
-    page = view_mechanism(mechanism, joints_from(joints, "joints", mechanism.angle_unit), values, played)
+    page = view_mechanism(
+        mechanism, joints_from(joints, "joints", mechanism.angle_unit), values, played, reader.pose(pose, "pose")
+    )
     print(_shown(page, html))
 
 
@@ -115,6 +128,7 @@ def _plain(values: dict[str, float | list[float]] | None) -> dict[str, float] | 
         return None
     if any(isinstance(value, list) for value in values.values()):
         raise InputError(
-            "--given: pose=... is a whole pose; a page takes its coordinates one by one: x, y, z, azimuth, tilt, torsion"
+            "--given: pose=... is a whole pose, and sliders have single coordinates: write --pose X,Y,Z,QW,QX,QY,QZ, or x, y, z, azimuth, tilt, "
+            "torsion one by one"
         )
     return {name: value for name, value in values.items() if isinstance(value, (int, float))}

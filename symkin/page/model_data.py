@@ -105,7 +105,14 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
     over_complex = complex_solutions(problem, solution) if follows else ()
     elsewhere = _elsewhere(problem, known, names) if follows and count not in (len(here), len(over_complex)) else []
     pairs = [np.column_stack([z.real, z.imag]).ravel().tolist() for z in over_complex]
-    return {"modesHere": here[:_MOST_ROOTS], "complexHere": pairs, "seeds": elsewhere, "complexCount": count, "follows": follows, "mostFollowed": _MOST_ROOTS}
+    return {
+        "modesHere": here[:_MOST_ROOTS],
+        "complexHere": pairs,
+        "seeds": elsewhere,
+        "complexCount": count,
+        "follows": follows,
+        "mostFollowed": _MOST_ROOTS,
+    }
 
 
 def _elsewhere(problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float]) -> list[list[float]]:

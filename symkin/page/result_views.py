@@ -11,7 +11,7 @@ from symkin.following.track_result import Track
 from symkin.model.mechanism import Mechanism
 from symkin.page.page import PlayedPath
 from symkin.page.sweep_plane import view_of_sweep
-from symkin.page.view import View, view_mechanism
+from symkin.page.view import View, actuated_values, view_mechanism, view_solution
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
 from symkin.singularities.loci import Loci
@@ -22,8 +22,8 @@ def view(result: object, **options: Any) -> View:
     """Make the page on which a mechanism or a result moves: one HTML text that needs no network.
 
     `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played, loci, whose plane is shown, or a sweep, whose
-    map is. `options` of a mechanism: `joints` (all actuated ones) or `given` (any coordinates by name), which get sliders, and
-    `path`, what is played; of a sweep: `slices`, where its map is cut, and `loci`, whether singular curves lie over it. `.save(file)` writes
+    map is. `options` of a mechanism: `joints` (all actuated ones) or `given` (any coordinates by name), which get sliders,
+    `path`, what is played, or `pose`, where it begins; of a sweep: `slices`, where its map is cut, and `loci`, whether singular curves lie over it. `.save(file)` writes
     the page, `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
 
     >>> import symkin
@@ -58,14 +58,14 @@ def _of_solution(solution: Solution, given: Mapping[str, Any]) -> View:
     """Sliders for what was given by name, else for the actuated joints."""
     mechanism = solution.mechanism
     if any(not isinstance(value, (int, float)) for value in given.values()) or not given:
-        return View(mechanism, _actuated(mechanism, solution.joints), start=solution.to_dict())
+        return view_solution(solution)
     return View(mechanism, {name: float(value) for name, value in given.items()}, start=solution.to_dict())
 
 
 def _of_loci(loci: Loci) -> View:
     """Curves over two given coordinates, or over two of the platform's position: the page goes where one points."""
     solution, names = loci.solution, list(loci.plane.names)
-    actuated = _actuated(loci.plane.mechanism, solution.joints) or {}
+    actuated = actuated_values(loci.plane.mechanism, solution.joints) or {}
     known = all(name in actuated for name in names) or (loci.plane.of_pose and all(name in ("x", "y", "z") for name in names))
     if len(names) != 2 or not known:
         raise InputError(
@@ -90,7 +90,3 @@ def _of_track(track: Track) -> View:
 
 def _rows(names: Sequence[str], joints: Sequence[Mapping[str, Any]]) -> list[list[float]]:
     return [[float(values[name]) for name in names] for values in joints]
-
-
-def _actuated(mechanism: Mechanism, joints: Mapping[str, Any]) -> dict[str, float] | None:
-    return {c.name: float(joints[c.name]) for c in mechanism.actuated} or None

@@ -9,6 +9,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from symkin.assembly.modes import modes
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
 from symkin.files.outputs import check_output, write_output
@@ -16,6 +17,8 @@ from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.cache_folder import cache_folder
 from symkin.page.page import PlayedPath, page_html
 from symkin.position.given import given_from
+from symkin.position.solution import Solution
+from symkin.spatial.pose import Pose
 
 _HEIGHT = 640
 """Height of the page in a notebook, pixels."""
@@ -71,12 +74,35 @@ def view_mechanism(
     joints: Sequence[float] | Mapping[str, float] | None = None,
     given: Mapping[str, float] | None = None,
     path: PlayedPath | None = None,
+    pose: Sequence[float] | Pose | None = None,
 ) -> View:
-    """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given` by name."""
+    """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given` by name; at a `pose` it begins with
+    the first working mode there. Raises InputError for values without a configuration."""
     require_mechanism(mechanism)
     if joints is not None and given is not None:
         raise InputError("joints and given are both told; joints are the actuated ones, given any coordinates: give one of them")
+    if pose is not None:
+        if joints is not None or given is not None or path is not None:
+            raise InputError(
+                "view: a pose is told beside joints, given or a path; each tells where the page begins: give one of them"
+            )
+        found = modes(mechanism, pose=pose)
+        if not len(found):
+            raise InputError(
+                f"view: {mechanism.name} has no configuration at this pose; {'; '.join(found.notes) or 'symkin modes tells more'}"
+            )
+        return view_solution(found[0])
     if joints is not None:
         ordered = given_from(mechanism, joints, None).echo["joints"]
         given = {c.name: value for c, value in zip(mechanism.actuated, ordered, strict=True)}
     return View(mechanism, given, path)
+
+
+def view_solution(solution: Solution) -> View:
+    """The page that begins at a configuration, with sliders for the actuated joints."""
+    return View(solution.mechanism, actuated_values(solution.mechanism, solution.joints), start=solution.to_dict())
+
+
+def actuated_values(mechanism: Mechanism, joints: Mapping[str, Any]) -> dict[str, float] | None:
+    """Values of the actuated joints by name, None where there are none."""
+    return {c.name: float(joints[c.name]) for c in mechanism.actuated} or None
