@@ -12,13 +12,13 @@ import pytest
 import symkin
 from helpers.csv_cells import rewritten
 from symkin import InputError
-from symkin.calibration.data.column_names import SEQUENCES
 from symkin.calibration.data.files import read_measurements, write_measurements
 from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
 from symkin.calibration.estimate.workspace import Workspace
 from symkin.calibration.fit_file import fit_file, match_parameters
 from symkin.calibration.judge.diagnoses import diagnose
 from symkin.calibration.judge.euler_sequence import find_sequence
+from symkin.files.euler_columns import SEQUENCES
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 QUIET = Noise(lengths=1e-6, group=1e-5, inclination=1e-5, position=1e-5, orientation=1e-5)
@@ -45,6 +45,19 @@ def test_files_hold_what_is_written(tmp_path, measured, sequence):
     np.testing.assert_allclose(same, 1.0, atol=1e-13)
     for key in ("joint", "group", "inclination", "position", "orientation"):
         np.testing.assert_allclose(back.sigma(key), measured.sigma(key), rtol=1e-12)
+
+
+def test_roll_pitch_and_yaw_turn_about_fixed_axes(tmp_path, measured):
+    path = tmp_path / "data.csv"
+    write_measurements(path, NOMINAL, measured, sequence="xyz")
+    text = path.read_text()
+    for number, name in enumerate(("roll", "pitch", "yaw"), start=1):
+        assert f"euler_xyz_{number}[" in text
+        text = text.replace(f"euler_xyz_{number}[", f"{name}[")
+    path.write_text(text)
+    back = read_measurements(path, NOMINAL).measurements
+    same = np.abs(np.sum(back.orientation * measured.orientation, axis=1))
+    np.testing.assert_allclose(same, 1.0, atol=1e-13)
 
 
 def test_units_of_the_header_count(tmp_path, measured):

@@ -102,6 +102,47 @@ def test_a_spreadsheets_trajectory_is_the_same(tmp_path, capsys):
         assert any(words in note for note in other["notes"])
 
 
+def test_angles_of_a_file_are_those_of_pose(tmp_path, capsys):
+    """Roll, pitch and yaw, and Euler angles of a sequence in the header, are the poses that `Pose.from_euler` makes."""
+    mechanism, rows = symkin.load("zhang2009"), [(5, -5, 100, 3, -2, 4), (8, -2, 104, 6, 1, -5)]
+    for header, sequence in (
+        ("Roll[deg],pitch[deg],yaw[deg]", "xyz"),
+        (",".join(f"euler_ZYX_{k}[deg]" for k in (1, 2, 3)), "ZYX"),
+    ):
+        lines = [f"x[mm],y[mm],z[mm],{header}", *(",".join(map(str, row)) for row in rows)]
+        (tmp_path / "poses.csv").write_text("\n".join(lines))
+        read = read_trajectory(mechanism, tmp_path / "poses.csv")["poses"]
+        for row, pose in zip(rows, read, strict=True):
+            expected = symkin.Pose.from_euler(row[:3], row[3:], sequence, angle_unit="deg")
+            assert pose == pytest.approx([*expected.position, *expected.quaternion], abs=1e-12)
+        assert run(capsys, "track", "zhang2009", "--csv", tmp_path / "poses.csv")[0] == 0
+
+
+def test_positions_alone_are_poses_of_a_platform_that_keeps_its_orientation(tmp_path, capsys):
+    (tmp_path / "poses.csv").write_text("x[mm],y[mm],z[mm]\n0,0,-200\n20,10,-250\n")
+    status, found = run_json(capsys, "track", "delta", "--csv", tmp_path / "poses.csv")
+    assert (status, found["problem"]) == (0, "inverse")
+    assert found["samples"][-1]["pose"]["position"] == pytest.approx([20, 10, -250])
+
+
+def test_orientations_that_a_file_leaves_open_are_refused(tmp_path, capsys):
+    for mechanism, header, row, part in (
+        ("zhang2009", "x[mm],y[mm],z[mm]", "1,2,3", "no columns of the orientation"),
+        ("zhang2009", "x[mm],y[mm],z[mm],roll[deg],pitch[deg]", "1,2,3,4,5", "no columns of the orientation"),
+        ("zhang2009", "x[mm],y[mm],z[mm],roll[deg],pitch[deg],yaw[deg],qw", "1,2,3,4,5,6,1", "stands twice"),
+        ("zhang2009", "x[mm],y[mm],z[mm],roll,pitch,yaw", "1,2,3,4,5,6", "unit of angle"),
+        ("zhang2009", "x[mm],y[mm],z[mm],euler_ZYX_1[deg],euler_ZYX_2[deg]", "1,2,3,4,5", "euler_ZYX_3"),
+        ("zhang2009", "x[mm],y[mm],z[mm],euler_ZZX_1[deg]", "1,2,3,4", "neighbours different"),
+        ("zhang2009", "x[mm],y[mm],z[mm],euler_xyz_1[deg],roll[deg],pitch[deg],yaw[deg]", "1,2,3,4,5,6,7", "both mean"),
+    ):
+        (tmp_path / "poses.csv").write_text(f"{header}\n{row}\n")
+        status, _, err = run(capsys, "track", mechanism, "--csv", tmp_path / "poses.csv")
+        assert (status, err.count("\n")) == (2, 1)
+        assert part in err
+    status, _, err = run(capsys, "track", "zhang2009", "--poses", "--euler", "rpy", "--csv", tmp_path / "poses.csv")
+    assert (status, "header" in err) == (2, True)
+
+
 def test_passive_joints_of_every_kind_are_written(tmp_path):
     """A closure with quaternions and angles: each written row, read back, is the sample."""
     mechanism = symkin.load("zhao2000_links")

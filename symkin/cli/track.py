@@ -92,6 +92,8 @@ def track(
     check_output(output, mech, csv)
     options = picture_options(plot, mechanism, names=names, views=views)
     reader = PoseReader(mechanism, euler=euler, has_rpy=False)
+    if euler is not None and csv is not None and start is None:
+        raise InputError("--euler is for --from and --to; a file's header names its angles, as in euler_ZYX_1[deg] or roll[deg]")
     reader.check_used(start, *((begin, end) if poses else ()))
     if given is not None and poses:
         raise InputError("both --given and --poses are given; --given names the coordinates of the path")

@@ -1,5 +1,5 @@
 """Read trajectories from CSV files and write tracks into them: headers are names with units, `leg1[mm]`, `x[mm]`, `qw`,
-`t[s]`."""
+`euler_ZYX_1[deg]`, `roll[deg]`, `t[s]`."""
 
 from __future__ import annotations
 
@@ -8,13 +8,17 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from symkin.errors import InputError
 from symkin.files.csv_table import Table, read_table, write_table
+from symkin.files.euler_columns import sequenced_columns
 from symkin.following.sample import Sample, listed_joints
 from symkin.following.track_result import Track
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.position.given_by_name import given_coordinates, unknown_name
+from symkin.spatial.rotation import quaternion_from_euler
 
 _POSITION, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 _TILT = ("azimuth", "tilt", "torsion")
@@ -27,15 +31,17 @@ def read_trajectory(
 ) -> dict[str, Any]:
     """Keyword arguments of `track`: rows of all actuated joints (direct problem); with `poses`, or where the joints' columns are
     missing, poses; columns of the coordinates that `given` names, of those without a value. Times where there is a column t; and notes
-    on how the file was read. Columns of other joints, of checks and of what means nothing are left out. Raises InputError."""
+    on how the file was read. Poses have a quaternion, three angles (`euler_columns`), or, of a platform that keeps its orientation, a
+    position alone. Columns of other joints, of checks and of what means nothing are left out. Raises InputError."""
     known = given_coordinates(mechanism)
     for name in given or ():
         if name not in known:
             raise InputError(unknown_name(mechanism, name, list(known)))
     names = [n for c in mechanism.coordinates for n in _names(c)] + [n for n in known if n in (given or ())]
-    table = read_table(path).matched(
-        list(dict.fromkeys(["t", *names, *_POSITION, *_QUATERNION, *_TILT, *_point_names(mechanism), *_CHECKS]))
-    )
+    table = read_table(path)
+    angles = sequenced_columns(table, names)
+    known_names = ["t", *names, *_POSITION, *_QUATERNION, *angles.values(), *_TILT, *_point_names(mechanism), *_CHECKS]
+    table = table.matched(list(dict.fromkeys(known_names)), aliases=angles)
     if not len(table):
         raise InputError(f"{path}: there are no rows below the header; at least one sample is needed")
     times = table.numbers("t", "time", "s") if "t" in table.columns else None
@@ -46,10 +52,31 @@ def read_trajectory(
         columns = {n: _joint(table, mechanism, known[n]) if value is None else value for n, value in given.items()}
         return {"given": columns, "times": times, "notes": table.notes}
     if poses or (not any(c.name in table.columns for c in mechanism.actuated) and "x" in table.columns):
-        numbers = [table.numbers(name, "length", mechanism.length_unit) for name in _POSITION]
-        numbers += [table.numbers(name) for name in _QUATERNION]
-        return {"poses": _rows(numbers), "times": times, "notes": table.notes}
+        positions = _rows([table.numbers(name, "length", mechanism.length_unit) for name in _POSITION])
+        quaternions = _quaternions(mechanism, table, list(angles.values()))
+        rows = [[*position, *quaternion] for position, quaternion in zip(positions, quaternions, strict=True)]
+        return {"poses": rows, "times": times, "notes": table.notes}
     return {"joints": _rows([_joint(table, mechanism, c) for c in mechanism.actuated]), "times": times, "notes": table.notes}
+
+
+def _quaternions(mechanism: Mechanism, table: Table, angles: list[str]) -> list[list[float]]:
+    """The orientation of each row. Raises InputError for columns of several kinds, and for missing ones."""
+    written = [name for name in (*_QUATERNION, *angles) if name in table.columns]
+    sequences = {name.split("_")[1] for name in angles}
+    if len(sequences) > 1 or (angles and any(name in table.columns for name in _QUATERNION)):
+        raise InputError(f"{table.path}: the orientation stands twice, in {', '.join(written)}; leave one out")
+    if sequences:
+        (sequence,) = sequences
+        columns = [table.numbers(f"euler_{sequence}_{k}", "angle", "rad") for k in (1, 2, 3)]
+        return list(np.array(quaternion_from_euler(np.array(columns), sequence)).T.tolist())
+    if not written and mechanism.motion == "translation":
+        return [list(map(float, mechanism.reference_pose.quaternion))] * len(table)
+    if not written:
+        raise InputError(
+            f"{table.path}: there are no columns of the orientation; allowed: qw, qx, qy, qz, or roll[deg], pitch[deg], yaw[deg], or "
+            f"euler_ZYX_1[deg] to euler_ZYX_3[deg] (any sequence); {table.held()}"
+        )
+    return _rows([table.numbers(name) for name in _QUATERNION])
 
 
 def _rows(columns: list[list[float]]) -> list[list[float]]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from itertools import product
 from typing import Literal
 
 from symkin.calibration.data.observables import LINK_COLUMNS, observables
@@ -14,19 +12,11 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.text import meant, nearest
 
-SEQUENCES = tuple(
-    "".join(s).upper() if moving else "".join(s)
-    for moving in (True, False)
-    for s in product("xyz", repeat=3)
-    if s[0] != s[1] != s[2]
-)
-"""The twelve sequences about moving axes (capitals), then the twelve about fixed ones."""
 INCLINATION, POSITION, QUATERNION = ("alpha", "beta"), ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 WEDGE = ("wedge_alpha", "wedge_beta")
 """Columns of a plan that a measurement file may keep; they say where the configuration was meant to be, not what was read."""
 DISTANCE = "distance_"
 """Prefix of the columns of distances."""
-_EULER_HEADER = re.compile(r"(platform\.)?(euler)_([A-Za-z]{3})_([123])", re.IGNORECASE)
 _OBSERVABLE_PREFIXES = ("point.", "distance.")
 """What columns of named points and of their distances begin with."""
 _MISSPELT = 0.85
@@ -49,29 +39,6 @@ def reading_name(mechanism: Mechanism, name: str) -> str:
 def measure_of(c: Coordinate) -> Measure:
     """Say whether a coordinate is a length or an angle."""
     return "angle" if c.is_angular else "length"
-
-
-def sequenced_columns(table: Table) -> dict[str, str]:
-    """Map columns of Euler angles whose header names the sequence to their names as they are written here. Letters of the
-    sequence say by their size which axes are meant; where the whole header is in capitals they do not."""
-    found = {}
-    for name in table.columns:
-        match = _EULER_HEADER.fullmatch(name)
-        if match is None:
-            continue
-        place, word, sequence, number = match.groups()
-        if word.isupper() and sequence.isupper():
-            raise InputError(
-                f"{table.path}: column {name!r} is in capitals, so that the letters do not say which axes are meant; write "
-                f"euler_{sequence}_{number} for moving axes, euler_{sequence.lower()}_{number} for fixed ones"
-            )
-        if sequence not in SEQUENCES:
-            raise InputError(
-                f"{table.path}: column {name!r} names the sequence {sequence!r}; allowed: three letters x, y, z with "
-                "neighbours different, capitals about moving axes (ZYX), small letters about fixed ones (xyz)"
-            )
-        found[name] = f"{'platform.' if place else ''}euler_{sequence}_{number}"
-    return found
 
 
 def columns_of_platform_link(mechanism: Mechanism, table: Table, known: Sequence[str]) -> dict[str, str]:
@@ -108,7 +75,8 @@ def known_readings(mechanism: Mechanism) -> str:
     known = observables(mechanism).values()
     own = [column for o in known if o.kind != "distance" for column in o.columns]
     platform = [
-        "group, alpha, beta, x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence)"
+        "group, alpha, beta, x, y, z, distance_NAME, qw, qx, qy, qz, euler_1 to euler_3, euler_ZYX_1 to euler_ZYX_3 (any sequence), "
+        "roll, pitch, yaw"
     ]
     between = ["distance.A.B of two named points"] if any(o.kind == "distance" for o in known) else []
     more = ["..."] if len(own) > _MAX_LISTED_COLUMNS else []

@@ -20,7 +20,6 @@ from symkin.calibration.data.column_names import (
     measure_of,
     reading_name,
     refuse_misspelt,
-    sequenced_columns,
     unit_of,
 )
 from symkin.calibration.data.measurements import NO_GROUP, Reading
@@ -28,6 +27,7 @@ from symkin.calibration.data.observables import Observable, observables
 from symkin.errors import InputError
 from symkin.files.csv_dialect import listed
 from symkin.files.csv_table import UNITS, Table
+from symkin.files.euler_columns import sequenced_columns
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 
@@ -51,7 +51,7 @@ class ColumnReader:
 
     def _matched(self, table: Table) -> Table:
         """Keep the columns that mean something for this mechanism, under their names."""
-        joints, sequenced = [c.name for c in self.mechanism.actuated], sequenced_columns(table)
+        joints, sequenced = [c.name for c in self.mechanism.actuated], sequenced_columns(table, self.known)
         readings = [*INCLINATION, *POSITION, *QUATERNION, *(f"euler_{k}" for k in "123"), "group"]
         placed = [place for r in readings for place in (reading_name(self.mechanism, r), f"platform.{r}")]
         sigmas = [f"sigma_{name}" for name in (*joints, "group", *INCLINATION, *POSITION, "orientation", *self.distances)]

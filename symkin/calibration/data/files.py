@@ -6,7 +6,8 @@ alpha[deg], beta[deg]               inclination, R = Rz(gamma) Ry(beta) Rx(alpha
 x[mm], y[mm], z[mm]                 position of the platform frame in the base frame, any of the three
 qw, qx, qy, qz                      its orientation, a unit quaternion; or
 euler_ZYX_1[deg], ..._2, ..._3      Euler angles, the sequence in the header: capitals about moving axes, small letters about
-                                    fixed ones; euler_1[deg], ... where the sequence is not known
+                                    fixed ones; euler_1[deg], ... where the sequence is not known; roll[deg], pitch[deg], yaw[deg]
+                                    are euler_xyz_1[deg], ...
 NAME[deg], NAME[mm]                 an encoder on a passive joint, by its name
 point.NAME.x[mm], ...               a named point in the base frame, any of the three
 distance.A.B[mm]                    distance between two named points
@@ -35,7 +36,6 @@ from symkin.calibration.data.column_names import (
     INCLINATION,
     POSITION,
     QUATERNION,
-    SEQUENCES,
     WEDGE,
     Measure,
     measure_of,
@@ -47,6 +47,7 @@ from symkin.calibration.data.measurements import NO_GROUP, Distance, Measurement
 from symkin.calibration.data.observables import observables_named
 from symkin.errors import InputError
 from symkin.files.csv_table import read_table
+from symkin.files.euler_columns import SEQUENCES
 from symkin.files.outputs import write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler

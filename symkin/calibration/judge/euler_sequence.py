@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from symkin.calibration.data.column_names import SEQUENCES
 from symkin.calibration.data.files import DataFile, euler_quaternions
 from symkin.calibration.data.measurements import Measurements, spread_rows
 from symkin.calibration.estimate.configurations import first_points, newton_configurations
@@ -25,6 +24,7 @@ from symkin.calibration.estimate.state import design, spectrum
 from symkin.calibration.judge.plausibility import MAX_NOISE_RATIO
 from symkin.calibration.judge.statistics import SIGNIFICANCE, chi_square_tail, f_tail
 from symkin.errors import InputError
+from symkin.files.euler_columns import SEQUENCES
 from symkin.model.mechanism import Mechanism
 
 _TRIAL_ROWS = 60
