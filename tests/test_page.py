@@ -154,6 +154,26 @@ def test_it_stops_where_track_stops(name: str, open_page: Callable[..., Any]) ->
     page.screenshot(path=str(ARTEFACTS / f"stop_{name}.png"))
 
 
+@pytest.mark.parametrize("name", ["crank_pin", "follower_pin", "follower"])
+def test_limits_of_passive_joints_stop_it_where_they_stop_track(name: str, open_page: Callable[..., Any], tmp_path: Path) -> None:
+    """Of joints at which the loop is cut too, whose angles the closure leaves out."""
+    text = (Path(symkin.__file__).parent / "mechanisms" / "four_bar.toml").read_text()
+    before, joint, after = text.partition(f'name = "{name}"\n')
+    assert joint
+    (tmp_path / "limited.toml").write_text(f"{before}{joint}limits = [-8.0, 8.0]\n{after}")
+    mechanism = symkin.load(tmp_path / "limited.toml")
+    for end in (150.0, 30.0):
+        tracked = symkin.track(mechanism, joints=[[90.0], [end]])
+        assert tracked.stop is not None
+        assert tracked.stop.kind == "limit"
+        page = open_page(symkin.view(mechanism).html)
+        told = page.evaluate("crank => symkin.set({crank})", end)
+        assert told["share"] == pytest.approx(tracked.stop.u, abs=1e-6)
+        assert told["stop"]["limit"]["name"] == name
+        assert abs(told["stop"]["limit"]["value"]) == pytest.approx(8.0)
+        assert page.evaluate("crank => symkin.set({crank})", 90.0)["reached"]
+
+
 def test_a_singular_start_is_told(open_page: Callable[..., Any]) -> None:
     """Six rods with base and platform in one plane: the platform moves out of it at first order, and no slider is followed from there."""
     rods = [RodLimb(f"leg{k}", (300 * np.cos(a), 300 * np.sin(a), 0.0), (150 * np.cos(b), 150 * np.sin(b), 0.0))

@@ -39,6 +39,7 @@ class Solver {
     this.kinds = this.names.map((name) => model.coordinates.find((c) => c.name === name).kind);
     this.rows = new Float64Array(model.rows);
     this.gradients = new Float64Array(model.rows * model.width);
+    this.limitedReadings = model.readings.filter((joint) => joint.coordinates.some((c) => c.limits));
     this.correct(this.x);
     this.roots = new Roots(this);
     this.modeIndex = -1;
@@ -165,6 +166,19 @@ class Solver {
       const before = x[c.place], after = next[c.place];
       if ((after > high + slack && after > before) || (after < low - slack && after < before))
         return { name: c.name, value: after > high ? high : low, kind: c.kind };
+    }
+    return this._readLimitBetween(x, next);
+  }
+
+  /** The same for joints at which loops are cut, whose values are read from the links. */
+  _readLimitBetween(x, next) {
+    if (!this.limitedReadings.length) return null;
+    const [before, after] = [x, next].map((at) => readJoints(this.limitedReadings, placedLinks(this.model, this.functions, at)));
+    for (const { name, kind, limits, value } of Object.values(after)) {
+      if (!limits) continue;
+      const now = beyond(value, kind, limits), scale = kind === "length" ? this.size : 1;
+      if (Math.abs(now) > 1e-9 * scale && Math.abs(now) > Math.abs(beyond(before[name].value, kind, limits)))
+        return { name, value: now > 0 ? limits[1] : limits[0], kind };
     }
     return null;
   }
@@ -370,6 +384,13 @@ function intoLimits(angle, limits) {
   if (!limits || (angle >= limits[0] && angle <= limits[1])) return angle;
   const moved = angle + 2 * Math.PI * Math.ceil((limits[0] - angle) / (2 * Math.PI) - 1e-12);
   return moved <= limits[1] + 1e-12 ? moved : angle;
+}
+
+/** How far a value is beyond its limits, below zero under the lower one; whole turns of an angle do not count. */
+function beyond(value, kind, [low, high]) {
+  const turn = 2 * Math.PI, middle = 0.5 * (low + high), apart = value - middle;
+  const off = kind === "angle" ? apart - turn * Math.round(apart / turn) : apart;
+  return Math.sign(off) * Math.max(0, Math.abs(off) - 0.5 * (high - low));
 }
 
 export function positive(q) {
