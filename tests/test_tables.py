@@ -57,3 +57,12 @@ def test_no_two_rows_look_the_same(name: str) -> None:
     rows = [tuple(row[1:]) for row in summary.rows]
     assert len(set(rows)) == len(rows)
     assert len(summary.header) > 2
+
+
+def test_given_poses_are_told_without_rounding() -> None:
+    """A pose that `modes` found, given again: the zeros of a platform above the middle are zeros, what was given is kept in the data."""
+    delta = symkin.load("delta")
+    pose = symkin.modes(delta, joints=[10.0, 10.0, 10.0])[0].pose
+    first = str(symkin.modes(delta, pose=pose)).splitlines()[0]
+    assert "e-" not in first
+    assert "pose 0, 0, -" in first

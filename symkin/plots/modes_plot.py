@@ -13,6 +13,7 @@ from symkin.plots.look import limits_text, listed, look_of
 from symkin.plots.picture_options import chosen_numbers, looks_of, ranges_text
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveResult
+from symkin.position.table import without_rounding
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -87,7 +88,7 @@ def _facts(modes: Modes) -> list[str]:
 
 
 def _given_text(key: str, values: Any) -> str:
-    return f"{key} = {values:.5g}" if np.ndim(values) == 0 else f"{key} {listed(np.ravel(values).tolist())}"
+    return f"{key} = {values:.5g}" if np.ndim(values) == 0 else f"{key} {listed(without_rounding(values))}"
 
 
 def _nothing(modes: Modes) -> str:

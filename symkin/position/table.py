@@ -14,6 +14,8 @@ from symkin.position.solution import Solution
 
 Columns = dict[str, list[str]]
 """Cells by the title of their column."""
+_ROUNDING = 1e-13
+"""What counts as rounding beside the largest number of a list."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,15 @@ def _fixed(value: float, digits: int) -> str:
 
 
 def given_text(given: Mapping[str, Any]) -> str:
-    """The given values: `joints 1, 2, 3`, `crank 60`."""
+    """The given values: `joints 1, 2, 3`, `crank 60`; roundings beside the largest number of a list are zeros."""
     return (
-        "; ".join(f"{key} {', '.join(f'{v:.7g}' for v in np.ravel(values))}" for key, values in given.items()) or "nothing given"
+        "; ".join(f"{key} {', '.join(f'{v:.7g}' for v in without_rounding(values))}" for key, values in given.items())
+        or "nothing given"
     )
+
+
+def without_rounding(values: Any) -> list[float]:
+    """Numbers for a text, with zeros for those that are only rounding beside the largest."""
+    numbers = np.ravel(values)
+    least = _ROUNDING * np.max(np.abs(numbers), initial=0.0)
+    return [0.0 if abs(v) < least else float(v) for v in numbers]
