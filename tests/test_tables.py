@@ -1,6 +1,7 @@
 """Tables of results: within 80 columns, units as `x [mm]`, passive joints where they are asked for or tell solutions apart."""
 
 import re
+import sys
 
 import pytest
 from hypothesis import given
@@ -66,3 +67,21 @@ def test_given_poses_are_told_without_rounding() -> None:
     first = str(symkin.modes(delta, pose=pose)).splitlines()[0]
     assert "e-" not in first
     assert "pose 0, 0, -" in first
+
+
+@pytest.mark.parametrize(
+    "command", [("modes", "klann_leg"), ("track", "four_bar", "--from", "20", "--to", "200"), ("singularities", "zhao2000")]
+)
+def test_sentences_are_folded_on_a_terminal(
+    command: tuple[str, ...], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Words and tables are those of a file; no line is longer than the terminal."""
+    monkeypatch.setenv("COLUMNS", "80")
+    plain = run(capsys, *command)[1]
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    folded = run(capsys, *command)[1]
+    assert folded.split() == plain.split()
+    assert max(map(len, plain.splitlines())) > 80
+    assert max(map(len, folded.splitlines())) <= 80
+    table = [line for line in plain.splitlines() if len(line) <= 80]
+    assert set(table) <= set(folded.splitlines())

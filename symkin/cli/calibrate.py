@@ -30,6 +30,7 @@ from symkin.cli.help import HELP_NAMES, HOW, OUTPUT, Group, add_command
 from symkin.cli.options import MechArgument, SeedOption, choice
 from symkin.cli.quantities import distance_points, joint_quantities, quantity, tolerances
 from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.streams import print_text
 from symkin.formats.read_options import ReadOptions
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ def fit(
         _note_earlier(output, mechanism)
         raise typer.Exit(3) from None
     written = write_fit(report, output)
-    print(report.summary())
+    print_text(report.summary())
     print("written: " + ", ".join(str(path) for path in written))
     if not report.usable:
         print(f"no mechanism file was written: {report.verdict}")

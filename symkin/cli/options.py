@@ -13,6 +13,7 @@ import typer
 
 from symkin.cli.completion import mechanism_names
 from symkin.cli.help import GIVEN, HOW, OUTPUT
+from symkin.cli.streams import print_text
 from symkin.errors import InputError
 from symkin.model.written_number import whole, written_number
 from symkin.text import not_among, shown
@@ -194,4 +195,4 @@ def check_output(output: Path | None, *inputs: Path | str | None) -> None:
 
 def print_result(as_json: bool, to_dict: Callable[[], dict[str, Any]], to_text: Callable[[], str]) -> None:
     """One JSON object, or the text for people."""
-    print(json.dumps(to_dict(), allow_nan=False) if as_json else to_text())
+    print(json.dumps(to_dict(), allow_nan=False)) if as_json else print_text(to_text())

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
+import textwrap
 from typing import TextIO
 
 from symkin.text import printable, shortened
+
+_NARROWEST = 40
+"""Columns of a terminal below which lines are left as they are."""
 
 
 def prepare_streams() -> None:
@@ -38,6 +43,18 @@ def say(message: object) -> None:
         print("symkin: " + printable(shortened(" ".join(str(message).split()))), file=sys.stderr, flush=True)
     except OSError:
         silence(sys.stderr)
+
+
+def print_text(text: str) -> None:
+    """Text for people: on a terminal, sentences that are longer than its lines go on, indented, on the next; a table keeps its lines."""
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else 0
+    print("\n".join(_folded(line, width) for line in text.split("\n")) if width >= _NARROWEST else text)
+
+
+def _folded(line: str, width: int) -> str:
+    if len(line) <= width or "  " in line.strip():
+        return line
+    return "\n".join(textwrap.wrap(line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False))
 
 
 def silence(stream: TextIO) -> None:
