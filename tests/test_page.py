@@ -162,11 +162,11 @@ def test_limits_of_passive_joints_stop_it_where_they_stop_track(name: str, open_
     assert joint
     (tmp_path / "limited.toml").write_text(f"{before}{joint}limits = [-8.0, 8.0]\n{after}")
     mechanism = symkin.load(tmp_path / "limited.toml")
+    page = open_page(symkin.view(mechanism).html)
     for end in (150.0, 30.0):
         tracked = symkin.track(mechanism, joints=[[90.0], [end]])
         assert tracked.stop is not None
         assert tracked.stop.kind == "limit"
-        page = open_page(symkin.view(mechanism).html)
         told = page.evaluate("crank => symkin.set({crank})", end)
         assert told["share"] == pytest.approx(tracked.stop.u, abs=1e-6)
         assert told["stop"]["limit"]["name"] == name
