@@ -16,6 +16,8 @@ from helpers.command_line import run
 from helpers.samples import readme_five_bar
 from symkin import Joint, Limb, RodLimb
 from symkin.errors import InputError
+from symkin.page.played_path import played_path
+from symkin.page.view import view_mechanism
 
 sync_api = pytest.importorskip("playwright.sync_api")
 CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
@@ -172,6 +174,82 @@ def test_limits_of_passive_joints_stop_it_where_they_stop_track(name: str, open_
         assert told["stop"]["limit"]["name"] == name
         assert abs(told["stop"]["limit"]["value"]) == pytest.approx(8.0)
         assert page.evaluate("crank => symkin.set({crank})", 90.0)["reached"]
+
+
+@pytest.mark.parametrize(("name", "joint", "end"), [("parallel_gripper", "left", -30.0), ("sarrus", "foot_x", 160.0)])
+def test_it_stops_where_branches_meet(name: str, joint: str, end: float, open_page: Callable[..., Any]) -> None:
+    """At bifurcations, through which a mode would go on straight; from there it comes back."""
+    mechanism = symkin.load(name)
+    start = symkin.solve(mechanism).solution.joints[joint]
+    tracked = symkin.track(mechanism, joints=[[start], [end]])
+    assert tracked.stop is not None
+    assert tracked.stop.kind == "bifurcation"
+    page = open_page(page_of(name))
+    for target in (end, start + 2.0 * tracked.stop.u * (end - start)):
+        told = page.evaluate("values => symkin.set(values)", {joint: target})
+        assert not told["reached"]
+        assert told["stop"]["kind"] == "singularity"
+        assert told["share"] * (target - start) == pytest.approx(tracked.stop.u * (end - start), abs=1e-6 * abs(end - start))
+        assert page.evaluate("values => symkin.set(values).reached", {joint: start})
+    singular = start + tracked.stop.u * (end - start)
+    assert page.evaluate("values => symkin.set(values).share", {joint: singular}) > 1.0 - 1e-5
+    assert page.evaluate("values => symkin.set(values).reached", {joint: start})
+
+
+def test_a_limit_is_met_from_any_distance(open_page: Callable[..., Any]) -> None:
+    mechanism = symkin.load("ren2008")
+    limit = mechanism.actuated[0].limits[1]
+    page = open_page(page_of("ren2008"))
+    for target in (limit + 0.01, 2000.0):
+        told = page.evaluate("leg1 => symkin.set({leg1}).stop", target)
+        assert told["limit"] == {"name": "leg1", "value": pytest.approx(limit)}
+        assert page.evaluate("symkin.solution().joints.leg1") == pytest.approx(limit, abs=1e-8)
+        assert page.evaluate("symkin.set({leg1: 0.5}).reached")
+
+
+def test_angles_beyond_half_a_turn_are_as_given(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    """Paths and sliders begin at 200 and 330 degrees, not a turn away from them."""
+    (tmp_path / "path.csv").write_text("theta1[deg],theta2[deg],theta3[deg],op[mm]\n80,200,330,105\n82,203,328,106\n")
+    mechanism = symkin.load("zhao2000")
+    page = open_page(view_mechanism(mechanism, path=played_path(mechanism, tmp_path / "path.csv")).html)
+    assert page.locator("#given-theta3-number").input_value() == "330"
+    page.select_option("#player select", "4")
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function("Number(document.querySelector('#player .place').value) === 8", timeout=20_000)
+    assert page.locator("#status").inner_text() == ""
+    told, (mode, *_) = page.evaluate("symkin.solution()"), symkin.modes(mechanism, joints=[82, 203, 328, 106])
+    assert apart(mechanism, mode, told) < 1e-9
+    page.get_by_role("button", name="Back to the start").click()
+    assert page.locator("#given-theta2-number").input_value() == "200"
+    assert page.evaluate("symkin.set({theta2: 205}).reached")
+
+
+def test_poses_of_a_path_lie_on_straight_lines(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    """Rows of poses at one height: the platform stays there between them."""
+    (tmp_path / "path.csv").write_text("x[mm],y[mm],z[mm]\n-60,0,-148\n60,40,-148\n")
+    delta = symkin.load("delta")
+    page = open_page(view_mechanism(delta, path=played_path(delta, tmp_path / "path.csv")).html)
+    for share in (0.11, 0.377, 0.5, 0.82):
+        page.evaluate(
+            "t => { const place = document.querySelector('.place'); place.value = t; place.dispatchEvent(new Event('input')) }",
+            8 * share,
+        )
+        position = page.evaluate("symkin.solution().position")
+        assert position == pytest.approx([-60 + 120 * share, 40 * share, -148.0], abs=1e-3)
+
+
+def test_wrong_numbers_are_kept_until_they_are_mended(open_page: Callable[..., Any]) -> None:
+    page = open_page(page_of("zhang2009"))
+    field, status = page.locator("#given-leg1-number"), page.locator("#status")
+    before = field.input_value()
+    for text in ("0x90", "12,3,4", "abc"):
+        field.fill(text)
+        field.press("Tab")
+        assert "is not a number" in status.inner_text()
+        assert field.get_attribute("aria-invalid") == "true"
+        field.press("Escape")
+        assert status.inner_text() == ""
+        assert field.input_value() == before
 
 
 def test_a_singular_start_is_told(open_page: Callable[..., Any]) -> None:
@@ -357,8 +435,8 @@ def test_a_sweeps_map_is_pointed_at(open_page: Callable[..., Any], tmp_path: Pat
     swept = symkin.sweep(readme_five_bar("planar"), given={"x": np.linspace(-250, 250, 20), "y": np.linspace(-260, 260, 20)},
                          directory=tmp_path / "map", workers=0)  # fmt: skip
     page = open_page(swept.view(loci=True).html)
-    assert page.locator("#plane p").inner_text().startswith("Number of real modes, singular curves (type 2)")
-    assert page.locator("#plane .legend").inner_text().split() == ["4", "none"]
+    assert page.locator("#plane p").inner_text().startswith("Number of real modes, singular curves type 2")
+    assert page.locator("#plane .legend").last.inner_text().split() == ["4", "none"]
     assert page.evaluate("symkin.modes().length") == 4
     box = page.locator("#plane canvas").bounding_box()
     page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.25 * box["height"])

@@ -89,8 +89,6 @@ def view(
                 raise InputError(f"both --pose and {name} are given; each tells where the page begins: give one of them")
     values = _plain(named_from(given, "given", mechanism.angle_unit))
     played = None if path is None else played_path(mechanism, path, values)
-    if played is not None and values is None and joints is None:
-        values = dict(zip(played.names, played.rows[0], strict=True))
     page = view_mechanism(
         mechanism, joints_from(joints, "joints", mechanism.angle_unit), values, played, reader.pose(pose, "pose")
     )

@@ -45,10 +45,11 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
     closure = problem.closure
     frames = link_frames(closure)
     known = tuple(c for c in problem.known_coordinates if c.role != "geometry")
+    start = _with_turns(mechanism, closure, solution.variables, known, given or {})
     model = {
         "names": [c.name for c in known],
         "units": {c.name: _unit(mechanism, c) for c in (*known, *mechanism.coordinates) if c.kind != "quaternion"},
-        "values": {c.name: _out(mechanism, c, solution.values[c.name]) for c in known},
+        "values": {c.name: _out(mechanism, c, start[closure.slices[c.name].start]) for c in known},
         "limits": {c.name: _limits(mechanism, c) for c in (*known, *mechanism.coordinates) if c.kind != "quaternion"},
         "lengthUnit": mechanism.length_unit,
         "angleUnit": mechanism.angle_unit,
@@ -56,7 +57,7 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
         "links": list(frames.frames),
         "coordinates": [_coordinate(mechanism, closure, c, known) for c in closure.coordinates if c.role != "geometry"],
         "width": int(closure.variables.shape[0]),
-        "start": solution.variables.tolist(),
+        "start": start.tolist(),
         "hasPlatform": mechanism.platform_link is not None,
         "bridges": _bridges(frames),
         "readings": _readings(closure, frames),
@@ -80,6 +81,18 @@ def _start(mechanism: Mechanism, given: Mapping[str, float] | None) -> SolveResu
         start = None if mechanism.serial else [*solution.position, *solution.quaternion]
         found = solve(mechanism, joints=solution.actuated_values, start=start, check=False)
     return found
+
+
+def _with_turns(
+    mechanism: Mechanism, closure: Closure, variables: np.ndarray, known: Sequence[Coordinate], given: Mapping[str, float]
+) -> np.ndarray:
+    """The variables with given angles as they are given, whole turns too: from there a path or a map goes on."""
+    start = np.array(variables, dtype=float)
+    for c in known:
+        if c.kind == "angle" and c.name in given:
+            place = closure.slices[c.name].start
+            start[place] += 2.0 * np.pi * np.round((mechanism.angle_in(given[c.name]) - start[place]) / (2.0 * np.pi))
+    return start
 
 
 def _first_mode(mechanism: Mechanism, given: Mapping[str, float] | None, failed: SolveResult) -> SolveResult:

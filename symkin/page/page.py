@@ -109,11 +109,11 @@ def _range(mechanism: Mechanism, name: str, value: float) -> list[float]:
     turn, half = _TURN[mechanism.angle_unit], 0.5 * mechanism.characteristic_length
     found = next((c for c in mechanism.coordinates if c.name == name), None)
     if found is None:
-        return [value - half, value + half] if name in "xyz" else [-turn, turn]
+        return [value - half, value + half] if name in "xyz" else [min(-turn, value), max(turn, value)]
     if found.limits is not None:
         return [mechanism.angle_out(v) if found.is_angular else v for v in found.limits]
     if found.kind == "angle":
-        return [-turn, turn]
+        return [min(-turn, value), max(turn, value)]
     if found.kind == "turns":
         return [value - 2.0 * turn, value + 2.0 * turn]
     least = -math.inf if found.least is None else found.least

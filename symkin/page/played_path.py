@@ -12,6 +12,8 @@ from symkin.page.page import PlayedPath
 
 _MOST = 20_000
 """Rows that a page takes: more make it large and slow to open."""
+_POSE_SAMPLES = 400
+"""Configurations along a path of poses, at least: between them the page goes straight in the joints, not in the pose."""
 
 
 def played_path(mechanism: Mechanism, file: Path | str, given: Mapping[str, float] | None = None) -> PlayedPath:
@@ -31,12 +33,13 @@ def played_path(mechanism: Mechanism, file: Path | str, given: Mapping[str, floa
 def _of_poses(mechanism: Mechanism, title: str, poses: list[list[float]], times: list[float] | None) -> PlayedPath:
     from symkin.following.track import track
 
-    found = track(mechanism, poses=poses)
+    found = track(mechanism, poses=poses, times=times, samples=max(len(poses), _POSE_SAMPLES))
     if not found.reached:
         raise InputError(f"{title}: the poses cannot all be followed: {found.statement}")
     names = [c.name for c in mechanism.actuated]
     rows = [[float(sample.joints[name]) for name in names] for sample in found.samples]
-    return _checked(PlayedPath(title, names, rows, times if times is not None and len(times) == len(rows) else None))
+    played = [sample.time for sample in found.samples]
+    return _checked(PlayedPath(title, names, rows, None if None in played else [float(time or 0.0) for time in played]))
 
 
 def _checked(path: PlayedPath) -> PlayedPath:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from symkin.model.mechanism import Mechanism
 from symkin.page.view import View
 from symkin.position.solution import Solution
 from symkin.singularities.configuration import configuration
+from symkin.spatial.pose import Pose
 from symkin.sweeps.map_loci import loci_over
 from symkin.sweeps.map_slice import SHOWN, TITLES, MapSlice, check_map, edges, map_slice, opened, space_of
 
@@ -33,15 +34,18 @@ def view_of_sweep(folder: Path, slices: Mapping[str, float] | None = None, *, lo
     _check_plane(part, attributes)
     space = space_of(attributes)
     values = dict(part.cuts) | dict(zip(part.ranges, part.some, strict=True))
-    here = configuration(space.mechanism, **space.given([values[axis.name] for axis in space.axes]))
-    given = _sliders(space.mechanism, here, space.given([values[axis.name] for axis in space.axes]))
+    told = space.given([values[axis.name] for axis in space.axes])
+    here = configuration(space.mechanism, **told)
+    given = _sliders(space.mechanism, here, told)
     curves = loci_over(loci, attributes, part.ranges, part.cuts, part.some)
     plane = {
         "names": list(part.ranges),
         "units": [axis[1] for axis in (part.x, part.y) if axis is not None],
         "ranges": [list(ends) for ends in part.ranges.values()],
-        "held": ", ".join(part.fixed) or "nothing else is swept",
+        "held": _held(space.mechanism, told, list(part.ranges)),
+        "pose": _numbers(told["pose"]) if "pose" in told else None,
         "curves": [] if curves is None else [{"kind": curve.kind, "points": curve.points.tolist()} for curve in curves.curves],
+        "lociAsked": loci,
         "map": _cells(part, TITLES[name], is_condition=name == "least_condition"),
     }
     return View(space.mechanism, given, start=here.to_dict(), plane=plane)
@@ -62,10 +66,32 @@ def _check_plane(part: MapSlice, attributes: Mapping[str, Any]) -> None:
 
 def _sliders(mechanism: Mechanism, here: Solution, told: Mapping[str, Any]) -> dict[str, float] | None:
     """The coordinates with sliders: those given by name, else the actuated joints."""
-    given = told.get("given", {})
-    if given and all(isinstance(value, (int, float)) for value in given.values()):
-        return {name: float(value) for name, value in given.items()}
-    return {c.name: float(here.joints[c.name]) for c in mechanism.actuated} or None
+    return _single_values(mechanism, told) or {c.name: float(here.joints[c.name]) for c in mechanism.actuated} or None
+
+
+def _single_values(mechanism: Mechanism, told: Mapping[str, Any]) -> dict[str, float]:
+    """What is given by name or as actuated joints; nothing where a whole pose is."""
+    given = told.get("given") or dict(zip([c.name for c in mechanism.actuated], told.get("joints", ()), strict=False))
+    single = all(isinstance(value, (int, float)) for value in given.values())
+    return {name: float(value) for name, value in given.items()} if single else {}
+
+
+def _numbers(pose: Pose) -> list[float]:
+    return [*map(float, pose.position), *map(float, pose.quaternion)]
+
+
+def _held(mechanism: Mechanism, told: Mapping[str, Any], shown: Sequence[str]) -> str:
+    """What stands while the plane's two coordinates change."""
+    if "pose" in told:
+        numbers = _numbers(told["pose"])
+        values = dict(zip("xyz", numbers, strict=False))
+        turned = "" if numbers[3] == 1.0 else f"quaternion ({', '.join(f'{v + 0.0:.5g}' for v in numbers[3:])})"
+    else:
+        values, turned = _single_values(mechanism, told), ""
+    angular = {c.name for c in mechanism.coordinates if c.is_angular} | {"azimuth", "tilt", "torsion"}
+    units = {name: mechanism.angle_unit if name in angular else mechanism.length_unit for name in values}
+    single = [f"{name} = {value:.5g} {units[name]}" for name, value in values.items() if name not in shown]
+    return ", ".join([*single, *([turned] if turned else [])])
 
 
 def _cells(part: MapSlice, title: str, *, is_condition: bool) -> dict[str, Any]:

@@ -76,8 +76,8 @@ def view_mechanism(
     path: PlayedPath | None = None,
     pose: Sequence[float] | Pose | None = None,
 ) -> View:
-    """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given` by name; at a `pose` it begins with
-    the first working mode there. Raises InputError for values without a configuration."""
+    """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given` by name; it begins with the
+    first row of a `path`, or with the first working mode at a `pose`. Raises InputError for values without a configuration."""
     require_mechanism(mechanism)
     if joints is not None and given is not None:
         raise InputError("joints and given are both told; joints are the actuated ones, given any coordinates: give one of them")
@@ -95,6 +95,8 @@ def view_mechanism(
     if joints is not None:
         ordered = given_from(mechanism, joints, None).echo["joints"]
         given = {c.name: value for c, value in zip(mechanism.actuated, ordered, strict=True)}
+    if given is None and path is not None:
+        given = dict(zip(path.names, path.rows[0], strict=True))
     return View(mechanism, given, path)
 
 

@@ -1,6 +1,7 @@
 // A slider and a number field with its unit for every given coordinate.
 
 const DIGITS = 6;
+const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 export class Inputs {
   /** `ranges` {name: [low, high]} in the units of `units`; `onChange(name, value)` at every movement. */
@@ -16,6 +17,12 @@ export class Inputs {
 
   show(values) {
     for (const [name, row] of this.rows) row.show(values[name]);
+  }
+
+  /** The ends of a slider as it is now. */
+  ends(name) {
+    const { slider } = this.rows.get(name);
+    return [Number(slider.min), Number(slider.max)];
   }
 
   /** Mark on the slider how far a coordinate may move on, and where it stopped (-1, 0 or 1: below, nowhere, above). */
@@ -49,8 +56,8 @@ class Row {
     this.slider.addEventListener("input", () => onChange(this.slider.valueAsNumber));
     this.slider.addEventListener("keydown", (event) => this._step(event, onChange));
     this.number.addEventListener("change", () => this._typed(onChange));
-    this.number.addEventListener("blur", () => this.show(this.value));
-    this.number.addEventListener("keydown", (event) => event.key === "Escape" && (this.show(this.value), this.number.blur()));
+    this.number.addEventListener("blur", () => this.number.getAttribute("aria-invalid") !== "true" && this.show(this.value));
+    this.number.addEventListener("keydown", (event) => event.key === "Escape" && this._restore());
   }
 
   /** Arrow keys move by a two-hundredth of the range, with Shift by a tenth of that. */
@@ -63,12 +70,18 @@ class Row {
   }
 
   _typed(onChange) {
-    const text = this.number.value.trim().replace(",", ".").replace("−", "-");
-    const value = text === "" ? NaN : Number(text);
-    const good = Number.isFinite(value);
+    const text = this.number.value.trim().replace(",", ".").replace("−", "-"), value = Number(text);
+    const good = NUMBER.test(text) && Number.isFinite(value);
     this.number.setAttribute("aria-invalid", String(!good));
     if (good) onChange(value);
     else this.number.dispatchEvent(new CustomEvent("refused", { bubbles: true, detail: `${JSON.stringify(this.number.value)} is not a number; write one such as 12.5, in ${this.unit}.` }));
+  }
+
+  /** Take back what was typed, and what was said of it. */
+  _restore() {
+    this.show(this.value);
+    this.number.dispatchEvent(new CustomEvent("refused", { bubbles: true, detail: "" }));
+    this.number.blur();
   }
 
   show(value) {

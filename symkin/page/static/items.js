@@ -2,7 +2,7 @@
 import * as THREE from "three";
 import * as shapes from "symkin/shapes";
 
-const R_WIDTH = 0.26, LINK = 0.13, EDGE = 0.05, ROD = 0.085;
+const R_WIDTH = 0.26, LINK = 0.13, EDGE = 0.05, ROD = 0.085, FRAME = 1.6;
 // radii over the length of a joint's symbol
 
 export function buildItems(scene, look, linkCount) {
@@ -60,6 +60,8 @@ class Items {
   places() {
     const bodies = this.scene.items.filter((item) => item.kind === "body");
     const points = bodies.flatMap((item) => item.points.map((point) => this.at({ link: item.link, point })));
+    const frames = this.scene.items.filter((item) => item.kind === "frame");
+    points.push(...frames.flatMap((item) => this._axisEnds(item).map((point) => this.at({ link: item.link, point }))));
     return points.length ? points : [new THREE.Vector3()];
   }
 
@@ -210,11 +212,16 @@ class Items {
     this.labels.push({ item, at: [{ link: item.link, point: item.point }] });
   }
 
+  _axisEnds({ position, rotation }) {
+    const along = [0, 1, 2].map((k) => position.map((v, r) => v + FRAME * this.symbol * rotation[r][k]));
+    return [position, ...along];
+  }
+
   add_frame(item) {
     const group = this.links[item.link];
     "xyz".split("").forEach((name, k) => {
       const way = item.rotation.map((row) => row[k]);
-      const mesh = new THREE.Mesh(shapes.arrow(item.position, way, 1.6 * this.symbol, 0.045 * this.symbol), this.look.solid(`frame ${name}`));
+      const mesh = new THREE.Mesh(shapes.arrow(item.position, way, FRAME * this.symbol, 0.045 * this.symbol), this.look.solid(`frame ${name}`));
       mesh.userData.item = item;
       group.add(mesh);
     });

@@ -1,5 +1,5 @@
 // Joins the solver, the drawing and the controls; offers `window.symkin`.
-import { createSolver } from "solver";
+import { createSolver, percent } from "solver";
 import * as generated from "generated";
 import { Drawing, roundLength } from "symkin/drawing";
 import { PlatformDrag } from "symkin/drag";
@@ -14,13 +14,13 @@ const $ = (id) => document.getElementById(id);
 const { model, scene, options } = JSON.parse($("data").textContent);
 const solver = createSolver(model, generated);
 solver.unitOf = (name) => solver.units[name] ?? "";
-const start = { ...solver.values };
 const drawing = new Drawing($("view"), scene, solver.links.length);
 const inputs = new Inputs($("inputs"), { names: solver.names, units: solver.units, values: solver.values, ranges: options.ranges, limits: solver.limits }, wish);
 const labels = new Labels($("labels"), drawing, solver);
 const strip = new Strip($("strip"), $("modes-text"), { solver, drawing, onChoose: choose });
 const drag = new PlatformDrag(drawing, solver, { itemAt, onMove: moved });
 const trace = new Trace(drawing, tracedPoints());
+const MAP_ROUNDS = 100; // steps of a drag to a place on a map
 const wishes = new Map(); // values that sliders ask for, taken once a frame
 let player = null, plane = null, slow = 0;
 
@@ -73,6 +73,15 @@ function moved(result) {
   return result;
 }
 
+/** Show where the platform was dragged, and say so where it could not come to the place. */
+function dragged(result, position) {
+  moved(result);
+  const off = Math.hypot(...solver.solution().position.map((v, k) => v - position[k]));
+  if (!result.stop && off > 1e-3 * model.size)
+    $("status").textContent = `The platform cannot come there in this mode: it stands as near as it can, ${shown(off, 3)} ${scene.lengthUnit} away.`;
+  return result;
+}
+
 /** The sentence of a stop, and the motion that shows it. */
 function tell(stop) {
   const sentence = stop?.sentence ?? "";
@@ -86,7 +95,7 @@ function tell(stop) {
 function ranges() {
   const before = performance.now();
   for (const name of solver.names) {
-    const left = solver.rangeLeft(name, options.ranges[name]);
+    const left = solver.rangeLeft(name, inputs.ends(name));
     inputs.mark(name, left, false);
     if (performance.now() - before > 400) break;
   }
@@ -191,15 +200,13 @@ function frame(now) {
 /** Take the mode that is nearest to the configuration which the page was made for. */
 function takeStart() {
   const wanted = options.start;
-  if (!wanted) return;
-  const apart = (mode) => {
+  if (!wanted) return solver.takeStart();
+  solver.takeStart((mode) => {
     const numbers = ([key, value]) => (typeof value === "number" ? [value - mode.joints[key]] : []);
     const joints = Object.entries(wanted.joints).filter(([key]) => typeof mode.joints?.[key] === "number").flatMap(numbers);
     const moved = wanted.pose && mode.position ? wanted.pose.position.map((v, k) => v - mode.position[k]) : [];
     return Math.hypot(...joints, ...moved);
-  };
-  const gaps = solver.modes().map(apart), nearest = gaps.indexOf(Math.min(...gaps));
-  if (nearest >= 0 && nearest !== solver.modeIndex) solver.choose(nearest);
+  });
 }
 
 // --- beginning -------------------------------------------------------------------------------------------------------
@@ -212,7 +219,11 @@ $("trace").hidden = !tracedPoints().length;
 toggle("meshes", (on) => drawing.setMeshes(on));
 $("meshes").hidden = !drawing.items.meshes.length;
 $("fit").addEventListener("click", () => drawing.fit());
-$("reset").addEventListener("click", () => moved(solver.set(start)));
+$("reset").addEventListener("click", () => {
+  player?.rewind();
+  takeStart();
+  moved({ reached: true, share: 1, stop: solver.stopHere() });
+});
 $("passive").addEventListener("toggle", readout);
 $("inputs").addEventListener("refused", (event) => ($("status").textContent = event.detail));
 $("view").addEventListener("pointermove", hover);
@@ -238,17 +249,21 @@ if (options.plane) {
     now: () => names.map((name, k) => (given ? solver.values[name] : solver.solution().position[axes[k]])),
     go: (...place) => {
       if (given) return moved(solver.set(Object.fromEntries(names.map((name, k) => [name, place[k]]))));
-      const { position, quaternion } = solver.solution();
+      const pose = options.plane.pose ?? solver.solution().position.concat(solver.solution().quaternion), position = pose.slice(0, 3);
       axes.forEach((axis, k) => (position[axis] = place[k]));
-      return moved(solver.dragTo(position, quaternion));
+      return dragged(solver.dragTo(position, pose.slice(3), MAP_ROUNDS), position);
     },
   });
 }
 if (options.path) {
-  player = new Player($("player"), options.path, { go: (values) => moved(solver.set(values)).reached });
+  player = new Player($("player"), options.path, {
+    go: (values) => moved(solver.set(values)),
+    onStop: (stop, share) => tell({ ...stop, sentence: `Stopped at ${percent(share)} of the path${stop.cause}` }),
+  });
   $("player").addEventListener("pointerdown", () => wishes.clear());
 }
-$("hints").textContent = scene.items.some((item) => item.role === "platform")
+$("reset").parentElement.hidden = !solver.names.length;
+$("hints").textContent = solver.names.length && scene.items.some((item) => item.role === "platform")
   ? "Drag the platform to move it, with Shift to turn it; drag beside it to turn the view."
   : "Drag to turn the view, wheel or two fingers to zoom.";
 takeStart();

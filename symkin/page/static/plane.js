@@ -21,6 +21,14 @@ function coloured({ values, condition }) {
   return { colour, legend: named.map((value) => [colour(value), `${value}`]) };
 }
 
+/** A swatch with its text, which stay together. */
+function entry(colour, text, kind) {
+  const item = document.createElement("span"), swatch = Object.assign(document.createElement("i"), { className: kind });
+  if (colour) swatch.style.background = colour;
+  item.append(swatch, text);
+  return item;
+}
+
 export class PlaneMap {
   /** `plane` {names, units, ranges, held, curves: [{kind, points}], map: {title, values, condition, every, edges or points} or absent};
    * `go(u, v)` moves there; `now()` tells where it is. */
@@ -29,20 +37,28 @@ export class PlaneMap {
     element.hidden = false;
     const kinds = [...new Set(plane.curves.map((curve) => curve.kind))];
     const title = Object.assign(document.createElement("p"), { className: "path-title" });
-    const curves = `ingular curves${kinds.length ? ` (${kinds.join(", ")})` : ": none met"}`, told = kinds.length > 0 || !plane.map;
-    title.textContent = plane.map ? `${plane.map.title}${told ? `, s${curves}` : ""}; ${plane.held}` : `S${curves}; ${plane.held}`;
+    const curves = `ingular curves${kinds.length ? "" : ": none met"}`, told = kinds.length > 0 || !plane.map || plane.lociAsked;
+    title.textContent = [plane.map ? `${plane.map.title}${told ? `, s${curves}` : ""}` : `S${curves}`, plane.held].filter(Boolean).join("; ");
+    this._curveKey(title, kinds);
     if (plane.map) this._legend(title);
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", `Plane of ${plane.names.join(" and ")} with ${plane.map ? "the map of a sweep" : "singular curves"}; point at a place to go there, or use the sliders`);
+    this.canvas.setAttribute("aria-label", `Plane of ${plane.names.join(" and ")} with ${plane.map ? "the map of a sweep" : "singular curves"}; point at a place to go there, or use the arrow keys`);
     element.append(title, this.canvas);
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
       this._point(event);
     });
     this.canvas.addEventListener("pointermove", (event) => event.buttons && this._point(event));
+    this.canvas.addEventListener("keydown", (event) => this._key(event));
     new ResizeObserver(() => this.draw()).observe(this.canvas);
+  }
+
+  _curveKey(title, kinds) {
+    const list = Object.assign(document.createElement("span"), { className: "legend" });
+    for (const kind of kinds) list.append(entry(COLOURS[kind] ?? this.ink("loop"), kind, "curve"), " ");
+    if (kinds.length) title.append(" ", list);
   }
 
   _legend(title) {
@@ -51,11 +67,7 @@ export class PlaneMap {
     const { every } = this.plane.map, entries = [...legend, [null, "none"]];
     if (every > 1) title.append(`; one point of ${every} each way`);
     const list = Object.assign(document.createElement("span"), { className: "legend" });
-    for (const [shade, text] of entries) {
-      const swatch = Object.assign(document.createElement("i"), { className: shade ? "" : "no-mode" });
-      if (shade) swatch.style.background = shade;
-      list.append(swatch, `${text} `);
-    }
+    for (const [shade, text] of entries) list.append(entry(shade, text, shade ? "" : "no-mode"), " ");
     title.append(" ", list);
   }
 
@@ -97,6 +109,15 @@ export class PlaneMap {
     this.wanted = [u0 + x * (u1 - u0), v0 + y * (v1 - v0)];
   }
 
+  /** Arrow keys move by a fiftieth of the sides. */
+  _key(event) {
+    const way = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (!way) return;
+    event.preventDefault();
+    const now = this.now();
+    this.wanted = this.plane.ranges.map(([low, high], k) => Math.min(high, Math.max(low, now[k] + (way[k] * (high - low)) / 50)));
+  }
+
   draw() {
     const { canvas, plane } = this, ratio = Math.min(window.devicePixelRatio || 1, 2), width = canvas.clientWidth;
     const [across, up] = plane.ranges.map(([low, high]) => high - low);
@@ -129,12 +150,15 @@ export class PlaneMap {
   }
 
   _curve(pen, places, colour) {
-    pen.strokeStyle = pen.fillStyle = colour;
-    pen.lineWidth = 1.8;
     pen.beginPath();
     if (places.length === 1) pen.arc(...places[0], 3, 0, 2 * Math.PI);
     places.forEach(([x, y], k) => (k ? pen.lineTo(x, y) : pen.moveTo(x, y)));
-    pen.stroke();
+    // a pale edge, so that a curve is seen on every colour of the map
+    for (const [ink, wide] of this.plane.map ? [["#fff", 4.4], [colour, 2.2]] : [[colour, 1.8]]) {
+      pen.strokeStyle = ink;
+      pen.lineWidth = wide;
+      pen.stroke();
+    }
   }
 
   _words(pen, width, height) {

@@ -3,9 +3,10 @@
 const SECONDS = 8; // of a whole path at speed 1 where the file has no times
 
 export class Player {
-  /** `path` {names, rows, times or null, title}; `go(values)` moves there and tells whether that was reached. */
-  constructor(element, path, { go, onEnd }) {
-    Object.assign(this, { path, go, onEnd });
+  /** `path` {names, rows, times or null, title}; `go(values)` moves there and tells what came of it; `onStop(stop, share)`: a stop, and
+   * the share of the path at which it is. */
+  constructor(element, path, { go, onEnd, onStop }) {
+    Object.assign(this, { path, go, onEnd, onStop });
     this.times = path.times ?? path.rows.map((_, k) => (SECONDS * k) / Math.max(1, path.rows.length - 1));
     this.time = this.times[0];
     this.running = false;
@@ -14,7 +15,7 @@ export class Player {
       <button type="button" class="play">Play</button>
       <input type="range" class="place" step="any" aria-label="Place on the path">
       <label>speed <select><option value="0.25">¼</option><option value="0.5">½</option><option value="1" selected>1</option><option value="2">2</option><option value="4">4</option></select></label></div>`;
-    element.querySelector(".path-title").textContent = `Path ${path.title}: ${path.rows.length} rows`;
+    element.querySelector(".path-title").textContent = `Path ${path.title}`;
     this.button = element.querySelector(".play");
     this.place = element.querySelector(".place");
     this.place.min = this.times[0];
@@ -30,6 +31,12 @@ export class Player {
     this.running = running;
     this.last = performance.now();
     this.button.textContent = running ? "Pause" : "Play";
+  }
+
+  /** Stand at the beginning of the path. */
+  rewind() {
+    this.play(false);
+    this.place.value = this.time = this.times[0];
   }
 
   /** One frame further. */
@@ -57,7 +64,12 @@ export class Player {
   }
 
   _go(time, row) {
-    if (!this.go(Object.fromEntries(this.path.names.map((name, k) => [name, row[k]])))) return false;
+    const result = this.go(Object.fromEntries(this.path.names.map((name, k) => [name, row[k]])));
+    if (!result.reached) {
+      const [first, last] = [this.times[0], this.times[this.times.length - 1]];
+      this.onStop(result.stop, (this.time + result.share * (time - this.time) - first) / (last - first));
+      return false;
+    }
     this.time = time;
     this.place.value = time;
     return true;

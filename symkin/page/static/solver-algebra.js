@@ -6,17 +6,37 @@ const RANK = 1e-13; // pivots below this share of the first are zero
 export function leastSquares(a, b, n) {
   const m = n ? a.length / n : 0, y = new Float64Array(n);
   if (!n) return y;
-  const { pivots, rank } = reduce(a, b, m, n);
-  for (let k = rank - 1; k >= 0; k--) {
-    let sum = b[k];
-    for (let j = k + 1; j < rank; j++) sum -= a[k * n + pivots[j]] * y[pivots[j]];
-    y[pivots[k]] = sum / a[k * n + pivots[k]];
-  }
+  const { pivots, rank } = reduce(a, b, m, n, 1);
+  substitute(a, b, y, n, 1, 0, pivots, rank);
   return y.every(Number.isFinite) ? y : null;
 }
 
-/** Reduce A to a triangle in place (its columns in the order of `pivots`), b with it. */
-function reduce(a, b, m, n) {
+/** The length of Y (Frobenius) with A Y = B - A in least squares for A, B (m, n): below 1, no matrix between A and B on a straight line
+ * loses rank. Infinity where A has lost it. A and B are overwritten. */
+export function relativeChange(a, b, n) {
+  const m = n ? a.length / n : 0, y = new Float64Array(n);
+  for (let k = 0; k < b.length; k++) b[k] -= a[k];
+  const { pivots, rank } = reduce(a, b, m, n, n);
+  if (rank < n) return Infinity;
+  let sum = 0;
+  for (let column = 0; column < n; column++) {
+    substitute(a, b, y, n, n, column, pivots, rank);
+    for (const v of y) sum += v * v;
+  }
+  return Math.sqrt(sum);
+}
+
+/** Solve the triangle for one column of b (m, width). */
+function substitute(a, b, y, n, width, column, pivots, rank) {
+  for (let k = rank - 1; k >= 0; k--) {
+    let sum = b[k * width + column];
+    for (let j = k + 1; j < rank; j++) sum -= a[k * n + pivots[j]] * y[pivots[j]];
+    y[pivots[k]] = sum / a[k * n + pivots[k]];
+  }
+}
+
+/** Reduce A to a triangle in place (its columns in the order of `pivots`), b (m, width) with it. */
+function reduce(a, b, m, n, width) {
   const pivots = Array.from({ length: n }, (_, k) => k), most = Math.min(m, n);
   let first = 0, rank = 0;
   for (; rank < most; rank++) {
@@ -30,29 +50,26 @@ function reduce(a, b, m, n) {
     if (rank === 0) first = norm;
     if (!(norm > RANK * first)) break;
     [pivots[rank], pivots[best]] = [pivots[best], pivots[rank]];
-    reflect(a, b, m, n, pivots, rank, norm);
+    reflect(a, b, m, n, width, pivots[rank], rank, norm);
   }
   return { pivots, rank };
 }
 
-function reflect(a, b, m, n, pivots, k, norm) {
-  const p = pivots[k], head = a[k * n + p], alpha = head > 0 ? -norm : norm;
+/** Reflect the rows from k on so that column p of A is zero below row k. */
+function reflect(a, b, m, n, width, p, k, norm) {
+  const head = a[k * n + p], alpha = head > 0 ? -norm : norm;
   const v = new Float64Array(m - k);
   for (let r = k; r < m; r++) v[r - k] = a[r * n + p];
   v[0] = head - alpha;
   const beta = v.reduce((sum, c) => sum + c * c, 0);
   if (beta === 0) return;
-  for (let j = k; j < n; j++) {
-    let dot = 0;
-    for (let r = k; r < m; r++) dot += v[r - k] * a[r * n + pivots[j]];
-    dot *= 2 / beta;
-    for (let r = k; r < m; r++) a[r * n + pivots[j]] -= dot * v[r - k];
-  }
-  if (!b) return;
-  let dot = 0;
-  for (let r = k; r < m; r++) dot += v[r - k] * b[r];
-  dot *= 2 / beta;
-  for (let r = k; r < m; r++) b[r] -= dot * v[r - k];
+  for (const [matrix, columns] of [[a, n], [b, width]])
+    for (let j = 0; j < columns; j++) {
+      let dot = 0;
+      for (let r = k; r < m; r++) dot += v[r - k] * matrix[r * columns + j];
+      dot *= 2 / beta;
+      for (let r = k; r < m; r++) matrix[r * columns + j] -= dot * v[r - k];
+    }
 }
 
 /** Smallest over largest singular value of A (m, n), and the right singular vector of the smallest: eigenvectors by Jacobi's turns. */

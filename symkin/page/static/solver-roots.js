@@ -125,7 +125,16 @@ export class Roots {
   /** Where there is no search: the seeds where the values are those of the start, else x alone. */
   _seedsAt(x) {
     const here = this.solver.places.every((k) => Math.abs(x[k] - this.model.start[k]) < 1e-12 * this.model.columns[k]);
-    return here ? this.model.modesHere.map((seed) => Float64Array.from(seed)) : [];
+    return here ? this.startModes() : [];
+  }
+
+  /** The modes at the values of the start. */
+  startModes() {
+    return this.model.modesHere.map((seed) => {
+      const mode = Float64Array.from(seed);
+      for (const k of this.solver.places) mode[k] = this.model.start[k]; // with its whole turns
+      return mode;
+    });
   }
 
   /** Real ends of all paths to the values of x; `unresolved` counts paths that neither end nor go to infinity, or share an end. */

@@ -1,19 +1,22 @@
 // Follows a mechanism's closure: Newton's method on all rows with step control, all modes, the inverse problem of a drag.
 // No imports but the linear algebra; plain numbers; runs in browsers and in node alike.
-import { leastSquares, singularPair } from "solver-algebra";
+import { leastSquares, relativeChange, singularPair } from "solver-algebra";
 import { Roots } from "solver-roots";
 import { placedLinks, readJoints } from "solver-links";
 
 const NEWTON = 12; // iterations at most
 const CLOSED = 1e-13; // Newton's step, over the size, at which a configuration is closed
+const ROUNDING = 1e-7; // Newton's step, over the size, below which it need not contract: near a singularity rounding is that large
 const REACH = 0.12; // of a step in units of the size and radians
 const CORRECTION = 0.25; // share of a predicted step that Newton may add to it
 const CONTRACTION = 0.2; // of Newton's second step over its first
-const SMALLEST = 1e-7; // share of a movement below which a step is given up
-const ESCAPE = 1e-14; // the same for a first step that leads away from a singularity
-const SINGULAR = 1e-6; // the same at the start, below which a configuration is singular
+const CHANGE = 0.7; // of the Jacobian in a step, relative to itself: from 1 on it may lose rank within the step
+const SMALLEST = 2e-8; // share of a movement below which a step is given up
+const ESCAPE = 1e-14; // the same for first steps, which lead away from a singularity
+const AT_LIMIT = 1e-12; // the same where a limit lies ahead
+const SINGULAR = 1e-6; // smallest singular value, of the largest, at the start, below which a configuration is singular
+const NEAR = 0.05; // the same at a halt, below which it is told as a singularity
 const STANDS = 1e-3; // share of a motion below which the platform, or a joint, stands in it
-const NEAR = 0.05; // smallest singular value, of the largest, below which a halt is told as a singularity
 
 export function createSolver(model, generated) {
   return new Solver(model, generated);
@@ -90,25 +93,28 @@ class Solver {
     const length = Math.hypot(...way.map((v, k) => v / scales[k]));
     let x = Float64Array.from(from), share = 0;
     if (length === 0) return { x, share: 1, halt: null };
-    let step = Math.min(1, REACH / length);
+    let step = Math.min(1, REACH / length), least = ESCAPE, limit = null;
     while (share < 1) {
       if (share + step > 1) step = 1 - share;
-      const next = this._advance(x, way, start, share, step);
-      const limit = next && this._limitBetween(x, next);
-      const leaves = step >= SMALLEST || (next && this._ratio(next) > this._ratio(x));
-      if (next && !limit && leaves) {
+      const next = this._advance(x, way, start, share, step), beyond = next && this._limitBetween(x, next);
+      if (beyond) [limit, least] = [beyond, AT_LIMIT];
+      const leaves = step >= SMALLEST || limit || (next && this._ratio(next) > this._ratio(x));
+      if (next && !beyond && leaves) {
         x = next;
         share = step === 1 - share ? 1 : share + step;
+        if (step >= SMALLEST && !limit) least = SMALLEST;
         step = Math.min(2 * step, REACH / length);
+        if (1 - share - step < SMALLEST) step = 1 - share;
         continue;
       }
       step *= 0.5;
-      if (step < (share > 0 ? SMALLEST : ESCAPE)) return { x, share, halt: { kind: limit ? "limit" : "halt", limit } };
+      if (step < least) return { x, share, halt: { kind: limit ? "limit" : "halt", limit } };
     }
     return { x, share: 1, halt: null };
   }
 
-  /** One step: tangent, then Newton; null where the corrector does not contract as near a regular configuration. */
+  /** One step: tangent, then Newton; null where the corrector does not contract as near a regular configuration, and where a singular
+   * one may lie within the step. */
   _advance(x, way, start, share, step) {
     const next = Float64Array.from(x), { width, columns } = this.model;
     const jacobian = this._linearise(x);
@@ -122,7 +128,8 @@ class Solver {
     this.unknown.forEach((place, k) => (next[place] += tangent[k] * columns[place]));
     this.places.forEach((place, k) => (next[place] = share + step === 1 ? start[k] + way[k] : start[k] + (share + step) * way[k]));
     const known = Math.hypot(...way.map((v, k) => (v * step) / columns[this.places[k]]));
-    return this.correct(next, CORRECTION * (reach + known) + 1e-12) ? next : null;
+    if (!this.correct(next, CORRECTION * (reach + known) + ROUNDING)) return null;
+    return relativeChange(this._linearise(x), this._linearise(next), this.unknown.length) < CHANGE ? next : null;
   }
 
   /** Newton's method on the unknowns of x, in place; whether it closed, its first step within `most` and contracting. */
@@ -133,9 +140,9 @@ class Solver {
       const step = leastSquares(jacobian, this.rows.map((v) => -v), this.unknown.length);
       if (!step) return false;
       const length = Math.hypot(...step);
-      if (!(k === 0 ? length <= most : length <= Math.max(CONTRACTION * last, CLOSED) || !Number.isFinite(most))) return false;
+      if (!(k === 0 ? length <= most : length <= Math.max(CONTRACTION * last, ROUNDING) || !Number.isFinite(most))) return false;
       this.unknown.forEach((place, i) => (x[place] += step[i] * this.model.columns[place]));
-      if (length <= CLOSED || (length < 1e-9 && length > 0.5 * last)) return this._closed(x);
+      if (length <= CLOSED || (length < ROUNDING && length > 0.5 * last)) return this._closed(x);
       last = length;
     }
     return false;
@@ -186,18 +193,15 @@ class Solver {
   // --- stops ---------------------------------------------------------------------------------------------------------
 
   _stop(halt, share) {
-    const percent = `${(100 * share).toPrecision(3).replace(/\.?0+$/, "")} %`;
+    const after = share < 1e-4 ? "Stopped at once" : `Stopped after ${percent(share)} of the way`;
     if (halt.limit) {
       const value = this._out(halt.limit.kind, halt.limit.value), unit = this.units[halt.limit.name] ?? "";
-      const sentence = `Stopped after ${percent} of the way: ${halt.limit.name} is at its limit of ${Number(value.toPrecision(6))} ${unit}.`;
-      return { kind: "limit", sentence, motion: null, limit: { name: halt.limit.name, value } };
+      const cause = `: ${halt.limit.name} is at its limit of ${Number(value.toPrecision(6))} ${unit}.`;
+      return { kind: "limit", sentence: after + cause, cause, motion: null, limit: { name: halt.limit.name, value } };
     }
     const ratio = this.distanceToSingularity(), { motion, sentence: moves } = this._singularMotion();
-    const sentence =
-      ratio < NEAR
-        ? `Stopped after ${percent} of the way, at a singularity: ${moves}, and beyond it this mode does not go on.`
-        : `Stopped after ${percent} of the way: this mode cannot be followed further.`;
-    return { kind: ratio < NEAR ? "singularity" : "lost", sentence, motion: ratio < NEAR ? motion : null, ratio };
+    const cause = ratio < NEAR ? `, at a singularity: ${moves}, and beyond it this mode does not go on.` : ": this mode cannot be followed further.";
+    return { kind: ratio < NEAR ? "singularity" : "lost", sentence: after + cause, cause, motion: ratio < NEAR ? motion : null, ratio };
   }
 
   /** What `set` would stop at where the mechanism stands: null where it is regular. */
@@ -300,6 +304,13 @@ class Solver {
     return this.roots.sentence;
   }
 
+  /** Take the configuration of the start, or of its modes the one that is nearest to `wanted` by apart(solution). */
+  takeStart(apart = null) {
+    const modes = apart ? this.roots.startModes() : [], gaps = modes.map((x) => apart(this.solution(x)));
+    this.x = modes[gaps.indexOf(Math.min(...gaps))] ?? Float64Array.from(this.model.start);
+    this.found = this.search = null;
+  }
+
   choose(index) {
     const list = this.found ?? (this.modes(), this.found);
     if (!Number.isInteger(index) || index < 0 || index >= list.length) return false;
@@ -316,9 +327,9 @@ class Solver {
   // --- dragging ------------------------------------------------------------------------------------------------------
 
   /** Go towards a pose of the platform as near as the closure lets it, in steps that keep the mode. */
-  dragTo(position, quaternion) {
+  dragTo(position, quaternion, rounds = 6) {
     let result = { reached: true, share: 1, stop: null };
-    for (let round = 0; round < 6 && this.known.length; round++) {
+    for (let round = 0; round < rounds && this.known.length; round++) {
       const target = this._towards(position, quaternion);
       if (!target) break;
       result = this.goTo(target);
@@ -368,6 +379,12 @@ class Solver {
 // --- numbers ---------------------------------------------------------------------------------------------------------
 
 /** A coordinate in its standard writing: angles in (-pi, pi] and moved into their limits, quaternions with w >= 0. */
+/** A share as a text: of 1, what is left of it is told too. */
+export function percent(share) {
+  const near = share > 0.999 ? Number((100 - Number((100 * (1 - share)).toPrecision(1))).toPrecision(10)) : Number((100 * share).toPrecision(3));
+  return `${near} %`;
+}
+
 export function plainValue(c, x) {
   if (c.kind === "quaternion") return positive(x.subarray(c.place, c.place + 4));
   const value = x[c.place];
