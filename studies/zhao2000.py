@@ -75,11 +75,10 @@ def report_screws(report: Report) -> None:
             where = f"at {pose}, limb {i + 1}"
             if i == 0:
                 for k, twist in enumerate(twists, start=1):
-                    report.row(f"{where}: screw $1{k} (s; s0)", None, twist + 0.0, place="2.1", run=limb_twists)
+                    report.row(f"{where}: screw {k} (s; s0)", None, twist + 0.0, place="2.1", run=limb_twists)
                 form = bool(np.allclose(twists[[0, 4], :3], (0, 0, 1)) and np.allclose(twists[1:4, 2], 0))
-                report.row(
-                    f"{where}: $11, $15 along Z; $12, $13, $14 parallel and horizontal", True, form, place="2.1", run=limb_twists
-                )
+                item = f"{where}: screws 1 and 5 along Z; 2, 3 and 4 parallel and horizontal"
+                report.row(item, True, form, place="2.1", run=limb_twists)
             report.row(f"{where}: reciprocal couple (0; l^r, m^r, 0)", None, wrench + 0.0, place="2.1", run=couple)
             check = [twists[1, :3] @ wrench[3:], work(twists, wrench)]
             report.row(

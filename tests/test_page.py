@@ -16,8 +16,6 @@ from helpers.command_line import run
 from helpers.samples import readme_five_bar
 from symkin import Joint, Limb, RodLimb
 from symkin.errors import InputError
-from symkin.page.played_path import played_path
-from symkin.page.view import view_mechanism
 
 sync_api = pytest.importorskip("playwright.sync_api")
 CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
@@ -211,7 +209,7 @@ def test_angles_beyond_half_a_turn_are_as_given(open_page: Callable[..., Any], t
     """Paths and sliders begin at 200 and 330 degrees, not a turn away from them."""
     (tmp_path / "path.csv").write_text("theta1[deg],theta2[deg],theta3[deg],op[mm]\n80,200,330,105\n82,203,328,106\n")
     mechanism = symkin.load("zhao2000")
-    page = open_page(view_mechanism(mechanism, path=played_path(mechanism, tmp_path / "path.csv")).html)
+    page = open_page(symkin.view(mechanism, path=tmp_path / "path.csv").html)
     assert page.locator("#given-theta3-number").input_value() == "330"
     page.select_option("#player select", "4")
     page.get_by_role("button", name="Play").click()
@@ -228,7 +226,7 @@ def test_poses_of_a_path_lie_on_straight_lines(open_page: Callable[..., Any], tm
     """Rows of poses at one height: the platform stays there between them."""
     (tmp_path / "path.csv").write_text("x[mm],y[mm],z[mm]\n-60,0,-148\n60,40,-148\n")
     delta = symkin.load("delta")
-    page = open_page(view_mechanism(delta, path=played_path(delta, tmp_path / "path.csv")).html)
+    page = open_page(symkin.view(delta, path=str(tmp_path / "path.csv")).html)
     for share in (0.11, 0.377, 0.5, 0.82):
         page.evaluate(
             "t => { const place = document.querySelector('.place'); place.value = t; place.dispatchEvent(new Event('input')) }",

@@ -66,7 +66,6 @@ def view(
     ] = None,
 ) -> None:
     """Show the mechanism in the browser, where it moves; `symkin view MECH --html FILE.html` writes the page into one file."""
-    from symkin.page.played_path import played_path
     from symkin.page.view import view_mechanism
 
     mechanism = loaded(mech, read)
@@ -88,10 +87,7 @@ def view(
             if value is not None:
                 raise InputError(f"both --pose and {name} are given; each tells where the page begins: give one of them")
     values = _plain(named_from(given, "given", mechanism.angle_unit))
-    played = None if path is None else played_path(mechanism, path, values)
-    page = view_mechanism(
-        mechanism, joints_from(joints, "joints", mechanism.angle_unit), values, played, reader.pose(pose, "pose")
-    )
+    page = view_mechanism(mechanism, joints_from(joints, "joints", mechanism.angle_unit), values, path, reader.pose(pose, "pose"))
     print(_shown(page, html))
 
 

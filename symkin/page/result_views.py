@@ -23,7 +23,7 @@ def view(result: object, **options: Any) -> View:
 
     `result` is a mechanism, modes (the first one is shown), a solution, a track, which is played, loci, whose plane is shown, or a sweep, whose
     map is. `options` of a mechanism: `joints` (all actuated ones) or `given` (any coordinates by name), which get sliders,
-    `path`, what is played, or `pose`, where it begins; of a sweep: `slices`, where its map is cut, and `loci`, whether singular curves lie over it. `.save(file)` writes
+    `path`, the CSV file that is played, or `pose`, where it begins; of a sweep: `slices`, where its map is cut, and `loci`, whether singular curves lie over it. `.save(file)` writes
     the page, `.open()` shows it in the browser, and a notebook shows it in place. Raises InputError for what has no page.
 
     >>> import symkin

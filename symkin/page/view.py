@@ -16,6 +16,7 @@ from symkin.files.outputs import check_output, write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.cache_folder import cache_folder
 from symkin.page.page import PlayedPath, page_html
+from symkin.page.played_path import played_path
 from symkin.position.given import given_from
 from symkin.position.solution import Solution
 from symkin.spatial.pose import Pose
@@ -73,11 +74,11 @@ def view_mechanism(
     mechanism: Mechanism,
     joints: Sequence[float] | Mapping[str, float] | None = None,
     given: Mapping[str, float] | None = None,
-    path: PlayedPath | None = None,
+    path: PlayedPath | Path | str | None = None,
     pose: Sequence[float] | Pose | None = None,
 ) -> View:
     """The page of a mechanism with sliders for its actuated joints, or for the coordinates `given` by name; it begins with the
-    first row of a `path`, or with the first working mode at a `pose`. Raises InputError for values without a configuration."""
+    first row of a `path` (a CSV file, or rows), or with the first working mode at a `pose`. Raises InputError for values without a configuration."""
     require_mechanism(mechanism)
     if joints is not None and given is not None:
         raise InputError("joints and given are both told; joints are the actuated ones, given any coordinates: give one of them")
@@ -92,12 +93,13 @@ def view_mechanism(
                 f"view: {mechanism.name} has no configuration at this pose; {'; '.join(found.notes) or 'symkin modes tells more'}"
             )
         return view_solution(found[0])
+    played = played_path(mechanism, path, given) if isinstance(path, (str, Path)) else path
     if joints is not None:
         ordered = given_from(mechanism, joints, None).echo["joints"]
         given = {c.name: value for c, value in zip(mechanism.actuated, ordered, strict=True)}
-    if given is None and path is not None:
-        given = dict(zip(path.names, path.rows[0], strict=True))
-    return View(mechanism, given, path)
+    if given is None and played is not None:
+        given = dict(zip(played.names, played.rows[0], strict=True))
+    return View(mechanism, given, played)
 
 
 def view_solution(solution: Solution) -> View:
