@@ -387,7 +387,7 @@ def test_meshes_that_are_there_are_shown_and_others_are_told(open_page: Callable
         "symkinPage.items.meshes.map(mesh => [mesh.userData.item.name, mesh.geometry.attributes.position.count])"
     )
     assert shown == [["b", 12]]
-    assert "tip.dae" in page.locator("#notes").inner_text()
+    assert "1 file of meshes (tip.dae); there is no such file" in page.locator("#notes").inner_text()
     page.locator("#meshes").click()
     assert page.evaluate("symkinPage.items.meshes[0].visible") is False
 

@@ -65,7 +65,10 @@ def view(
         typer.Option("--html", metavar="FILE.html", help="Write the page, and open no browser.", rich_help_panel=OUTPUT),
     ] = None,
 ) -> None:
-    """Show the mechanism in the browser, where it moves; `symkin view MECH --html FILE.html` writes the page into one file."""
+    """Show the mechanism in the browser, where it moves; `symkin view MECH --html FILE.html` writes the page into one file.
+
+    Meshes in COLLADA (.dae) take pycollada: pip install 'symkin[meshes]'
+    """
     from symkin.page.view import view_mechanism
 
     mechanism = loaded(mech, read)

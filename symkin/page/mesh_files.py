@@ -1,9 +1,12 @@
-"""Triangles of mesh files, for pictures: STL (binary and text) and OBJ. NumPy only."""
+"""Triangles of mesh files, for pictures: STL (binary and text), OBJ, and COLLADA by pycollada (`symkin[meshes]`)."""
 
 from __future__ import annotations
 
 import base64
+import importlib.util
+import io
 import re
+import warnings
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -17,6 +20,7 @@ _HEADER = 84
 """Bytes of a binary STL file before its triangles; the last four count them."""
 _LARGEST = 40e6
 """Bytes of a mesh file that a page takes at most."""
+_COLLADA = ".dae"
 
 
 def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object] | None:
@@ -32,12 +36,21 @@ def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object] | None:
 
 def read_triangles(path: Path) -> np.ndarray | None:
     """Corners (n, 3, 3) of a mesh file's triangles in its own numbers; None where it cannot be read as one."""
-    readers = {".stl": _stl, ".obj": _obj}
+    readers = {".stl": _stl, ".obj": _obj, _COLLADA: _collada}
     reader = readers.get(path.suffix.lower())
     if reader is None or not path.is_file() or path.stat().st_size > _LARGEST:
         return None
     triangles = reader(path.read_bytes())
     return triangles if len(triangles) and np.isfinite(triangles).all() else None
+
+
+def why_unread(path: Path) -> str:
+    """What a note says of mesh files that `read_triangles` does not read."""
+    if not path.is_file():
+        return "there is no such file, also in folders named by --packages"
+    if path.suffix.lower() == _COLLADA and importlib.util.find_spec("collada") is None:
+        return "COLLADA takes the package pycollada: pip install 'symkin[meshes]' installs it"
+    return "STL, OBJ and COLLADA files (.dae) with triangles, up to 40 MB, are read"
 
 
 def _stl(content: bytes) -> np.ndarray:
@@ -70,3 +83,24 @@ def _fan(line: str, count: int) -> Iterator[tuple[int, int, int]]:
     corners = [int(part.split("/")[0]) for part in line.split()[1:]]
     places = [k - 1 if k > 0 else count + k for k in corners]
     return ((places[0], a, b) for a, b in pairwise(places[1:]))
+
+
+def _collada(content: bytes) -> np.ndarray:
+    """Triangles of the file's scene in metres. `up_axis` is not heeded, as RViz and Gazebo do not: robots' files are written for them."""
+    try:
+        import collada
+    except ImportError:
+        return np.zeros((0, 3, 3))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # NumPy's about `matrix`, which pycollada uses
+            document = collada.Collada(io.BytesIO(content), ignore=[collada.DaeError])
+            shapes = list(document.scene.objects("geometry")) if document.scene else []
+            sets = [
+                part.triangleset() if hasattr(part, "triangleset") else part for shape in shapes for part in shape.primitives()
+            ]
+            triangles = [part.vertex[part.vertex_index] for part in sets if part.vertex_index is not None]
+    except Exception:  # pycollada does not list what foreign files raise; the picture goes without this one, and a note tells it
+        return np.zeros((0, 3, 3))
+    found = [corners for corners in triangles if corners.shape[1:] == (3, 3)]
+    return np.concatenate(found).astype(float) * (document.assetInfo.unitmeter or 1.0) if found else np.zeros((0, 3, 3))

@@ -7,6 +7,7 @@ from there, so that all geometry stands at the reference.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +17,12 @@ from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.page.bodies import body_of, distinct
-from symkin.page.mesh_files import mesh_item
+from symkin.page.mesh_files import mesh_item, why_unread
 from symkin.plots.graph_lines import reference_graph_lines, view_axes
 from symkin.plots.graph_painter import LINK_COLOURS
 from symkin.plots.mechanism_lines import reference_lines
 from symkin.plots.style import COLOURS
+from symkin.text import counted, first_of
 
 _SYMBOL, _SMALLEST = 0.085, 0.03
 """Length of a joint's symbol over the size: at most, and at least where joints stand close together."""
@@ -53,13 +55,18 @@ def scene_of(mechanism: Mechanism, links: Sequence[str]) -> dict[str, Any]:
 
 def _meshes(mechanism: Mechanism, links: Sequence[str]) -> tuple[list[Item], list[str]]:
     """The meshes that can be read, and sentences about the others."""
-    found, notes = [], []
+    found: list[Item] = []
+    unread: dict[str, dict[str, None]] = {}
     for mesh in (mesh for mesh in mechanism.link_meshes if mesh.link in links):
         item = mesh_item(mesh, links.index(mesh.link))
         if item is None:
-            notes.append(f"The mesh {mesh.file!r} of link {mesh.link} is not shown: STL and OBJ files up to 40 MB are read.")
+            unread.setdefault(why_unread(Path(mesh.file)), {})[mesh.file] = None
         else:
             found.append(item)
+    notes = [
+        f"Not shown: {counted(len(files), 'file')} of meshes ({first_of(list(files), 3)}); {why}."
+        for why, files in unread.items()
+    ]
     return found, notes
 
 

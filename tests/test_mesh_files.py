@@ -1,0 +1,49 @@
+"""Meshes of COLLADA files: their places, and what is told where one is not read. The page shows them in `test_page.py`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from symkin.page.mesh_files import read_triangles, why_unread
+
+COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><created>2026-01-01</created><modified>2026-01-01</modified><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="12">0 0 0 3 0 0 3 2 0 0 2 0</float_array><technique_common>
+<accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+</accessor></technique_common></source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist count="1"><input semantic="VERTEX" source="#v" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="s"><node id="outer"><translate>0 0 7</translate>
+<node id="n"><rotate>0 0 1 90</rotate><instance_geometry url="#g"/></node></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+def test_collada_is_read_in_metres_and_in_its_own_axes(tmp_path: Path) -> None:
+    """The rectangle 3 x 2 mm is turned by a quarter about z and stands at z = 7 mm; Y_UP turns nothing, as in RViz and Gazebo. Files hold floats."""
+    (tmp_path / "plate.DAE").write_text(COLLADA, encoding="utf-8")
+    triangles = read_triangles(tmp_path / "plate.DAE")
+    assert triangles is not None
+    sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
+    np.testing.assert_allclose(sides.sum(axis=0), [0, 0, 6e-6], atol=1e-12)
+    np.testing.assert_allclose(triangles.reshape(-1, 3).min(axis=0), [-2e-3, 0, 7e-3], atol=1e-9)
+    np.testing.assert_allclose(triangles.reshape(-1, 3).max(axis=0), [0, 3e-3, 7e-3], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "content", ["", "<COLLADA/>", COLLADA[:900], COLLADA.replace("#p", "#q"), COLLADA.replace("0 1 2 3", "0 1 2 9")]
+)
+def test_broken_collada_is_told(tmp_path: Path, content: str) -> None:
+    (tmp_path / "plate.dae").write_text(content, encoding="utf-8")
+    assert read_triangles(tmp_path / "plate.dae") is None
+    assert "with triangles" in why_unread(tmp_path / "plate.dae")
+
+
+def test_collada_without_its_package_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "plate.dae").write_text(COLLADA, encoding="utf-8")
+    monkeypatch.setitem(sys.modules, "collada", None)
+    assert read_triangles(tmp_path / "plate.dae") is None
+    assert "symkin[meshes]" in why_unread(tmp_path / "plate.dae")
