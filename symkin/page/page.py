@@ -14,6 +14,7 @@ from typing import Any
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.page.model_data import page_model
 from symkin.page.scene import scene_of
+from symkin.page.sliders import completed_sliders
 
 _MODULES = {
     "three": "vendor/three.module.min.js",
@@ -45,15 +46,19 @@ def page_html(
     """The page of a mechanism as HTML text.
 
     `given` are the coordinates with sliders and their values at the start, in the mechanism's units (None: the actuated joints at the
-    example or the reference); `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict` tells it;
+    example or the reference, or as `sliders.py` completes them); `path` is what is played; `start` is the configuration to show first, as `Solution.to_dict` tells it;
     `plane` holds singular curves over two coordinates.
     Raises InputError for what `symkin modes --given` refuses.
     """
     require_mechanism(mechanism)
+    completed = completed_sliders(mechanism) if given is None else None
+    given, note = (given, None) if completed is None else completed
     made = page_model(mechanism, given)
+    scene = scene_of(mechanism, made.model["links"])
+    scene["notes"][:0] = [] if note is None else [note]
     data = {
         "model": made.model,
-        "scene": scene_of(mechanism, made.model["links"]),
+        "scene": scene,
         "options": _options(mechanism, made.model, path, start, plane),
     }
     return _filled(

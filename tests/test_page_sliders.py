@@ -1,0 +1,82 @@
+"""Sliders of a page where the actuated joints do not decide a configuration."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symkin
+from symkin import Mechanism
+from symkin.page.page import page_html
+from symkin.page.sliders import completed_sliders
+from symkin.position.determination import determination
+from symkin.position.given_by_name import problem_of_names
+
+GRAPHS = ["jansen_leg", "klann_leg", "watt_six_bar", "stephenson_six_bar", "slider_crank", "double_wishbone", "planetary_gear"]
+GRIPPER = """<robot name='r'><link name='a'/>{links}<link name='left'/><link name='right'/>{chain}
+<joint name='j_left' type='prismatic'><parent link='b6'/><child link='left'/><axis xyz='0 1 0'/><limit lower='0' upper='.1' effort='1' velocity='1'/></joint>
+<joint name='j_right' type='prismatic'><parent link='b6'/><child link='right'/><axis xyz='0 1 0'/><limit lower='-.1' upper='0' effort='1' velocity='1'/>
+<mimic joint='j_left' multiplier='-1'/></joint>{motors}</robot>"""
+MOTOR = "<transmission name='t_{0}'><type>SimpleTransmission</type><joint name='{0}'/><actuator name='m_{0}'/></transmission>"
+
+
+def with_actuated(mechanism: Mechanism, names: list[str]) -> Mechanism:
+    """The mechanism of links with other motors, and nothing told of where it begins."""
+    joints = [replace(link, joint=replace(link.joint, actuated=link.joint.name in names)) for link in mechanism.link_joints]
+    return replace(mechanism, link_joints=tuple(joints), example=None)
+
+
+@pytest.mark.parametrize("name", GRAPHS)
+@pytest.mark.parametrize("seed", range(3))
+def test_any_motors_are_completed_to_what_decides(name: str, seed: int) -> None:
+    """Motors on no, some or all joints: the sliders are as many as the mobility, none is decided by others, and the motors that stay keep
+    their order."""
+    mechanism, rng = symkin.load(name), np.random.default_rng([seed, GRAPHS.index(name)])
+    simple = [c.name for c in mechanism.coordinates if c.kind != "quaternion"]
+    share = seed / 2
+    chosen = [n for n in simple if rng.uniform() < share]
+    changed = with_actuated(mechanism, chosen)
+    names = [c.name for c in changed.actuated]
+    found = completed_sliders(changed)
+    sliders = names if found is None else list(found[0])
+    told = determination(problem_of_names(changed, tuple(sliders)))
+    assert not told.free
+    assert not told.decided
+    assert len(sliders) == told.mobility
+    assert [n for n in sliders if n in names] == [n for n in names if n in sliders]
+
+
+def robot(tmp_path: Path, motors: list[str]) -> Mechanism:
+    """An arm of six hinges with a gripper of two coupled fingers."""
+    links = "".join(f"<link name='b{k}'/>" for k in range(1, 7))
+    parents = ["a", *(f"b{k}" for k in range(1, 6))]
+    axes = ["0 0 1", "0 1 0", "0 1 0", "1 0 0", "0 1 0", "1 0 0"]
+    chain = "".join(
+        f"<joint name='j{k}' type='continuous'><parent link='{parent}'/><child link='b{k}'/><origin xyz='.1 .02 .2'/><axis xyz='{axis}'/></joint>"
+        for k, (parent, axis) in enumerate(zip(parents, axes, strict=True), start=1)
+    )
+    text = GRIPPER.format(links=links, chain=chain, motors="".join(MOTOR.format(name) for name in motors))
+    (tmp_path / "r.urdf").write_text(text, encoding="utf-8")
+    return symkin.load(tmp_path / "r.urdf")
+
+
+def test_joints_at_which_loops_are_cut_have_sliders_too(tmp_path: Path) -> None:
+    """Motors at the gripper alone, both fingers, of which one follows the other."""
+    found = completed_sliders(robot(tmp_path, ["j_left", "j_right"]))
+    assert found is not None
+    assert set(found[0]) == {"j_left", "j1", "j2", "j3", "j4", "j5", "j6"}
+    assert found[1].count("j_right has no slider: other actuated joints decide it.") == 1
+    assert found[1].startswith("j1, j2, j3, j4 and 2 more have sliders: the actuated joints leave")
+
+
+def test_a_page_says_which_sliders_are_not_those_of_motors() -> None:
+    html = page_html(with_actuated(symkin.load("four_bar"), []))
+    assert "has a slider: no joint of the mechanism is actuated. --given gives sliders to others." in html
+
+
+def test_motors_that_decide_are_left_as_they_are() -> None:
+    for name in ("four_bar", "zhao2000", "ur5e", "jansen_leg"):
+        assert completed_sliders(symkin.load(name)) is None
