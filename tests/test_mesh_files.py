@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import base64
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from symkin.page.mesh_files import read_triangles, why_unread
+import symkin
+from symkin.model.mesh import LinkMesh
+from symkin.page.mesh_files import mesh_item, read_triangles, why_unread
 
 COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><created>2026-01-01</created><modified>2026-01-01</modified><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
@@ -47,3 +50,28 @@ def test_collada_without_its_package_is_told(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setitem(sys.modules, "collada", None)
     assert read_triangles(tmp_path / "plate.dae") is None
     assert "symkin[meshes]" in why_unread(tmp_path / "plate.dae")
+
+
+def test_packed_meshes_are_the_files_triangles(tmp_path: Path) -> None:
+    """Unpacked as the page does, corners stand where the file's stand, to half a step of the box; triangles without area are left out."""
+    rng = np.random.default_rng(3)
+    points = rng.normal(size=(50, 3)) * (1.0, 0.01, 30.0)
+    faces = [rng.choice(50, 3, replace=False) for _ in range(80)]
+    lines = (
+        [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+        + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+        + ["f 1 1 2"]
+    )
+    (tmp_path / "m.obj").write_text("\n".join(lines), encoding="utf-8")
+    turned = symkin.Pose([3.0, 4.0, 5.0], [0.5, 0.5, -0.5, 0.5])
+    mesh = LinkMesh("a", str(tmp_path / "m.obj"), turned.position, turned.quaternion, (2.0, 1.0, -1.0))
+    item = mesh_item(mesh, 1)
+    assert item is not None
+    places = np.frombuffer(base64.b64decode(str(item["places"])), "<u2").reshape(-1, 3)
+    triangles = np.frombuffer(base64.b64decode(str(item["triangles"])), "<u2").reshape(-1, 3)
+    low, span = np.array(item["low"]), np.array(item["span"])
+    shown = (low + places / 65535 * span)[triangles]
+    expected = (points * (2.0, 1.0, -1.0)) @ np.asarray(turned.rotation).T + turned.position
+    assert shown.shape == (80, 3, 3)
+    assert len(places) <= 50
+    assert (np.abs(shown - expected[np.array(faces)]) <= 0.5001 * span / 65535).all()

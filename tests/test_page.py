@@ -373,7 +373,7 @@ def symkin_view(*arguments: object) -> int:
 
 
 TETRAHEDRON = "v 0 0 0\nv 300 0 0\nv 0 200 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-ROBOT = """<robot name='r'><link name='a'/><link name='b'><visual><geometry><mesh filename='b.obj' scale='0.001 0.001 0.001'/></geometry></visual>
+ROBOT = """<robot name='r'><link name='a'/><link name='b'><visual><geometry><mesh filename='b.obj' scale='0.01 0.01 0.01'/></geometry></visual>
 </link><link name='tip'><visual><geometry><mesh filename='tip.dae'/></geometry></visual></link>
 <joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 1 0'/></joint>
 <joint name='k' type='continuous'><parent link='b'/><child link='tip'/><origin xyz='0 0 1'/><axis xyz='0 1 0'/></joint></robot>"""
@@ -388,6 +388,8 @@ def test_meshes_that_are_there_are_shown_and_others_are_told(open_page: Callable
     )
     assert shown == [["b", 12]]
     assert "1 file of meshes (tip.dae); there is no such file" in page.locator("#notes").inner_text()
+    corner = "symkinPage.items.at({link: 1, point: [3, 0, 0]}).divideScalar(symkinPage.scene.size).project(symkinPage.camera)"
+    assert page.evaluate(f"(() => {{ const c = {corner}; return Math.max(Math.abs(c.x), Math.abs(c.y)) }})()") < 1
     page.locator("#meshes").click()
     assert page.evaluate("symkinPage.items.meshes[0].visible") is False
 

@@ -21,6 +21,8 @@ _HEADER = 84
 _LARGEST = 40e6
 """Bytes of a mesh file that a page takes at most."""
 _COLLADA = ".dae"
+_STEPS = 65535
+"""Steps of a mesh's box along an axis: its places are numbers of two bytes, 15 um apart on a metre."""
 
 
 def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object] | None:
@@ -30,8 +32,24 @@ def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object] | None:
     if triangles is None:
         return None
     placed = np.asarray(mesh.pose.rotation) @ (triangles * np.array(mesh.scale)).reshape(-1, 3).T
-    corners = (placed.T + np.array(mesh.position)).astype("<f4")
-    return {"kind": "mesh", "link": link, "name": mesh.link, "triangles": base64.b64encode(corners.tobytes()).decode("ascii")}
+    return {"kind": "mesh", "link": link, "name": mesh.link, **_packed(placed.T + np.array(mesh.position))}
+
+
+def _packed(corners: np.ndarray) -> dict[str, object]:
+    """Corners (3 n, 3) of triangles in few bytes: each place once, in steps of the box that holds them all, and triangles as its numbers."""
+    low = corners.min(axis=0)
+    span = np.maximum(corners.max(axis=0) - low, np.finfo(float).tiny)
+    steps = np.round((corners - low) / span * _STEPS).astype(np.uint64)
+    keys, numbers = np.unique(steps[:, 0] << 32 | steps[:, 1] << 16 | steps[:, 2], return_inverse=True)
+    places = np.column_stack([keys >> 32, keys >> 16 & _STEPS, keys & _STEPS]).astype("<u2")
+    faces = numbers.reshape(-1, 3)
+    flat = (faces == np.roll(faces, 1, axis=1)).any(axis=1)
+    triangles = faces[~flat].astype("<u2" if len(places) <= _STEPS else "<u4")
+    return {"low": low.tolist(), "span": span.tolist(), "places": _text(places), "triangles": _text(triangles)}
+
+
+def _text(numbers: np.ndarray) -> str:
+    return base64.b64encode(numbers.tobytes()).decode("ascii")
 
 
 def read_triangles(path: Path) -> np.ndarray | None:

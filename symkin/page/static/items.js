@@ -62,6 +62,9 @@ class Items {
     const points = bodies.flatMap((item) => item.points.map((point) => this.at({ link: item.link, point })));
     const frames = this.scene.items.filter((item) => item.kind === "frame");
     points.push(...frames.flatMap((item) => this._axisEnds(item).map((point) => this.at({ link: item.link, point }))));
+    for (const { visible, userData } of this.meshes) {
+      if (visible) points.push(...boxCorners(userData.item).map((point) => this.at({ link: userData.item.link, point })));
+    }
     return points.length ? points : [new THREE.Vector3()];
   }
 
@@ -228,10 +231,7 @@ class Items {
   }
 
   add_mesh(item) {
-    const geometry = new THREE.BufferGeometry();
-    const bytes = Uint8Array.from(atob(item.triangles), (c) => c.charCodeAt(0));
-    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes.buffer), 3));
-    geometry.computeVertexNormals();
+    const geometry = shapes.unpacked(item);
     const mesh = new THREE.Mesh(geometry, this.look.shell("base"));
     mesh.userData.item = item;
     this.links[item.link].add(mesh);
@@ -254,4 +254,9 @@ class Items {
 
 function middle([a, b]) {
   return a.map((v, k) => 0.5 * (v + b[k]));
+}
+
+/** Corners of the box that holds a mesh, in its link's frame. */
+function boxCorners({ low, span }) {
+  return [...Array(8).keys()].map((k) => low.map((v, i) => v + ((k >> i) & 1) * span[i]));
 }

@@ -117,3 +117,19 @@ export function plates(points, faces) {
   result.computeVertexNormals();
   return result;
 }
+
+/** A mesh's triangles, each with its own corners: its places are steps of the box that holds them (`mesh_files.py`). */
+export function unpacked(item) {
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+  const places = new Uint16Array(bytes(item.places));
+  const Numbers = places.length / 3 <= 65535 ? Uint16Array : Uint32Array;
+  const corners = new Numbers(bytes(item.triangles));
+  const numbers = new Float32Array(3 * corners.length);
+  corners.forEach((corner, k) => {
+    for (let i = 0; i < 3; i++) numbers[3 * k + i] = item.low[i] + (places[3 * corner + i] / 65535) * item.span[i];
+  });
+  const result = new THREE.BufferGeometry();
+  result.setAttribute("position", new THREE.BufferAttribute(numbers, 3));
+  result.computeVertexNormals();
+  return result;
+}
