@@ -51,7 +51,7 @@ def _joints_text(solution: Solution, given: Sequence[str]) -> str:
     first = list(values)[:_MOST_VALUES]
     clean = [_clean([values[name]], scale[name])[0] for name in first]
     shown = ", ".join(f"{name}\N{NO-BREAK SPACE}{v + 0.0:.5g}" for name, v in zip(first, clean, strict=True))
-    more = ", ..." if len(values) > _MOST_VALUES else ""
+    more = ",\N{NO-BREAK SPACE}..." if len(values) > _MOST_VALUES else ""
     pose = _pose_text(solution) if solution.has_platform else ""
     return "\n".join(line for line in (shown + more, pose) if line)
 
