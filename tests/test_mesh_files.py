@@ -75,3 +75,9 @@ def test_packed_meshes_are_the_files_triangles(tmp_path: Path) -> None:
     assert shown.shape == (80, 3, 3)
     assert len(places) <= 50
     assert (np.abs(shown - expected[np.array(faces)]) <= 0.5001 * span / 65535).all()
+
+
+def test_meshes_without_bounds_are_told(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
+    for scale in (1.0, 1e100):
+        assert mesh_item(LinkMesh("a", str(tmp_path / "m.obj"), scale=(scale, 1.0, 1.0)), 1) is None

@@ -20,18 +20,23 @@ _HEADER = 84
 """Bytes of a binary STL file before its triangles; the last four count them."""
 _LARGEST = 40e6
 """Bytes of a mesh file that a page takes at most."""
+_FARTHEST = 1e18
+"""Largest coordinate of a corner: the page has floats, whose largest is 3e38."""
 _COLLADA = ".dae"
 _STEPS = 65535
 """Steps of a mesh's box along an axis: its places are numbers of two bytes, 15 um apart on a metre."""
 
 
 def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object] | None:
-    """A mesh as an item of a scene, its triangles in the base frame at the reference; None where the file is not there or is of another
-    kind."""
+    """A mesh as an item of a scene, its triangles in the base frame at the reference; None where the file is not there, of another
+    kind or without bounds."""
     triangles = read_triangles(Path(mesh.file))
     if triangles is None:
         return None
-    placed = np.asarray(mesh.pose.rotation) @ (triangles * np.array(mesh.scale)).reshape(-1, 3).T
+    with np.errstate(over="ignore", invalid="ignore"):
+        placed = np.asarray(mesh.pose.rotation) @ (triangles * np.array(mesh.scale)).reshape(-1, 3).T
+    if not (np.abs(placed) < _FARTHEST).all():
+        return None
     return {"kind": "mesh", "link": link, "name": mesh.link, **_packed(placed.T + np.array(mesh.position))}
 
 
