@@ -80,3 +80,11 @@ def test_a_page_says_which_sliders_are_not_those_of_motors() -> None:
 def test_motors_that_decide_are_left_as_they_are() -> None:
     for name in ("four_bar", "zhao2000", "ur5e", "jansen_leg"):
         assert completed_sliders(symkin.load(name)) is None
+
+
+@pytest.mark.parametrize("name", ["urdf_loop_joint/strandbeest.urdf", "urdf_gepetto_yaml/digit_like_2legs.urdf"])
+def test_pages_of_large_robots_stay_small(name: str) -> None:
+    """Below 1.5 MB without meshes, where more solutions are complex than are followed."""
+    html = page_html(symkin.load(Path(__file__).parent / "data" / "models" / name))
+    assert '"follows":false' in html
+    assert len(html.encode()) < 1.5e6

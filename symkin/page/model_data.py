@@ -63,7 +63,7 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
         "readings": _readings(closure, frames),
         **_roots(problem, known, solution),
     }
-    generated, sizes = _functions(problem, frames)
+    generated, sizes = _functions(problem, frames, follows=model["follows"])
     return PageModel(model | sizes, generated)
 
 
@@ -218,8 +218,9 @@ def _readings(closure: Closure, frames: LinkFrames) -> list[dict[str, Any]]:
 # --- functions -----------------------------------------------------------------------------------------------------------
 
 
-def _functions(problem: Problem, frames: LinkFrames) -> tuple[str, dict[str, Any]]:
-    """The rows with their Jacobian (real and complex), closure errors, links and pose; and the sizes of rows and columns."""
+def _functions(problem: Problem, frames: LinkFrames, *, follows: bool) -> tuple[str, dict[str, Any]]:
+    """The rows with their Jacobian (complex ones too where solutions are followed), closure errors, links and pose; and sizes of rows
+    and columns."""
     closure, x = problem.closure, problem.closure.variables
     norms = [ca.sumsqr(x[closure.slices[c.name]]) - 1.0 for c in closure.coordinates if c.kind == "quaternion"]
     rows = ca.vertcat(problem.system.rows, *norms)
@@ -241,10 +242,10 @@ def _functions(problem: Problem, frames: LinkFrames) -> tuple[str, dict[str, Any
         "rows": int(rows.shape[0]),
         "errors": int(problem.system.errors.shape[0]),
         "columns": columns.tolist(),
-        "complex": True,
+        "complex": follows,
     }
     try:
-        texts.append(javascript("complexSystem", x, [rows, jacobian], over_complex=True))
+        texts += [javascript("complexSystem", x, [rows, jacobian], over_complex=True)] if follows else []
     except NotImplementedError:
         sizes["complex"] = False
     return "\n".join(texts), sizes
