@@ -531,3 +531,34 @@ def test_a_page_begins_at_a_pose(open_page: Callable[..., Any], tmp_path: Path, 
     (mode,) = symkin.modes(mechanism, pose=at)
     assert apart(mechanism, mode, told) < 1e-9
     assert page.evaluate("symkin.names") == [c.name for c in mechanism.actuated]
+
+
+PARTS = """async () => {
+  const [{createSolver}, generated, {leastSquares, relativeChange, singularPair}] =
+    await Promise.all(['solver', 'generated', 'solver-algebra'].map(name => import(name)));
+  const {model} = JSON.parse(document.getElementById('data').textContent);
+  const solver = createSolver(model, generated), {parts, unknown} = solver, n = unknown.length, m = model.rows;
+  const whole = x => { generated.system(x, solver.rows, solver.gradients);
+    return Float64Array.from({length: m * n}, (_, k) => solver.gradients[Math.floor(k / n) * model.width + unknown[k % n]]) };
+  const x = Float64Array.from(model.start), other = x.map((v, k) => v + 0.01 * Math.sin(k));
+  const right = Float64Array.from({length: m}, (_, k) => Math.cos(k)), pair = singularPair(whole(x), m, n);
+  const apart = parts.solve(parts.matrices((whole(x), solver.gradients)), right);
+  const changed = parts.change(parts.matrices((whole(x), solver.gradients)), parts.matrices((whole(other), solver.gradients)));
+  return {sizes: parts.parts.map(part => part.columns.length),
+    solutions: [Array.from(apart), Array.from(leastSquares(whole(x), right.slice(), n))],
+    changes: [changed, relativeChange(whole(x), whole(other), n)],
+    ratios: [parts.singularPair(parts.matrices((whole(x), solver.gradients))).ratio, pair.least / pair.most]};
+}"""
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes"), [("urdf_loop_joint/strandbeest.urdf", 12 * [6]), ("zhang2009", [7]), ("zhao2000_links", [16])]
+)
+def test_parts_that_share_nothing_are_solved_as_the_whole(name: str, sizes: list[int], open_page: Callable[..., Any]) -> None:
+    """Twelve legs on one crank; platforms are one part each. Least squares, change of the Jacobian and singular values are the same."""
+    file = Path(__file__).parent / "data" / "models" / name
+    found = open_page(symkin.view(symkin.load(file if file.suffix else name)).html).evaluate(PARTS)
+    assert found["sizes"] == sizes
+    np.testing.assert_allclose(*found["solutions"], rtol=1e-7, atol=1e-9 * np.abs(found["solutions"][1]).max())
+    np.testing.assert_allclose(*found["changes"], rtol=1e-7)
+    np.testing.assert_allclose(*found["ratios"], rtol=1e-7)

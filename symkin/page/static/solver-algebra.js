@@ -72,9 +72,9 @@ function reflect(a, b, m, n, width, p, k, norm) {
     }
 }
 
-/** Smallest over largest singular value of A (m, n), and the right singular vector of the smallest: eigenvectors by Jacobi's turns. */
+/** Smallest and largest singular value of A (m, n), and the right singular vector of the smallest, by Jacobi's turns. */
 export function singularPair(a, m, n) {
-  const g = new Float64Array(n * n), v = new Float64Array(n * n);
+  const v = new Float64Array(n * n);
   const w = Float64Array.from(a);
   for (let k = 0; k < n; k++) v[k * n + k] = 1;
   // one-sided Jacobi: columns of W = A V are made orthogonal
@@ -89,8 +89,7 @@ export function singularPair(a, m, n) {
     return Math.sqrt(sum);
   });
   const least = norms.indexOf(Math.min(...norms)), most = Math.max(...norms);
-  g.fill(0);
-  return { ratio: m < n || most === 0 ? 0 : norms[least] / most, vector: Array.from({ length: n }, (_, k) => v[k * n + least]) };
+  return { least: m < n ? 0 : norms[least], most, vector: Array.from({ length: n }, (_, k) => v[k * n + least]) };
 }
 
 function orthogonalise(w, v, m, n, i, j) {

@@ -1,6 +1,7 @@
 // Follows a mechanism's closure: Newton's method on all rows with step control, all modes, the inverse problem of a drag.
 // No imports but the linear algebra; plain numbers; runs in browsers and in node alike.
-import { leastSquares, relativeChange, singularPair } from "solver-algebra";
+import { leastSquares } from "solver-algebra";
+import { Parts } from "solver-parts";
 import { Roots } from "solver-roots";
 import { placedLinks, readJoints } from "solver-links";
 
@@ -41,7 +42,10 @@ class Solver {
     this.places = this.names.map((name) => places.get(name));
     this.kinds = this.names.map((name) => model.coordinates.find((c) => c.name === name).kind);
     this.rows = new Float64Array(model.rows);
-    this.gradients = new Float64Array(model.rows * model.width);
+    this.gradients = new Float64Array(model.rows * model.width).fill(NaN);
+    generated.system(this.x, this.rows, this.gradients);
+    this.parts = new Parts(this.gradients, model.width, this.unknown);
+    this.gradients.fill(0);
     this.limitedReadings = model.readings.filter((joint) => joint.coordinates.some((c) => c.limits));
     this.correct(this.x);
     this.roots = new Roots(this);
@@ -121,7 +125,7 @@ class Solver {
     const right = new Float64Array(this.rows.length);
     for (let r = 0; r < right.length; r++)
       this.places.forEach((place, k) => (right[r] -= (this.gradients[r * width + place] * way[k] * step) / columns[place]));
-    const tangent = leastSquares(jacobian, right, this.unknown.length);
+    const tangent = this.parts.solve(jacobian, right);
     if (!tangent) return null;
     const reach = Math.hypot(...tangent);
     if (!(reach < 2 * REACH)) return null;
@@ -129,7 +133,7 @@ class Solver {
     this.places.forEach((place, k) => (next[place] = share + step === 1 ? start[k] + way[k] : start[k] + (share + step) * way[k]));
     const known = Math.hypot(...way.map((v, k) => (v * step) / columns[this.places[k]]));
     if (!this.correct(next, CORRECTION * (reach + known) + ROUNDING)) return null;
-    return relativeChange(this._linearise(x), this._linearise(next), this.unknown.length) < CHANGE ? next : null;
+    return this.parts.change(this._linearise(x), this._linearise(next)) < CHANGE ? next : null;
   }
 
   /** Newton's method on the unknowns of x, in place; whether it closed, its first step within `most` and contracting. */
@@ -137,7 +141,7 @@ class Solver {
     let last = Infinity;
     for (let k = 0; k < NEWTON; k++) {
       const jacobian = this._linearise(x);
-      const step = leastSquares(jacobian, this.rows.map((v) => -v), this.unknown.length);
+      const step = this.parts.solve(jacobian, this.rows.map((v) => -v));
       if (!step) return false;
       const length = Math.hypot(...step);
       if (!(k === 0 ? length <= most : length <= Math.max(CONTRACTION * last, ROUNDING) || !Number.isFinite(most))) return false;
@@ -154,13 +158,10 @@ class Solver {
     return this.rows.every((v) => Math.abs(v) < 1e-9);
   }
 
-  /** Rows and the unknowns' columns of their Jacobian, row by row. */
+  /** Rows and the unknowns' columns of their Jacobian, part by part. */
   _linearise(x) {
     this.functions.system(x, this.rows, this.gradients);
-    const { width } = this.model, count = this.unknown.length, jacobian = new Float64Array(this.rows.length * count);
-    for (let r = 0; r < this.rows.length; r++)
-      for (let k = 0; k < count; k++) jacobian[r * count + k] = this.gradients[r * width + this.unknown[k]];
-    return jacobian;
+    return this.parts.matrices(this.gradients);
   }
 
   // --- limits --------------------------------------------------------------------------------------------------------
@@ -219,12 +220,12 @@ class Solver {
   }
 
   _ratio(x) {
-    return singularPair(this._linearise(x), this.rows.length, this.unknown.length).ratio;
+    return this.parts.singularPair(this._linearise(x)).ratio;
   }
 
   /** The motion that the given values hold least: the platform's twist (velocity, angular velocity; null where it stands), and in words. */
   _singularMotion() {
-    const { vector } = singularPair(this._linearise(this.x), this.rows.length, this.unknown.length);
+    const { vector } = this.parts.singularPair(this._linearise(this.x));
     const twist = this.model.hasPlatform ? this._twistOf(vector) : null, length = (k) => (k < 3 ? 1 / this.size : 1);
     const motion = twist && Math.hypot(...twist.map((v, k) => v * length(k))) > STANDS ? twist : null;
     const rates = this.model.coordinates.flatMap((c) => {
