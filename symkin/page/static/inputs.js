@@ -1,12 +1,14 @@
 // A slider and a number field with its unit for every given coordinate.
 
 const DIGITS = 6;
+const LONG = 17; // letters of a name beyond which all are set smaller
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 export class Inputs {
   /** `ranges` {name: [low, high]} in the units of `units`; `onChange(name, value)` at every movement. */
   constructor(parent, { names, units, values, ranges, limits }, onChange) {
     this.rows = new Map();
+    parent.classList.toggle("long-names", names.some((name) => name.length > LONG));
     for (const name of names) {
       const row = new Row(name, units[name], ranges[name], limits[name], (value) => onChange(name, value));
       parent.append(row.element);
@@ -37,7 +39,7 @@ class Row {
     this.element = document.createElement("div");
     this.element.className = "input";
     const id = `given-${name}`;
-    const label = element("label", { htmlFor: id, textContent: name });
+    const label = element("label", { htmlFor: id, textContent: name, title: name });
     this.number = element("input", { type: "text", inputMode: "decimal", id: `${id}-number`, autocomplete: "off", spellcheck: false });
     this.number.setAttribute("aria-label", `${name} in ${unit}`);
     this.slider = element("input", { type: "range", id, min: range[0], max: range[1], step: "any" });
