@@ -15,6 +15,8 @@ const CHANGE = 0.7; // of the Jacobian in a step, relative to itself: from 1 on 
 const SMALLEST = 2e-8; // share of a movement below which a step is given up
 const ESCAPE = 1e-14; // the same for first steps, which lead away from a singularity
 const AT_LIMIT = 1e-12; // the same where a limit lies ahead
+const ON_LIMIT = 1e-9; // over the size or in radians: what counts as being at a limit and not beyond it
+const FARTHEST = 1e3; // longest movement, over the size or in radians
 const SINGULAR = 1e-6; // smallest singular value, of the largest, at the start, below which a configuration is singular
 const NEAR = 0.05; // the same at a halt, below which it is told as a singularity
 const STANDS = 1e-3; // share of a motion below which the platform, or a joint, stands in it
@@ -47,10 +49,21 @@ class Solver {
     this.parts = new Parts(this.gradients, model.width, this.unknown);
     this.gradients.fill(0);
     this.limitedReadings = model.readings.filter((joint) => joint.coordinates.some((c) => c.limits));
+    this.limited = this._limited();
     this.correct(this.x);
     this.roots = new Roots(this);
     this.modeIndex = -1;
     this.found = this.search = null; // the modes at the present values, and the search for them
+  }
+
+  /** Coordinates with limits: those of the closure, with their places, then those of joints at which loops are cut. */
+  _limited() {
+    const held = this.model.coordinates.filter((c) => c.limits || c.least !== null);
+    const read = this.limitedReadings.flatMap((joint) => joint.coordinates.filter((c) => c.limits));
+    return [...held, ...read].map(({ name, kind, place, limits, least }) => {
+      const [low, high] = limits ?? [least, Infinity];
+      return { name, kind, place, low, high };
+    });
   }
 
   // --- values --------------------------------------------------------------------------------------------------------
@@ -81,10 +94,10 @@ class Solver {
 
   /** The same to values in radians and lengths; the stop is told with its sentence, motion and place. */
   goTo(target) {
-    const { x, share, halt } = this.follow(this.x, target);
+    const { x, share, halt } = this.follow(this.x, target), moved = this._apart(this.x, x);
     this.x = x;
     this.found = this.search = null;
-    return { reached: !halt, share, stop: halt ? this._stop(halt, share) : null };
+    return { reached: !halt, share, stop: halt ? this._stop(halt, share, moved) : null };
   }
 
   // --- following -----------------------------------------------------------------------------------------------------
@@ -97,14 +110,18 @@ class Solver {
     const length = Math.hypot(...way.map((v, k) => v / scales[k]));
     let x = Float64Array.from(from), share = 0;
     if (length === 0) return { x, share: 1, halt: null };
+    if (length > FARTHEST) return this._followPart(from, start, way, (0.999 * FARTHEST) / length);
+    const allowed = this._excesses(x);
     let step = Math.min(1, REACH / length), least = ESCAPE, limit = null;
     while (share < 1) {
       if (share + step > 1) step = 1 - share;
-      const next = this._advance(x, way, start, share, step), beyond = next && this._limitBetween(x, next);
-      if (beyond) [limit, least] = [beyond, AT_LIMIT];
+      const next = this._advance(x, way, start, share, step), excesses = next && this._excesses(next);
+      const left = next && this._limitLeft(excesses, allowed);
+      if (left) [limit, least] = [left, AT_LIMIT];
       const leaves = step >= SMALLEST || limit || (next && this._ratio(next) > this._ratio(x));
-      if (next && !beyond && leaves) {
+      if (next && !left && leaves) {
         x = next;
+        excesses.forEach((v, k) => Math.abs(v) < Math.abs(allowed[k]) && (allowed[k] = v));
         share = step === 1 - share ? 1 : share + step;
         if (step >= SMALLEST && !limit) least = SMALLEST;
         step = Math.min(2 * step, REACH / length);
@@ -115,6 +132,17 @@ class Solver {
       if (step < least) return { x, share, halt: { kind: limit ? "limit" : "halt", limit } };
     }
     return { x, share: 1, halt: null };
+  }
+
+  /** The first part of a movement that is too long for one. */
+  _followPart(from, start, way, part) {
+    const { x, share, halt } = this.follow(from, way.map((v, k) => start[k] + part * v));
+    return { x, share: part * share, halt: halt ?? { kind: "far" } };
+  }
+
+  /** How far the given coordinates of two configurations are apart, over the size and in radians. */
+  _apart(x, y) {
+    return Math.hypot(...this.places.map((place) => (y[place] - x[place]) / this.model.columns[place]));
   }
 
   /** One step: tangent, then Newton; null where the corrector does not contract as near a regular configuration, and where a singular
@@ -166,38 +194,36 @@ class Solver {
 
   // --- limits --------------------------------------------------------------------------------------------------------
 
-  /** The first coordinate that leaves its limits between two configurations, null where none does. */
-  _limitBetween(x, next) {
-    for (const c of this.model.coordinates) {
-      if (!c.limits && c.least === null) continue;
-      const [low, high] = c.limits ?? [c.least, Infinity], slack = 1e-9 * this.model.columns[c.place];
-      const before = x[c.place], after = next[c.place];
-      if ((after > high + slack && after > before) || (after < low - slack && after < before))
-        return { name: c.name, value: after > high ? high : low, kind: c.kind };
-    }
-    return this._readLimitBetween(x, next);
+  /** A coordinate that is further beyond its limits than is allowed, null where none is. */
+  _limitLeft(excesses, allowed) {
+    const slack = ({ kind }) => ON_LIMIT * (kind === "length" ? this.size : 1);
+    const left = (c, k) => Math.abs(excesses[k]) > slack(c) + (excesses[k] * allowed[k] > 0 ? Math.abs(allowed[k]) : 0);
+    const k = this.limited.findIndex(left);
+    if (k < 0) return null;
+    const { name, kind, low, high } = this.limited[k];
+    return { name, kind, value: excesses[k] > 0 ? high : low, beyond: Math.abs(allowed[k]) > 2 * slack(this.limited[k]) };
   }
 
-  /** The same for joints at which loops are cut, whose values are read from the links. */
-  _readLimitBetween(x, next) {
-    if (!this.limitedReadings.length) return null;
-    const [before, after] = [x, next].map((at) => readJoints(this.limitedReadings, placedLinks(this.model, this.functions, at)));
-    for (const { name, kind, limits, value } of Object.values(after)) {
-      if (!limits) continue;
-      const now = beyond(value, kind, limits), scale = kind === "length" ? this.size : 1;
-      if (Math.abs(now) > 1e-9 * scale && Math.abs(now) > Math.abs(beyond(before[name].value, kind, limits)))
-        return { name, value: now > 0 ? limits[1] : limits[0], kind };
-    }
-    return null;
+  /** How far each coordinate of `limited` is beyond its limits, below zero under the lower one. */
+  _excesses(x) {
+    const joints = this.limitedReadings;
+    const read = joints.length ? readJoints(joints, placedLinks(this.model, this.functions, x)) : {};
+    return this.limited.map(({ name, place, low, high }) =>
+      place === undefined ? beyondTurning(read[name], low, high) : beyond(x[place], low, high));
   }
 
   // --- stops ---------------------------------------------------------------------------------------------------------
 
-  _stop(halt, share) {
-    const after = share < 1e-4 ? "Stopped at once" : `Stopped after ${percent(share)} of the way`;
+  _stop(halt, share, moved) {
+    const after = share < 1e-4 && moved < 1e-3 ? "Stopped at once" : `Stopped after ${percent(share)} of the way`;
+    if (halt.kind === "far") {
+      const cause = ": that is too far for one movement.";
+      return { kind: "lost", sentence: after + cause, cause, motion: null, ratio: this.distanceToSingularity() };
+    }
     if (halt.limit) {
       const value = this._out(halt.limit.kind, halt.limit.value), unit = this.units[halt.limit.name] ?? "";
-      const cause = `: ${halt.limit.name} is at its limit of ${Number(value.toPrecision(6))} ${unit}.`;
+      const where = halt.limit.beyond ? "lies beyond" : "is at";
+      const cause = `: ${halt.limit.name} ${where} its limit of ${Number(value.toPrecision(6))} ${unit}.`;
       return { kind: "limit", sentence: after + cause, cause, motion: null, limit: { name: halt.limit.name, value } };
     }
     const ratio = this.distanceToSingularity(), { motion, sentence: moves } = this._singularMotion();
@@ -404,11 +430,15 @@ function intoLimits(angle, limits) {
   return moved <= limits[1] + 1e-12 ? moved : angle;
 }
 
-/** How far a value is beyond its limits, below zero under the lower one; whole turns of an angle do not count. */
-function beyond(value, kind, [low, high]) {
-  const turn = 2 * Math.PI, middle = 0.5 * (low + high), apart = value - middle;
-  const off = kind === "angle" ? apart - turn * Math.round(apart / turn) : apart;
-  return Math.sign(off) * Math.max(0, Math.abs(off) - 0.5 * (high - low));
+/** How far a value is beyond its limits, below zero under the lower one. */
+function beyond(value, low, high) {
+  return value > high ? value - high : Math.min(0, value - low);
+}
+
+/** The same of a joint that is read; whole turns of an angle do not count. */
+function beyondTurning({ kind, value }, low, high) {
+  const turn = kind === "angle" ? 2 * Math.PI : Infinity, middle = 0.5 * (low + high), apart = value - middle;
+  return beyond(middle + apart - (turn < Infinity ? turn * Math.round(apart / turn) : 0), low, high);
 }
 
 export function positive(q) {
