@@ -4,6 +4,7 @@ import json
 import math
 from functools import partial
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -595,3 +596,14 @@ def test_a_joint_that_only_rounding_makes_matter_is_not_listed_value_by_value(ti
         found = symkin.modes(mechanism, pose=Pose((x, y, 0.0), quaternion), method=method)
         assert found.positive_dimensional
         assert not found.modes
+
+
+def test_screws_are_sampled_over_many_turns() -> None:
+    """The PR2's gripper: its screw of 2 mm a turn makes eleven turns for a finger of 0.3 rad, which `solve` follows to."""
+    gripper = symkin.load(Path(__file__).parent / "data" / "models" / "sdf" / "pr2_gripper.sdf")
+    given = {"r_gripper_l_finger_joint": 0.3}
+    near = symkin.solve(gripper, given=given).solution
+    assert near is not None
+    assert abs(near.joints["r_gripper_l_screw_screw_joint"]) > 4 * np.pi
+    found = symkin.modes(gripper, given=given)
+    assert any(np.allclose(list(mode.joints.values()), list(near.joints.values()), atol=1e-6) for mode in found)

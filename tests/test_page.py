@@ -562,3 +562,34 @@ def test_parts_that_share_nothing_are_solved_as_the_whole(name: str, sizes: list
     np.testing.assert_allclose(*found["solutions"], rtol=1e-7, atol=1e-9 * np.abs(found["solutions"][1]).max())
     np.testing.assert_allclose(*found["changes"], rtol=1e-7)
     np.testing.assert_allclose(*found["ratios"], rtol=1e-7)
+
+
+def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(open_page: Callable[..., Any]) -> None:
+    """The Kangaroo's file begins with both lengths and femurs beyond their limits: other joints move, these inwards only."""
+    mechanism = symkin.load(Path(__file__).parent / "data" / "models" / "mjcf" / "kangaroo_lower_body.xml")
+    page = open_page(symkin.view(mechanism).html)
+    assert page.evaluate("symkin.solution().within_limits") is False
+    names = page.evaluate("symkin.names")
+    stops = {}
+    for name in names:
+        for step in (0.02, -0.02):
+            found = page.evaluate(
+                "([name, v]) => { const r = symkin.set({[name]: v}); symkin.set({[name]: 0}); return r }", [name, step]
+            )
+            if not found["reached"]:
+                stops[name, step] = found["stop"]
+    assert 0 < len(stops) <= 2
+    for (name, _), stop in stops.items():
+        assert stop["sentence"].startswith(f"Stopped at once: {name} lies beyond its limit of ")
+
+
+def test_a_value_out_of_reach_is_not_called_singular(open_page: Callable[..., Any]) -> None:
+    """UR5e: a serial arm has no singularity of the direct problem, whatever is typed; with limits it stops there."""
+    page = open_page(symkin.view(symkin.load("ur5e")).html)
+    name = page.evaluate("symkin.names[0]")
+    assert page.evaluate(f"symkin.set({{{name}: 0.3}}).reached")
+    for value in (1e9, -1e12, 1e200):
+        found = page.evaluate("([name, v]) => symkin.set({[name]: v})", [name, value])
+        assert not found["reached"]
+        assert found["stop"]["kind"] in ("limit", "lost")
+        assert "singular" not in found["stop"]["sentence"]

@@ -88,3 +88,12 @@ def test_pages_of_large_robots_stay_small(name: str) -> None:
     html = page_html(symkin.load(Path(__file__).parent / "data" / "models" / name))
     assert '"follows":false' in html
     assert len(html.encode()) < 1.5e6
+
+
+def test_sliders_are_the_motors_where_the_loops_close_only_to_digits() -> None:
+    """The Minitaur's reference is singular, and beside it its loops close to the file's digits alone: the mobility is that of `show`."""
+    mechanism = symkin.load(Path(__file__).parent / "data" / "models" / "sdf" / "minitaur.sdf")
+    assert completed_sliders(mechanism) is None
+    told = determination(problem_of_names(mechanism, tuple(c.name for c in mechanism.actuated)))
+    assert (told.free, told.decided, told.mobility) == (0, (), 8)
+    assert "mobility is 8" in str(symkin.mobility(mechanism))

@@ -191,7 +191,7 @@ class Modes(Result):
     def _count(self) -> str:
         count, poses = len(self), self.poses
         if not count:
-            return "no isolated solution" if self.positive_dimensional else "no real solution"
+            return nothing_found(self)
         if self.total > count:
             return f"{self.total} modes, of which {count} are listed: each block's solutions beside the first ones of the others"
         return f"{count} {_plural('mode', count)}" + (f" at {poses} {_plural('pose', poses)}" if poses != count else "")
@@ -199,3 +199,10 @@ class Modes(Result):
 
 def _plural(word: str, count: int) -> str:
     return word if count == 1 else word + "s"
+
+
+def nothing_found(modes: Modes) -> str:
+    """What is said of an empty list: that there is none where the list is complete, that none was found where it is a sample."""
+    if modes.positive_dimensional:
+        return "no isolated solution"
+    return "no real solution found" if modes.completeness == "sampled" else "no real solution"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from symkin.assembly.modes_result import Modes
+from symkin.assembly.modes_result import Modes, nothing_found
 from symkin.errors import InputError
 from symkin.plots.look import limits_text, listed, look_of
 from symkin.plots.picture_options import chosen_numbers, looks_of, ranges_text
@@ -34,7 +34,7 @@ def figure_of_modes(
     look, given = look_of(mechanism), [c.name for c in found.problem.known_coordinates]
     shown = [(k, found[k - 1]) for k in numbers]
     panels = [look.panel(f"mode {k}", look.text(s, given) + limits_text(s), look.lines(s)) for k, s in shown]
-    panels = panels or [look.panel(_nothing(found), "drawn at the reference configuration", look.reference(mechanism))]
+    panels = panels or [look.panel(nothing_found(found), "drawn at the reference configuration", look.reference(mechanism))]
     part = f" \N{EM DASH} {len(numbers)} of {found.total} modes shown" if len(numbers) < found.total else ""
     return look.figure(mechanism, panels, _facts(found), part, **looks_of(mechanism, names, views))
 
@@ -81,7 +81,7 @@ def _facts(modes: Modes) -> list[str]:
     mechanism = modes.problem.mechanism
     given = ", ".join(_given_text(key, values) for key, values in modes.given.items()) or "nothing"
     count = len(modes)
-    found = f"{count} mode{'' if count == 1 else 's'}" if count else _nothing(modes)
+    found = f"{count} mode{'' if count == 1 else 's'}" if count else nothing_found(modes)
     units = f"{mechanism.length_unit}, {mechanism.angle_unit}"
     statement = f"{found}; completeness: {modes.completeness}" + (f", {modes.starts} starts" if modes.starts else "")
     return [f"{modes.problem.name} problem at {given} [{units}]", statement]
@@ -89,7 +89,3 @@ def _facts(modes: Modes) -> list[str]:
 
 def _given_text(key: str, values: Any) -> str:
     return f"{key} = {values:.5g}" if np.ndim(values) == 0 else f"{key} {listed(without_rounding(values))}"
-
-
-def _nothing(modes: Modes) -> str:
-    return "no isolated solution" if modes.positive_dimensional else "no real solution"

@@ -14,7 +14,8 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
-from symkin.position.closed_configurations import closed_configurations, whole_system
+from symkin.position.closed_configurations import closed_configurations, least_squares_ends, whole_system
+from symkin.position.mobility import rank_to_digits
 from symkin.position.problem import Problem
 
 DIGITS = 1e-4
@@ -89,7 +90,8 @@ def determination(problem: Problem) -> Determination:
     jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
     found = _determination(problem, closure, max(jacobians, key=lambda j: Rank.of(j).value), RANK_TOLERANCE, 0.0)
     if not found.decided:
-        return found
+        beside = _beside_singular(closure, system.freedom - found.mobility) if found.free else None
+        return found if beside is None else _determination(problem, closure, *beside)
     # loops of redundant constraints that are written with few digits are rigid, strictly speaking
     nearly = _nearly_closed(closure)
     if nearly is None:
@@ -146,6 +148,23 @@ def misfit_note(problem: Problem, misfit: float) -> str:
         f"the loops close only to {misfit:.2g} {problem.mechanism.length_unit}: constraints are redundant, and the numbers of the "
         "description do not meet them to more digits; what is given here is of least squares"
     )
+
+
+def _beside_singular(closure: Closure, rank: int) -> tuple[np.ndarray, float, float] | None:
+    """Where nothing but a singular reference of this rank closes exactly: the Jacobian at a configuration beside it that closes to the
+    digits of a file, the share below which its singular values are zero, and the closure error. None elsewhere."""
+    system, ends = whole_system(closure), least_squares_ends(closure, 0)
+    digits = rank_to_digits(system, ends, rank)
+    if digits is None or not digits.beside_alone:
+        return None
+    near = np.flatnonzero(ends.misfits <= digits.misfit)
+    jacobians = system.linearise(ends.points[near], np.zeros(0))[1]
+    values = np.linalg.svd(jacobians, compute_uv=False)
+    values = np.hstack([values, np.zeros((len(near), 1))])
+    drops = values[:, digits.rank] / values[:, digits.rank - 1]
+    best = int(np.argmin(drops))
+    share = np.sqrt(values[best, digits.rank - 1] * max(values[best, digits.rank], np.finfo(float).tiny)) / values[best, 0]
+    return jacobians[best], float(share), digits.misfit
 
 
 def _nearly_closed(closure: Closure) -> tuple[np.ndarray, float] | None:

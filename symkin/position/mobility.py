@@ -46,7 +46,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     if system.residual(reference, nothing) <= CLOSURE_TOLERANCE * size:
         reference_rank = Rank.of(system.linearise_one(reference, nothing)[1])
     closed = reference_rank is not None or bool(ends.closed.any())
-    digits = _to_digits(system, ends, generic.value if closed else None)
+    digits = rank_to_digits(system, ends, generic.value if closed else None)
     values = there if closed or digits is None else ends.points[int(np.argmin(ends.misfits))]
     limbs = limb_screws(closure, values)
     at_reference = reference_rank is not None and reference_rank.value == generic.value
@@ -97,7 +97,7 @@ def open_loops_note(mechanism: Mechanism) -> str | None:
     )
 
 
-def _to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:
+def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:
     """What holds at ends that close the loops only to the digits of a file, where more moves there than exactly (`rank`), or where
     nothing closes exactly, or nothing but a singular reference, at which more moves than beside it."""
     size, misfits = system.characteristic_length, ends.misfits

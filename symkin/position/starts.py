@@ -57,7 +57,7 @@ def _set(values: np.ndarray, problem: Problem, coordinates: Sequence[Coordinate]
 
 def random_starts(problem: Problem, system: System, given: Given, count: int, rng: np.random.Generator) -> np.ndarray:
     """Starts (count, width): lengths about the reference within 1.5 times the mechanism's reach, angles and rotations
-    uniform, the first start at the reference; within `limits` where given."""
+    uniform, screws by two turns and, every second time, as far as the reach; the first start at the reference; within `limits` where given."""
     closure = problem.closure
     lengths = [abs(v) for c, v in _named(problem.known_coordinates, given.values) if c.kind == "length"]
     reach = 1.5 * max([closure.characteristic_length, *lengths])
@@ -72,11 +72,20 @@ def random_starts(problem: Problem, system: System, given: Given, count: int, rn
         elif c.kind == "angle":
             points[:, place] = rng.uniform(-np.pi, np.pi, (count, 1))
         elif c.kind == "turns":
-            points[:, place] = reference + rng.uniform(-2 * np.pi, 2 * np.pi, (count, 1))
+            spans = np.where(np.arange(count) % 2, 2 * np.pi, _turns_within(problem.mechanism, c, reach))
+            points[:, place] = reference + (spans * rng.uniform(-1, 1, count))[:, None]
         else:
             points[:, place] = reference + reach * rng.uniform(-1, 1, (count, 1))
         points[0, place] = reference
     return system.fold(points)
+
+
+def _turns_within(mechanism: Mechanism, c: Coordinate, reach: float) -> float:
+    """The angle by which a screw advances by the reach; one turn to both sides where that is less, and for what is no screw."""
+    pitch = next(
+        (joint.pitch for joint in mechanism.all_joints if joint.type == "H" and joint.name == c.name.split(".")[-1]), 0.0
+    )
+    return max(2 * np.pi, 2 * np.pi * reach / abs(pitch)) if pitch else 2 * np.pi
 
 
 def _named(coordinates: Sequence[Coordinate], values: np.ndarray) -> list[tuple[Coordinate, float]]:
