@@ -581,6 +581,11 @@ def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(open
     assert 0 < len(stops) <= 2
     for (name, _), stop in stops.items():
         assert stop["sentence"].startswith(f"Stopped at once: {name} lies beyond its limit of ")
+    page.get_by_role("button", name="Limits").click()
+    page.get_by_role("button", name="Back to the start").click()
+    name, step = next(iter(stops))
+    found = page.evaluate("([name, v]) => symkin.set({[name]: v})", [name, step])
+    assert found["reached"], found["stop"]
 
 
 def test_a_value_out_of_reach_is_not_called_singular(open_page: Callable[..., Any]) -> None:

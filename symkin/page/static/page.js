@@ -114,7 +114,7 @@ function readout() {
   fill($("readout").tBodies[0], rows);
   const others = Object.entries(solution?.joints ?? {}).filter(([name, value]) => typeof value === "number" && !solver.names.includes(name));
   const within = solution?.within_limits;
-  $("limits").textContent = within === null ? "" : within ? "All joints are within their limits." : `Outside its limits: ${outside(solution.joints).join(", ")}.`;
+  $("limits").textContent = within === null ? "" : within ? "All joints are within their limits." : `Outside its limits: ${firstOf(outside(solution.joints))}.`;
   $("limits").classList.toggle("outside", within === false);
   $("passive").hidden = !others.length;
   $("passive").firstElementChild.textContent = `${others.length} other joint coordinates`;
@@ -197,6 +197,11 @@ function frame(now) {
   requestAnimationFrame(frame);
 }
 
+/** The first few of some names, and how many more there are. */
+function firstOf(names, count = 5) {
+  return names.slice(0, count).join(", ") + (names.length > count ? ` and ${names.length - count} more` : "");
+}
+
 /** Take the mode that is nearest to the configuration which the page was made for. */
 function takeStart() {
   const wanted = options.start;
@@ -218,6 +223,11 @@ toggle("trace", (on) => trace.set(on));
 $("trace").hidden = !tracedPoints().length;
 toggle("meshes", (on) => drawing.setMeshes(on));
 $("meshes").hidden = !drawing.items.meshes.length;
+toggle("heed", (on) => {
+  solver.heedsLimits = on;
+  moved({ reached: true, share: 1, stop: solver.stopHere() });
+});
+$("heed").hidden = !solver.limited.length;
 $("fit").addEventListener("click", () => drawing.fit());
 $("reset").addEventListener("click", () => {
   player?.rewind();
@@ -230,7 +240,7 @@ $("view").addEventListener("pointermove", hover);
 $("view").addEventListener("pointerleave", () => ($("tip").hidden = true));
 $("view").addEventListener("contextmenu", (event) => event.preventDefault());
 document.addEventListener("keydown", (event) => {
-  const keys = { n: "names", m: "measures", f: "fit", d: "theme", t: "trace" };
+  const keys = { n: "names", m: "measures", f: "fit", d: "theme", t: "trace", l: "heed" };
   const typing = event.target.matches?.("input[type=text], select") || event.ctrlKey || event.metaKey || event.altKey;
   if (!typing && keys[event.key.toLowerCase()]) $(keys[event.key.toLowerCase()]).click();
 });

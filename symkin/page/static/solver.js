@@ -50,6 +50,7 @@ class Solver {
     this.gradients.fill(0);
     this.limitedReadings = model.readings.filter((joint) => joint.coordinates.some((c) => c.limits));
     this.limited = this._limited();
+    this.heedsLimits = true; // whether movements stop at limits
     this.correct(this.x);
     this.roots = new Roots(this);
     this.modeIndex = -1;
@@ -116,7 +117,7 @@ class Solver {
     while (share < 1) {
       if (share + step > 1) step = 1 - share;
       const next = this._advance(x, way, start, share, step), excesses = next && this._excesses(next);
-      const left = next && this._limitLeft(excesses, allowed);
+      const left = next && this.heedsLimits && this._limitLeft(excesses, allowed);
       if (left) [limit, least] = [left, AT_LIMIT];
       const leaves = step >= SMALLEST || limit || (next && this._ratio(next) > this._ratio(x));
       if (next && !left && leaves) {
@@ -397,6 +398,7 @@ class Solver {
   }
 
   _clamped(name, value) {
+    if (!this.heedsLimits) return value;
     const c = this.model.coordinates.find((one) => one.name === name);
     const [low, high] = c.limits ?? [c.least ?? -Infinity, Infinity];
     return Math.min(high, Math.max(low, value));
