@@ -42,7 +42,7 @@ def test_collada_is_read_in_metres_and_in_its_own_axes(tmp_path: Path) -> None:
 def test_broken_collada_is_told(tmp_path: Path, content: str) -> None:
     (tmp_path / "plate.dae").write_text(content, encoding="utf-8")
     assert read_triangles(tmp_path / "plate.dae") is None
-    assert "with triangles" in why_unread(tmp_path / "plate.dae")
+    assert why_unread(tmp_path / "plate.dae").startswith("no triangles could be read there")
 
 
 def test_collada_without_its_package_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,3 +81,17 @@ def test_meshes_without_bounds_are_told(tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
     for scale in (1.0, 1e100):
         assert mesh_item(LinkMesh("a", str(tmp_path / "m.obj"), scale=(scale, 1.0, 1.0)), 1) is None
+
+
+def test_why_a_mesh_is_not_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("symkin.page.mesh_files._LARGEST", 10)
+    for name, content, reason in (
+        ("a.glb", "x", "read are .stl, .obj, .dae"),
+        ("a.stl", "x" * 11, "files up to 1e-05 MB are read"),
+        ("b.stl", "", "no triangles could be read there"),
+        ("c.obj", "v 0 0 0", "no triangles could be read there"),
+    ):
+        (tmp_path / name).write_text(content, encoding="utf-8")
+        assert read_triangles(tmp_path / name) is None
+        assert why_unread(tmp_path / name).startswith(reason)
+    assert why_unread(tmp_path / "none.stl").startswith("there is no such file")

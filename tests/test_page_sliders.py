@@ -10,6 +10,7 @@ import pytest
 
 import symkin
 from symkin import Mechanism
+from symkin.page.model_data import page_model
 from symkin.page.page import page_html
 from symkin.page.sliders import completed_sliders
 from symkin.position.determination import determination
@@ -97,3 +98,20 @@ def test_sliders_are_the_motors_where_the_loops_close_only_to_digits() -> None:
     told = determination(problem_of_names(mechanism, tuple(c.name for c in mechanism.actuated)))
     assert (told.free, told.decided, told.mobility) == (0, (), 8)
     assert "mobility is 8" in str(symkin.mobility(mechanism))
+
+
+def test_a_page_begins_within_limits_where_a_mode_is() -> None:
+    """Limits of the rocker that leave out the branch of the reference: the page begins on the other one."""
+    mechanism = symkin.load("four_bar")
+    crank = mechanism.actuated[0].name
+    first, second = symkin.modes(mechanism, given={crank: 60.0})
+    near = symkin.solve(mechanism, given={crank: 60.0}).solution
+    other = max((first, second), key=lambda mode: float(np.abs(mode.variables - near.variables).max()))
+    name = next(n for n in near.joints if n != crank and abs(near.joints[n] - other.joints[n]) > 30.0)
+    half = np.deg2rad(10.0)
+    limits = (np.deg2rad(other.joints[name]) - half, np.deg2rad(other.joints[name]) + half)
+    joints = [replace(e, joint=replace(e.joint, limits=limits)) if e.joint.name == name else e for e in mechanism.link_joints]
+    limited = replace(mechanism, link_joints=tuple(joints))
+    assert symkin.solve(limited, given={crank: 60.0}).solution.within_limits is False
+    start = page_model(limited, {crank: 60.0}).model["start"]
+    np.testing.assert_allclose(start, other.variables, atol=1e-9)

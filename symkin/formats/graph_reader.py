@@ -28,7 +28,8 @@ class GraphReader:
             return limits
         low, high = limits
         if is_bounded(low, high):
-            self.notes.append(f"line {line}: the range [{low:g}, {high:g}] of {element.label} is left out; it has no two ends")
+            why = "its upper end is not above its lower one" if low >= high else "it has no two ends"
+            self.notes.append(f"line {line}: the range [{low:g}, {high:g}] of {element.label} is left out; {why}")
         return None
 
     def mesh(self, element: Element, uri: str, pose: Pose, scale: tuple[float, ...]) -> Mesh:

@@ -7,7 +7,7 @@ import importlib.util
 import io
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -59,8 +59,7 @@ def _text(numbers: np.ndarray) -> str:
 
 def read_triangles(path: Path) -> np.ndarray | None:
     """Corners (n, 3, 3) of a mesh file's triangles in its own numbers; None where it cannot be read as one."""
-    readers = {".stl": _stl, ".obj": _obj, _COLLADA: _collada}
-    reader = readers.get(path.suffix.lower())
+    reader = _readers().get(path.suffix.lower())
     if reader is None or not path.is_file() or path.stat().st_size > _LARGEST:
         return None
     triangles = reader(path.read_bytes())
@@ -73,7 +72,15 @@ def why_unread(path: Path) -> str:
         return "there is no such file, also in folders named by --packages"
     if path.suffix.lower() == _COLLADA and importlib.util.find_spec("collada") is None:
         return "COLLADA takes the package pycollada: pip install 'symkin[meshes]' installs it"
-    return "STL, OBJ and COLLADA files (.dae) with triangles, up to 40 MB, are read"
+    if path.suffix.lower() not in _readers():
+        return f"read are {', '.join(_readers())}"
+    if path.stat().st_size > _LARGEST:
+        return f"files up to {_LARGEST / 1e6:g} MB are read"
+    return "no triangles could be read there: empty, cut short, or not of the kind that the suffix tells"
+
+
+def _readers() -> dict[str, Callable[[bytes], np.ndarray]]:
+    return {".stl": _stl, ".obj": _obj, _COLLADA: _collada}
 
 
 def _stl(content: bytes) -> np.ndarray:

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.assembly.modes import modes
+from symkin.assembly.modes_result import Modes
 from symkin.closure.closure import Closure, random_values
 from symkin.closure.link_frames import LinkFrames, link_frames
 from symkin.codegen.js_text import javascript
@@ -71,10 +72,14 @@ def page_model(mechanism: Mechanism, given: Mapping[str, float] | None = None) -
 
 
 def _start(mechanism: Mechanism, given: Mapping[str, float] | None) -> SolveResult:
-    """A solution at the values with sliders: those given, else those of the actuated joints."""
+    """A solution at the values with sliders: those given, else those of the actuated joints; one within limits where there is one."""
     found = solve(mechanism, given=given or None, check=False)
     if found.solution is None or not found.problem.known_coordinates:
         found = _first_mode(mechanism, given, found)
+    if found.solution is not None and found.solution.within_limits is False:
+        every = modes(mechanism, given=given or None)
+        within = next((mode for mode in every if mode.within_limits), None)
+        found = found if within is None else _result(every, within, found)
     if found.problem.name == "inverse" and not given:
         solution = found.solution
         assert solution is not None  # noqa: S101 - asked for above
@@ -99,7 +104,11 @@ def _first_mode(mechanism: Mechanism, given: Mapping[str, float] | None, failed:
     every = modes(mechanism, given=given or None)
     if not len(every):
         raise InputError(f"view: {mechanism.name} has no configuration at these values: {failed.message}")
-    return SolveResult(every.problem, failed.given, "ok", every[0], 0, (), None, failed.method, 0.0)
+    return _result(every, every[0], failed)
+
+
+def _result(every: Modes, mode: Solution, tried: SolveResult) -> SolveResult:
+    return SolveResult(every.problem, tried.given, "ok", mode, 0, (), None, tried.method, 0.0)
 
 
 def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) -> dict[str, Any]:
