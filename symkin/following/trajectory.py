@@ -120,7 +120,9 @@ def _by_joints(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | N
 def _by_poses(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | None, limits: bool) -> Trajectory:
     _check_any(rows)
     if mechanism.platform_link is None:
-        raise InputError(f"poses: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
+        raise InputError(
+            f"poses: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file (symkin convert writes one of a robot's file), or give joints"
+        )
     problem = _problem(mechanism, pose_names(mechanism), limits)
     samples, notes = _poses(problem, rows)
     first, last = (tuple(_seven(row)) for row in (rows[0], rows[-1]))

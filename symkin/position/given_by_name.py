@@ -68,7 +68,9 @@ def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | No
     if joints is None and pose is None and mechanism.example is None and not mechanism.actuated:
         return Given("given", np.zeros(0), {})
     if pose is not None and mechanism.platform_link is None:
-        raise InputError(f"pose: {mechanism.name} has no platform link; name it by [platform] link, or give joints")
+        raise InputError(
+            f"pose: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file (symkin convert writes one of a robot's file), or give joints"
+        )
     return told_by_name(mechanism, given_from(mechanism, joints, pose))
 
 
