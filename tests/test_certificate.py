@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
+from helpers import moved_points as machines
 from helpers.known_roots import Case, case
 from helpers.samples import delta, five_bar, hexapod, three_rrr
 from symkin import Mechanism
@@ -350,3 +351,16 @@ def test_random_platforms_are_certified_whole():
         assert found.certified.all()
         assert found.distinct == 40
         assert int(np.sum(found.real == "real")) == len(symkin.modes(platform, joints=legs))
+
+
+@pytest.mark.parametrize("shift", [0.0, 12.0])
+def test_poses_by_six_distances_with_passive_joints_beside_them(shift: float) -> None:
+    """Six slides with U and S joints: the poses are those of the same machine with rods, each with two ways of every U joint."""
+    joints = [shift, -shift, 0.0, 0.5 * shift, 0.0, -0.25 * shift]
+    rods, hinged = symkin.modes(machines.hexaglide(), joints=joints), symkin.modes(machines.hexaglide(rods=False), joints=joints)
+    assert len(rods) > 0
+    assert (hinged.poses, len(hinged)) == (len(rods), 2**6 * len(rods))
+    many = symkin.modes(machines.hexaglide(rods=False), joints=[joints, [0.0] * 6])
+    assert [len(many[0]), many[0].completeness] == [len(hinged), hinged.completeness]
+    positions = {tuple(np.round(mode.position, 6)) for mode in hinged}
+    assert positions == {tuple(np.round(mode.position, 6)) for mode in rods}

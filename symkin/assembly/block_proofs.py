@@ -68,9 +68,12 @@ class BlockProver:
         from symkin.certificate.certificate import certify_batch
         from symkin.certificate.exact import knowns_of
 
+        z = self._algebraic(points)
+        if ends is not None and ends.system.width != len(z):
+            ends = None  # the theorem is one on poses, and these roots have passive joints beside them
         if ends is None and self._is_redundant:
             return RootProofs(np.zeros(len(owner), dtype=bool), np.full(len(owner), np.nan), np.zeros(len(known), dtype=bool))
-        z, found = self._algebraic(points), ends
+        found = ends
         if found is None:
             found = certify_batch(
                 self.whole, z, knowns_of(self.problem, known), owner, self.problem.closure.characteristic_length

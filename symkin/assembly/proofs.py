@@ -61,7 +61,8 @@ class Prover:
         named = [{c.name: z[s] for c, s in zip(self.block.unknowns, self.block.slices, strict=True)} for z in points]
         real = [algebraic_point(self.problem, self.whole, values) for values in named]
         found, columns = self.ends, np.array(real).T.reshape(self.whole.width, len(real))
-        if found is None:
+        if found is None or found.system.width != self.whole.width:
+            # complex roots are poses, or none: real ones, with passive joints beside the pose, are proved by themselves
             found = certify(
                 self.whole, columns, knowns_of(self.problem, self.given.values[None]), self.problem.closure.characteristic_length
             )

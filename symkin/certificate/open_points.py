@@ -54,6 +54,8 @@ def _prove(
     if not np.isfinite(given).all():
         return None, "the point is not finite"
     chart = chart_of(balls, given.real if near else given)
+    if chart is None and balls.count < balls.freedom:
+        return None, f"{balls.count} rows hold the pose, and others, which these do not tell, the passive joints beside it"
     if chart is None:
         return None, (
             f"{balls.count} rows for {balls.freedom} unknowns: no square part of them is known to imply the others "
