@@ -13,7 +13,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from helpers.samples import readme_five_bar
+from helpers.samples import readme_five_bar, three_rrr
 from symkin import Joint, Limb, RodLimb
 from symkin.errors import InputError
 
@@ -598,3 +598,12 @@ def test_a_value_out_of_reach_is_not_called_singular(open_page: Callable[..., An
         assert not found["reached"]
         assert found["stop"]["kind"] in ("limit", "lost")
         assert "singular" not in found["stop"]["sentence"]
+
+
+def test_a_planar_map_of_poses_tells_its_angle(tmp_path: Path) -> None:
+    pytest.importorskip("zarr")
+    machine, ends = three_rrr("planar"), [-5.0, 0.0, 5.0]
+    swept = symkin.sweep(machine, {"x": ends, "y": ends}, tmp_path / "map", poses=True, workers=0)
+    plane = swept.view().plane
+    assert plane is not None
+    assert plane["held"] == f"gamma = 0 {machine.angle_unit}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.page.view import View
+from symkin.plots.sweep_text import held_texts
 from symkin.position.solution import Solution
 from symkin.singularities.configuration import configuration
 from symkin.spatial.pose import Pose
@@ -42,7 +43,7 @@ def view_of_sweep(folder: Path, slices: Mapping[str, float] | None = None, *, lo
         "names": list(part.ranges),
         "units": [axis[1] for axis in (part.x, part.y) if axis is not None],
         "ranges": [list(ends) for ends in part.ranges.values()],
-        "held": _held(space.mechanism, told, list(part.ranges)),
+        "held": _held(space.mechanism, attributes, part.cuts),
         "pose": _numbers(told["pose"]) if "pose" in told else None,
         "curves": [] if curves is None else [{"kind": curve.kind, "points": curve.points.tolist()} for curve in curves.curves],
         "lociAsked": loci,
@@ -80,18 +81,11 @@ def _numbers(pose: Pose) -> list[float]:
     return [*map(float, pose.position), *map(float, pose.quaternion)]
 
 
-def _held(mechanism: Mechanism, told: Mapping[str, Any], shown: Sequence[str]) -> str:
-    """What stands while the plane's two coordinates change."""
-    if "pose" in told:
-        numbers = _numbers(told["pose"])
-        values = dict(zip("xyz", numbers, strict=False))
-        turned = "" if numbers[3] == 1.0 else f"quaternion ({', '.join(f'{v + 0.0:.5g}' for v in numbers[3:])})"
-    else:
-        values, turned = _single_values(mechanism, told), ""
-    angular = {c.name for c in mechanism.coordinates if c.is_angular} | {"azimuth", "tilt", "torsion"}
-    units = {name: mechanism.angle_unit if name in angular else mechanism.length_unit for name in values}
-    single = [f"{name} = {value:.5g} {units[name]}" for name, value in values.items() if name not in shown]
-    return ", ".join([*single, *([turned] if turned else [])])
+def _held(mechanism: Mechanism, attributes: Mapping[str, Any], cuts: Mapping[str, float]) -> str:
+    """What stands while the plane's two coordinates change: swept coordinates that are cut, then those that are not swept."""
+    lengths = {"x", "y", "z"} | {c.name for c in mechanism.coordinates if not c.is_angular}
+    units = {name: mechanism.length_unit if name in lengths else mechanism.angle_unit for name in cuts}
+    return ", ".join([*(f"{name} = {value:.5g} {units[name]}" for name, value in cuts.items()), *held_texts(attributes)])
 
 
 def _cells(part: MapSlice, title: str, *, is_condition: bool) -> dict[str, Any]:
