@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import symkin
 from helpers import hexapods
+from helpers.command_line import run
+from symkin import Joint, Limb, Mechanism
 from symkin.calibration.calibrate import calibrate
 from symkin.calibration.data.files import read_measurements
 from symkin.calibration.data.measurements import Measurements
@@ -141,3 +144,36 @@ def test_home_is_the_example_where_the_file_says_no_reference(tmp_path):
         mechanism = replace(symkin.load(str(tmp_path / "hexapod.toml")), example=example)
         assert home_pose(mechanism).position[2] == height
         assert home_pose(mechanism).position[0] == (0.0 if home else 10.0)
+
+
+def planar_three_rrr() -> Mechanism:
+    """Three cranks and three couplers in a plane, no two limbs alike."""
+    limbs = []
+    points = (
+        ((0.0, 240.0), (89.14352, 145.377419), (-28.765532, 52.654954)),
+        ((-207.846097, -120.0), (-170.472297, 4.511843), (-31.217761, -51.239159)),
+        ((207.846097, -120.0), (81.328778, -149.889262), (59.983294, -1.415795)),
+    )
+    for k, places in enumerate(points, start=1):
+        joints = [
+            Joint(f"{name}{k}", "R", (x, y, 0.0), (0.0, 0.0, 1.0), actuated=name == "m")
+            for name, (x, y) in zip("met", places, strict=True)
+        ]
+        limbs.append(Limb(f"limb{k}", joints))
+    return Mechanism("rrr3", limbs, motion="planar", angle_unit="deg")
+
+
+@pytest.mark.parametrize("seed", [0, 6, 7])
+def test_passive_joints_far_from_the_reference_do_not_bend_the_first_guess(
+    seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whole poses of the file's own geometry, elbows up to a quarter turn off: the fit begins and ends at this geometry."""
+    (tmp_path / "rrr3.toml").write_text(planar_three_rrr().to_toml(), encoding="utf-8")
+    described, readings = tmp_path / "rrr3.toml", tmp_path / "data.csv"
+    assert (
+        run(capsys, "calibrate", "simulate", described, "-o", readings, "--postures", 40, "--readings", "pose", "--seed", seed)[0]
+        == 0
+    )
+    status, out, _ = run(capsys, "calibrate", "fit", described, readings, "-o", tmp_path / "fit")
+    assert status == 0
+    assert out.startswith("rrr3: believable")

@@ -34,6 +34,8 @@ from symkin.spatial.rotation import (
 
 _MAX_PARAMETER_STEPS = 40
 """Most Gauss-Newton steps; a start needs no more."""
+_MAX_PASSIVE_STEPS, _IDLE_STEPS = 60, 6
+"""Most steps of passive joints alone, and steps in a row that lower no configuration's cost after which they end."""
 _MAX_POSES = 2000
 """Most configurations that are used, spread evenly over the file: a start needs no more."""
 _MIN_SINGULAR_RATIO = 1e-6
@@ -68,7 +70,7 @@ def parameters_from_poses(model: ConfigurationModel, measurements: Measurements)
 
 def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray) -> np.ndarray | None:
     """Minimise the closure rows by Gauss-Newton with halved steps; passive joints are eliminated in each configuration."""
-    p = model.nominal
+    p, z = model.nominal, _fit_passive(model, z, joints, passive)
 
     def rows_at(p: np.ndarray, z: np.ndarray) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
         e = model.evaluate(z, joints, p, np.zeros((len(z), 4)))
@@ -98,6 +100,37 @@ def _fit_parameters(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray
         if gained < 1e-9 * cost:
             break
     return p
+
+
+def _fit_passive(model: ConfigurationModel, z: np.ndarray, joints: np.ndarray, passive: np.ndarray) -> np.ndarray:
+    """Passive joints at which the nominal geometry closes best at the poses, each configuration by itself: Levenberg-Marquardt. From
+    joints at the reference the parameters would give way where only joints must."""
+    if not passive.size:
+        return z
+    p, width = model.nominal, model.system.freedom
+
+    def rows_at(z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        e = model.evaluate(z, joints, p, np.zeros((len(z), 4)))
+        return np.sum(e.rows**2, axis=1), e.rows, e.rows_z[:, :, passive]
+
+    (cost, rows, by_x), damping, idle = rows_at(z), np.full(len(z), _FIRST_DAMPING), 0
+    for _ in range(_MAX_PASSIVE_STEPS):
+        normal = np.swapaxes(by_x, 1, 2) @ by_x
+        normal += damping[:, None, None] * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(len(passive))
+        if not np.isfinite(normal).all():
+            break
+        follow = np.zeros((len(z), width))
+        follow[:, passive] = -(np.linalg.pinv(normal, hermitian=True) @ np.swapaxes(by_x, 1, 2) @ rows[:, :, None])[:, :, 0]
+        trial = model.system.move(z, follow)
+        found = rows_at(trial)
+        better = found[0] < cost
+        z = np.where(better[:, None], trial, z)
+        damping = np.where(better, damping / 10.0, 4.0 * damping)
+        idle = 0 if (found[0] < (1.0 - _MIN_COST_DECREASE) * cost).any() else idle + 1
+        if idle == _IDLE_STEPS:
+            break
+        cost, rows, by_x = rows_at(z)
+    return z
 
 
 def fit_measuring_frames(problem: CalibrationProblem, z: np.ndarray, p: np.ndarray, solved: np.ndarray) -> np.ndarray:
