@@ -184,3 +184,35 @@ def test_show_warns_when_inputs_are_not_the_mobility() -> None:
     joints = [Joint("a", "R", (0, 0, 0), (0, 0, 1), actuated=True), Joint("b", "R", (1, 0, 0), (0, 0, 1))]
     text = describe(Mechanism("open_chain", [Limb("only", [*joints, Joint("c", "R", (2, 0, 0), (0, 0, 1))])], (2, 0, 0)))
     assert "1 actuated joint for a mobility of 3" in text
+
+
+def four_ruu(motion: str) -> Mechanism:
+    """Four limbs R U U about a vertical axis, knees and ankles turned by 10 degrees: four couples about horizontal axes, of rank two."""
+    limbs = []
+    for k in range(4):
+        t = math.radians(45 + 90 * k)
+        out, side = np.array([math.cos(t), math.sin(t), 0.0]), (-math.sin(t), math.cos(t), 0.0)
+        ankle = (80 * math.cos(t + math.radians(10)), 80 * math.sin(t + math.radians(10)), -300.0)
+        joints = [
+            Joint(f"motor{k}", "R", tuple(200 * out), side, actuated=True),
+            Joint(f"knee{k}", "U", tuple(330 * out), side, axis2=(0.0, 0.0, 1.0)),
+            Joint(f"ankle{k}", "U", ankle, (0.0, 0.0, 1.0), axis2=side),
+        ]
+        limbs.append(Limb(f"limb{k}", joints))
+    return Mechanism("ruu4", limbs, platform_position=(0.0, 0.0, -300.0), motion=motion)
+
+
+def test_branches_that_meet_at_the_reference_are_told():
+    """With the turn about z free, translations (three freedoms) and a screw-like motion (one) meet at the reference; with translations
+    declared there is one branch alone."""
+    told = symkin.mobility(four_ruu("schoenflies"))
+    assert {told.mobility, *(told.freedoms - rank for rank in told.other_ranks)} == {1, 3}
+    assert any("branches meet near the reference" in warning for warning in told.warnings)
+    alone = symkin.mobility(four_ruu("translation"))
+    assert (alone.mobility, alone.other_ranks) == (3, ())
+    assert not any("branches" in warning for warning in alone.warnings)
+
+
+@pytest.mark.parametrize("name", ["zhao2000_links", "delta", "jansen_leg", "bricard", "goldberg", "zhang2009"])
+def test_one_branch_is_not_called_two(name):
+    assert symkin.mobility(symkin.load(name)).other_ranks == ()

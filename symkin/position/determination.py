@@ -12,7 +12,7 @@ from symkin.errors import InputError
 from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.linear_algebra import null_space
-from symkin.numeric.rank import Rank
+from symkin.numeric.rank import Rank, generic
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, least_squares_ends, whole_system
 from symkin.position.mobility import rank_to_digits
@@ -88,7 +88,7 @@ def determination(problem: Problem) -> Determination:
     closure = build_closure(problem.mechanism, replace(problem.closure.partition, geometry=False))
     system = whole_system(closure)
     jacobians = [system.linearise_one(z, np.zeros(0))[1] for z in closed_configurations(closure, 0)]
-    found = _determination(problem, closure, max(jacobians, key=lambda j: Rank.of(j).value), RANK_TOLERANCE, 0.0)
+    found = _determination(problem, closure, jacobians[generic([Rank.of(j) for j in jacobians])], RANK_TOLERANCE, 0.0)
     if not found.decided:
         beside = _beside_singular(closure, system.freedom - found.mobility) if found.free else None
         return found if beside is None else _determination(problem, closure, *beside)

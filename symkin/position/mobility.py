@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from symkin.closure.closure import Closure, build_closure
 from symkin.computed_once import lru_cache
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
+from symkin.numeric.rank import generic as generic_one
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import CLOSED_CONFIGURATION, CLOSURE_TOLERANCE
 from symkin.position.closed_configurations import LeastSquaresEnds, least_squares_ends, whole_system
@@ -40,7 +43,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     reference, ends = closure.reference, least_squares_ends(closure, seed)
     candidates = [*ends.points[ends.closed]] or [reference]
     ranks = [Rank.of(system.linearise_one(z, nothing)[1]) for z in candidates]
-    best = max(range(len(ranks)), key=lambda k: ranks[k].value)
+    best = generic_one(ranks)
     generic, there = ranks[best], candidates[best]
     reference_rank = None
     if system.residual(reference, nothing) <= CLOSURE_TOLERANCE * size:
@@ -71,8 +74,15 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         gruebler=gruebler_kutzbach(mechanism),
         reference_rank=reference_rank,
         digits=digits,
+        other_ranks=_other_ranks(ranks, generic),
         misfit=None if closed or digits is not None else _misfit(closure, system, ends),
     )
+
+
+def _other_ranks(ranks: Sequence[Rank], generic: Rank) -> tuple[int, ...]:
+    """Smaller ranks that are as clear as the generic one at two closed configurations or more: those of other branches."""
+    clear = [rank.value for rank in ranks if rank.is_clear and rank.value < generic.value]
+    return tuple(sorted({value for value in clear if clear.count(value) > 1}))
 
 
 def _count_rows(closure: Closure) -> int:

@@ -48,7 +48,7 @@ class Mobility(Result):
     `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
     `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
     reciprocal to them (rows, base origin). `digits` is set where they close only to the digits of the
-    file, `misfit` where they do not close at all. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
+    file, `misfit` where they do not close at all. `other_ranks` are those of other branches that meet near the reference. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
     counts idle freedoms.
 
     >>> import symkin
@@ -71,6 +71,7 @@ class Mobility(Result):
     gruebler: int
     reference_rank: Rank | None = None
     digits: ToDigits | None = None
+    other_ranks: tuple[int, ...] = ()
     misfit: Misfit | None = None
 
     @cached_property
@@ -106,6 +107,12 @@ class Mobility(Result):
             found.append(f"the rank is not clear, the singular values beside the cut differ by only {self.rank.gap:.3g}")
         if self.misfit is not None:
             return tuple(found)
+        if self.other_ranks and self.digits is None:
+            others = " and ".join(str(self.freedoms - rank) for rank in self.other_ranks)
+            found.append(
+                f"branches meet near the reference: closed configurations beside it have a mobility of {others} too; what is said here is "
+                "of one branch, and a declared motion or another reference chooses"
+            )
         mobility = self.mobility if self.digits is None else self.freedoms - self.digits.rank
         if self.actuated != mobility:
             more = "some motion stays free" if self.actuated < mobility else "the inputs cannot be chosen freely"
