@@ -164,8 +164,8 @@ def test_limbs_that_cannot_close_say_by_how_much() -> None:
 
 
 def test_rank_counts_singular_values() -> None:
-    """Rank 2 with a clear gap; an empty matrix has rank 0; a doubtful gap is measured."""
-    assert Rank.of(np.diag([1.0, 0.5, 1e-12])) == Rank(2, 0.5 / 1e-12)
+    """Rank 2 with a clear gap and a share of a half; an empty matrix has rank 0; a doubtful gap is measured."""
+    assert Rank.of(np.diag([1.0, 0.5, 1e-12])) == Rank(2, 0.5 / 1e-12, least=0.5)
     assert Rank.of(np.zeros((0, 3))).value == 0
     assert Rank.of(np.diag([1.0, 1e-7, 1e-9])).gap == pytest.approx(100.0)
 

@@ -92,6 +92,29 @@ def test_the_summary_and_the_json_name_it() -> None:
     assert f"nearest to a singularity at {content['parameter']:.9g} of the path" in str(found)
 
 
+def three_rpr() -> Mechanism:
+    """Base and platform are similar triangles of radius 100 and 40: at the reference all three rods meet in the centre."""
+    limbs = []
+    for k in range(3):
+        outward = np.array([math.cos(2 * math.pi * k / 3 + 0.3), math.sin(2 * math.pi * k / 3 + 0.3), 0.0])
+        base, end = tuple((100.0 * outward).tolist()), tuple((40.0 * outward).tolist())
+        rod = Joint(f"rod{k}", "P", base, tuple((-outward).tolist()), actuated=True)
+        limbs.append(Limb(f"limb{k}", [Joint(f"turn{k}", "R", base, Z), rod, Joint(f"end{k}", "R", end, Z)]))
+    return Mechanism("three_rpr", limbs, motion="planar")
+
+
+def test_a_path_of_poses_tells_where_its_motors_hold_the_pose_no_longer() -> None:
+    """Rods that meet in a point leave the platform a turn about it: type 2, at the middle of the path, where the joints' own problem
+    is regular and the track goes on."""
+    half = math.radians(10.0)
+    ends = [[0.0, 0.0, 0.0, math.cos(half), 0.0, 0.0, turn] for turn in (-math.sin(half), math.sin(half))]
+    found = track(three_rpr(), poses=ends, samples=21)
+    assert found.reached
+    assert "of 21 samples the one at 0.5 of the path is nearest to where the motors no longer tell the pose: type 2 " in str(found)
+    assert symkin.singularity(found.samples[10].solution).distances["type 2"] < 1e-12
+    assert "no longer tell the pose" not in str(track(three_rrr("planar"), joints=[[0.0] * 3, [0.1] * 3]))
+
+
 def test_an_arm_whose_pose_is_a_formula_has_none() -> None:
     arm = symkin.load("gluon_6l3")
     found = track(arm, joints=[[10.0] * 6, [20.0] * 6])

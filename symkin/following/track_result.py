@@ -19,6 +19,8 @@ from symkin.singularities.classification import classify
 
 _MOST_COLUMNS = 7
 """Joints and coordinates of the pose in the table at most."""
+_MOST_JUDGED = 41
+"""Samples of a path of poses whose distance from type 2 singularities is told."""
 _MOST_ROWS = 11
 """Rows of the table at most; the dict and the CSV hold all samples."""
 
@@ -115,7 +117,7 @@ class Track(Result):
         above = [f"{mechanism.name}, {what}, {len(self.samples)} samples"]
         below = [self.statement, f"ground: {self.ground}", *self.trajectory.notes]
         if self.nearest is not None:
-            below.insert(0, self._nearest_line(self.nearest))
+            below[:0] = [self._nearest_line(self.nearest), *self._motors_lines]
         if not self.samples:
             return Summary(above, below=below)
         most = _MOST_ROWS if most_rows is None else min(most_rows, _MOST_ROWS)
@@ -169,6 +171,20 @@ class Track(Result):
             return [self._row(self.samples[k], _pose_cells(self.samples[k], size)) for k in chosen]
         shown = self._shown
         return [self._row(self.samples[k], [f"{plain(float(v[k]), scale):.6g}" for _, v, scale in shown]) for k in chosen]
+
+    @cached_property
+    def _motors_lines(self) -> list[str]:
+        """How near a path of poses comes to where the motors no longer tell the pose, at samples: it is not what is followed."""
+        if self.trajectory.kind != "inverse" or "type 2" not in self.distances:
+            return []
+        chosen = np.unique(np.linspace(0, len(self.samples) - 1, _MOST_JUDGED).round().astype(int)).tolist()
+        roles = roles_followed(self.problem)
+        values = [classify(self.samples[k].solution, roles=roles).distances.get("type 2", np.inf) for k in chosen]
+        best = int(np.argmin(values))
+        return [
+            f"of {len(chosen)} samples the one at {self.samples[chosen[best]].parameter:.4g} of the path is nearest to where the motors no "
+            f"longer tell the pose: type 2 {plain(values[best]):.3g}; between samples it may be less, and no stop is made there"
+        ]
 
     def _nearest_line(self, near: Sample) -> str:
         """How near the path comes to a singularity, between samples too."""
