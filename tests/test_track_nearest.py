@@ -110,7 +110,9 @@ def test_a_path_of_poses_tells_where_its_motors_hold_the_pose_no_longer() -> Non
     ends = [[0.0, 0.0, 0.0, math.cos(half), 0.0, 0.0, turn] for turn in (-math.sin(half), math.sin(half))]
     found = track(three_rpr(), poses=ends, samples=21)
     assert found.reached
-    assert "of 21 samples the one at 0.5 of the path is nearest to where the motors no longer tell the pose: type 2 " in str(found)
+    assert "of 21 samples the one at 0.5 of the path is nearest to where the motors no longer tell the pose: type 2 " in str(
+        found
+    )
     assert symkin.singularity(found.samples[10].solution).distances["type 2"] < 1e-12
     assert "no longer tell the pose" not in str(track(three_rrr("planar"), joints=[[0.0] * 3, [0.1] * 3]))
 
