@@ -18,6 +18,7 @@ from helpers.command_line import run
         ("modes zhao2000 --given theta1=80 op=200", ["--given theta1=80,op=200"]),
         ("singularities zhang2009 --plane x y", ["--plane x,y"]),
         ("modes zhao2000 1,2,3,4", ["'1,2,3,4' stands alone", "--joints 1,2,3,4"]),
+        ("track zhang2009 -o path.csv stray", ["'stray' stands alone"]),
         ("modes zhao2000 --joints", ["--joints has no value", "--joints V1,V2,..."]),
         ("modes zhao2000 --jonts 1", ["'--jonts'", "do you mean '--joints'?", "`symkin modes -h`"]),
         ("modes zhao2000 --json=yes", ["--json takes no value"]),

@@ -167,8 +167,8 @@ class ColumnReader:
             row = int(np.argmax(partly))
             name = names[int(np.argmax(np.isnan(values[row])))]
             raise InputError(
-                f"{self.table.path}, line {self.table.lines[row]}, column {name!r}: the cell is empty, the others of "
-                f"{', '.join(names)} are not; give all or none"
+                f"{self.table.path}, line {self.table.lines[row]}, column {name!r}: the cell has no number, the others of "
+                f"{', '.join(names)} have; give all or none"
             )
         return None if np.all(np.isnan(values)) else values
 

@@ -26,7 +26,7 @@ export class Labels {
   }
 
   update() {
-    const taken = [];
+    const taken = [], right = this.layer.clientWidth;
     for (const { item, at, element } of this.entries) {
       const text = this._text(item);
       element.hidden = !text;
@@ -35,7 +35,9 @@ export class Labels {
       const ends = at.map((end) => this.drawing.items.at(end));
       const middle = ends[0].clone().add(ends[ends.length - 1]).multiplyScalar(0.5);
       const [x, y] = this.drawing.onScreen(middle);
-      const width = 6.4 * text.length + 8, box = [x + 8, y - 20, x + 8 + width, y - 3];
+      // to the left where the right edge would cut it
+      const width = 6.4 * text.length + 8, left = x + 8 + width > right && x - 8 - width >= 0 ? x - 8 - width : x + 8;
+      const box = [left, y - 20, left + width, y - 3];
       // a label that would cover another one steps aside, or waits
       const free = [0, 20, -18, 38].find((shift) => !taken.some((b) => box[0] < b[2] && b[0] < box[2] && box[1] + shift < b[3] && b[1] < box[3] + shift));
       element.hidden = free === undefined;
