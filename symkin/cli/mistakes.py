@@ -97,7 +97,9 @@ def _missing(parameter: Any, ctx: Any) -> InputError:
 def _too_many(ctx: Any, words: Sequence[str]) -> InputError:
     """Words that belong to nothing."""
     options = {name for p in ctx.command.params if not getattr(p, "is_flag", False) for name in p.opts}
-    alone = [w for k, w in enumerate(words) if not w.startswith("--") and w not in options and (k == 0 or words[k - 1] not in options)]
+    alone = [
+        w for k, w in enumerate(words) if not w.startswith("--") and w not in options and (k == 0 or words[k - 1] not in options)
+    ]
     places = [p.metavar for p in ctx.command.params if p.param_type_name == "argument"]
     extra = alone[len(places)] if len(alone) > len(places) else ""
     taken = f"{' and '.join(places)}, and options" if places else "options only"

@@ -32,6 +32,14 @@ ActuatedOption = Annotated[
         metavar="NAME,...", help="The joints that motors drive, in place of what the file tells.", rich_help_panel=ROBOT_FILES
     ),
 ]
+PlatformOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="LINK",
+        help="The link whose frame is the platform's, so that poses can be given and are told.",
+        rich_help_panel=ROBOT_FILES,
+    ),
+]
 ArgumentsOption = Annotated[
     list[str] | None, typer.Option(metavar="NAME=VALUE,...", help="Arguments of a file in xacro.", rich_help_panel=ROBOT_FILES)
 ]
@@ -45,6 +53,7 @@ ModelOption = Annotated[str | None, typer.Option(metavar="NAME", help="Which mod
 _OPTIONS: dict[str, Any] = {
     "loop": LoopOption,
     "actuated": ActuatedOption,
+    "platform": PlatformOption,
     "arguments": ArgumentsOption,
     "packages": PackagesOption,
     "model": ModelOption,
@@ -86,15 +95,19 @@ def loaded(mech: str, read: ReadOptions) -> Mechanism:
 def _read_options(
     loop: list[str] | None,
     actuated: list[str] | None,
+    platform: str | None,
     arguments: list[str] | None,
     packages: list[Path] | None,
     model: str | None,
 ) -> ReadOptions:
     if model is not None and not model.strip():
         raise InputError("--model is empty; the name of a model is needed")
+    if platform is not None and not platform.strip():
+        raise InputError("--platform is empty; the name of a link is needed")
     return ReadOptions(
         loop=_pairs(loop, "loop"),
         actuated=_words(actuated, "actuated"),
+        platform=platform,
         arguments=_pairs(arguments, "arguments"),
         packages=packages or (),
         model=model,

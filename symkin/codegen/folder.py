@@ -28,7 +28,8 @@ from symkin.codegen.vectors import Vectors, build_vectors
 from symkin.errors import InputError
 from symkin.files.outputs import write_output
 from symkin.files.written_files import MANIFEST, digest, foreign_files, read_manifest, refuse_foreign
-from symkin.model.mechanism import Mechanism, require_limbs, require_mechanism
+from symkin.model.arm import with_limbs
+from symkin.model.mechanism import Mechanism, require_mechanism
 
 _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
@@ -54,7 +55,7 @@ def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpac
     require_mechanism(mechanism)
     if not chosen.is_map:
         remedy = "describe the machine by limbs, or map joints to joints by --given and --find (given and find in Python)"
-        require_limbs(mechanism, "firmware", remedy)
+        mechanism = with_limbs(mechanism, "firmware", remedy)
     return write_folder(mechanism, Path(directory), chosen)
 
 

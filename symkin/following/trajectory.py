@@ -121,7 +121,7 @@ def _by_poses(mechanism: Mechanism, rows: list[Any], times: Sequence[float] | No
     _check_any(rows)
     if mechanism.platform_link is None:
         raise InputError(
-            f"poses: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file (symkin convert writes one of a robot's file), or give joints"
+            f"poses: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     problem = _problem(mechanism, pose_names(mechanism), limits)
     samples, notes = _poses(problem, rows)

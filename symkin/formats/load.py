@@ -21,7 +21,7 @@ def load(name_or_path: str | Path, read: ReadOptions = AS_IT_IS) -> Mechanism:
 
     A robot becomes a graph of links at the closed configuration that is nearest to the file's own, in metres and radians, its root
     held as the link "base"; `close` tells the rest. `read` tells what the robot's file does not: kinds of closures, actuated joints,
-    arguments of xacro, packages. Raises InputError when there is no such mechanism or file, MechanismError for a file that is not
+    the link of the platform frame, arguments of xacro, packages. Raises InputError when there is no such mechanism or file, MechanismError for a file that is not
     right: one line with file, key path or line and element, value and what is allowed.
 
     >>> import symkin
@@ -122,11 +122,15 @@ _OTHER_SUFFIXES = {
     ".stl": "an STL file has no joints; describe them in a .toml",
 }
 """By suffix: what files are that are no mechanisms."""
-_URDF = (_urdf, ("loop", "actuated", "arguments", "packages"), "a URDF file describes one robot")
+_URDF = (_urdf, ("loop", "actuated", "platform", "arguments", "packages"), "a URDF file describes one robot")
 _READERS: dict[str, tuple[Callable[[Path, ReadOptions], Robot], tuple[str, ...], str]] = {
-    ".xml": (_mjcf, ("loop", "actuated"), "an MJCF file names its parts by paths, and describes one model without macros"),
+    ".xml": (
+        _mjcf,
+        ("loop", "actuated", "platform"),
+        "an MJCF file names its parts by paths, and describes one model without macros",
+    ),
     ".urdf": _URDF,
     ".xacro": _URDF,
-    ".sdf": (_sdf, ("loop", "actuated", "packages", "model"), "SDF has no macros that are expanded here"),
+    ".sdf": (_sdf, ("loop", "actuated", "platform", "packages", "model"), "SDF has no macros that are expanded here"),
 }
 """By suffix: the reader, the options that mean something there, and why the others do not."""

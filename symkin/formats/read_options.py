@@ -1,4 +1,4 @@
-"""What is told of a robot beside its file: kinds of closures, actuated joints, arguments of xacro, where packages are, which model."""
+"""What is told of a robot beside its file: kinds of closures, actuated joints, the platform's link, arguments of xacro, packages, the model."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from symkin.errors import InputError
 from symkin.formats.joint_graph import frame_along
 from symkin.formats.robot import Closure, ClosureType, Robot
 from symkin.model.graph import LinkJoint
+from symkin.model.joint import BASE
 from symkin.text import first_of, meant, shown
 
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -25,8 +26,9 @@ class ReadOptions:
     """What is told of a robot in a format of others, beside its file, to `load`, `close` and `convert`.
 
     `loop`: the kind of closures by name, R, S, C, P, U or weld, about or along the z axis of their frames; "R:x" names another of
-    its axes (x, y, z). `actuated`: names of the joints that motors drive, in place of what the file tells. `arguments`: those of a
-    file in xacro. `packages`: folders that are packages or hold them, for `package://NAME`, `model://NAME` and `$(find NAME)`.
+    its axes (x, y, z). `actuated`: names of the joints that motors drive, in place of what the file tells. `platform`: the link (or
+    a body that a fixed joint makes part of one) whose own frame is the platform frame, so that poses can be given and told; its
+    `[platform]`. `arguments`: those of a file in xacro. `packages`: folders that are packages or hold them, for `package://NAME`, `model://NAME` and `$(find NAME)`.
     `model`: which model of an SDF file. Raises InputError, when the file is read, for what does not fit it.
 
     >>> import symkin
@@ -36,6 +38,7 @@ class ReadOptions:
 
     loop: Mapping[str, str] = field(default_factory=dict)
     actuated: Sequence[str] = ()
+    platform: str | None = None
     arguments: Mapping[str, str] = field(default_factory=dict)
     packages: Sequence[Path | str] = ()
     model: str | None = None
@@ -62,15 +65,17 @@ class ReadOptions:
 
     def refuse_but(self, allowed: Sequence[str], what: str, because: str) -> None:
         """Raise InputError for options that are given and mean nothing for a file; `because` says why."""
-        given = [key for key in ("loop", "actuated", "arguments", "packages", "model") if getattr(self, key)]
+        given = [key for key in ("loop", "actuated", "platform", "arguments", "packages", "model") if getattr(self, key)]
         wrong = next((key for key in given if key not in allowed), None)
         if wrong is not None:
             raise InputError(f"{wrong} (--{wrong}) has no meaning for {what}: {because}")
 
     def told(self, robot: Robot) -> Robot:
-        """The robot with the closures' kinds and the actuated joints that are told. Raises InputError for unknown names."""
+        """The robot with the closures' kinds, actuated joints and platform that are told. Raises InputError for unknown names."""
         if self.loop:
             robot = _with_kinds(robot, self.loop)
+        if self.platform is not None:
+            robot = _with_platform(robot, self.platform)
         return _with_motors(robot, self.actuated) if self.actuated else robot
 
 
@@ -112,6 +117,17 @@ def _of_kind(closure: Closure, kind: ClosureType, axis: str) -> Closure:
     turn = frame_along(_AXES[axis])
     turned = replace(closure, first=closure.first @ turn, second=closure.second @ turn)
     return turned if kind == closure.type else replace(turned, type=kind, pitch=0.0, limits=None, actuated=False)
+
+
+def _with_platform(robot: Robot, name: str) -> Robot:
+    """The robot whose platform frame is that of a link, or of a body that is part of one."""
+    frames = {link: (link, frame) for link, frame in robot.links.items()} | dict(robot.merged)
+    moved = [body for body, (link, _) in frames.items() if link != BASE]
+    if name not in moved:
+        if name in frames:
+            raise InputError(f"platform: {name!r} is part of the base, which is held; links that move: {first_of(moved, 20)}")
+        raise InputError(f"platform: no link is named {shown(name)}{meant(name, moved)}; links that move: {first_of(moved, 20)}")
+    return replace(robot, parts=replace(robot.parts, platform=frames[name]))
 
 
 def _with_motors(robot: Robot, names: Sequence[str]) -> Robot:

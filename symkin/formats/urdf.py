@@ -76,7 +76,7 @@ def _root(path: Path, read: ReadOptions) -> Element:
     """The root element, of a file in xacro the expanded one."""
     root = read_xml(path, "robot")
     if not is_xacro(root):
-        read.refuse_but(("loop", "actuated", "packages"), str(path), "the file has no macros of xacro")
+        read.refuse_but(("loop", "actuated", "platform", "packages"), str(path), "the file has no macros of xacro")
         return root
     root = expanded(path, read.arguments, Packages(path, read.folders))
     left = next(macros(root), None)

@@ -381,13 +381,3 @@ def require_mechanism(value: object) -> None:
     if not isinstance(value, Mechanism):
         named = f"; symkin.load({value!r}) gives it" if isinstance(value, str) else ""
         raise InputError(f"mechanism is of type {type(value).__name__}; a Mechanism is needed{named}")
-
-
-def require_limbs(mechanism: Mechanism, verb: str, instead: str) -> None:
-    """Raises InputError for a graph of links where a verb takes limbs between a base and a platform; `instead` says what does."""
-    require_mechanism(mechanism)
-    if mechanism.is_graph:
-        raise InputError(
-            f"{mechanism.name} is a graph of links and joints, and {verb} takes limbs between a base and a platform, and serial arms; "
-            f"{instead}"
-        )

@@ -69,7 +69,7 @@ def named_given(mechanism: Mechanism, joints: Any, pose: Any, given: Values | No
         return Given("given", np.zeros(0), {})
     if pose is not None and mechanism.platform_link is None:
         raise InputError(
-            f"pose: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file (symkin convert writes one of a robot's file), or give joints"
+            f"pose: {mechanism.name} has no platform link; name it by [platform] link in its mechanism file, of a robot's file by --platform LINK, or give joints"
         )
     return told_by_name(mechanism, given_from(mechanism, joints, pose))
 

@@ -12,8 +12,9 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
+from symkin.model.arm import with_limbs
 from symkin.model.joint import Coordinate
-from symkin.model.mechanism import Mechanism, require_limbs, require_mechanism
+from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.position.solution import Solution
 from symkin.result import Result, Summary
 from symkin.text import not_among
@@ -237,8 +238,7 @@ def jacobian(
             raise InputError("of and by name the coordinates whose rates are related: give both, and neither kind nor parameters")
         require_mechanism(mechanism)
         return rate_jacobian(mechanism, of, by)
-    require_limbs(mechanism, "this Jacobian", "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)")
-    require_mechanism(mechanism)
+    mechanism = with_limbs(mechanism, "this Jacobian", "name the coordinates: of=[...], by=[...] (--of NAMES --by NAMES)")
     if kind not in KINDS:
         raise InputError(f"kind = {not_among(kind, KINDS)}")
     return _built(mechanism, kind, parameters)
