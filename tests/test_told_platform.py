@@ -14,7 +14,7 @@ from helpers.command_line import run
 from symkin import Joint, LinkJoint, Mechanism
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
-from symkin.model.arm import arm_of
+from symkin.model.arm import arm_of, joints_left_out
 
 LINKS = "".join(f"<link name='{name}'/>" for name in ("foot", "one", "two", "three", "tool0"))
 ORIGINS = {
@@ -179,15 +179,34 @@ def test_joints_in_any_order_and_direction(reverse: bool) -> None:
 
 
 def test_graphs_that_are_no_arms() -> None:
-    """A branch, a passive joint, a coupling, no tool: none of them is an arm, and firmware says what is taken."""
+    """A loop, a passive joint, a coupling, no tool: none of them is an arm, and what is taken is said."""
     lens = Joint("lens", "P", (0.0, 0.0, 250.0), (0.0, 1.0, 0.0), actuated=True)
     arm = chain()
     passive = [replace(e, joint=replace(e.joint, actuated=e.joint.name == "pan")) for e in arm.link_joints]
-    assert arm_of(chain(LinkJoint(lens, ["head", "lens"]))) is None
     assert arm_of(chain(LinkJoint(lens, ["base", "camera"]))) is None
+    assert arm_of(replace(arm, couplings=[symkin.Coupling("tilt", {"pan": 2.0})])) is None
     assert arm_of(replace(arm, link_joints=passive)) is None
     assert arm_of(symkin.load("four_bar")) is None
     untold = replace(arm, platform_link=None)
     assert arm_of(untold) is None
     with pytest.raises(InputError, match="of an arm, name the tool's link"):
         symkin.jacobian(untold)
+
+
+def test_what_does_not_move_the_tool_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A lens on the head, and a closed loop beside the arm: the arm is that without them, and a note names what drives them."""
+    lens = Joint("lens", "P", (0.0, 0.0, 250.0), (0.0, 1.0, 0.0), actuated=True)
+    branched = chain(LinkJoint(lens, ["head", "lens"]))
+    both = chain(*symkin.load("four_bar").link_joints)
+    wanted = arm_of(chain())
+    assert wanted is not None
+    for found in (arm_of(branched), arm_of(both)):
+        assert found is not None
+        assert (found.name, [joint for _, joint in found.joints]) == ("neck_camera", [joint for _, joint in wanted.joints])
+    assert joints_left_out(branched) == ("lens",)
+    file = tmp_path / "neck.toml"
+    symkin.convert(branched, file)
+    status, out, err = run(capsys, "firmware", file, "-o", tmp_path / "c")
+    assert status == 0
+    assert "neck_camera.c" in out
+    assert err == "symkin: note: left out, as they do not move the platform link 'camera': lens\n"

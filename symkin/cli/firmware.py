@@ -11,7 +11,7 @@ import typer
 from symkin.cli.help import OUTPUT
 from symkin.cli.options import MechArgument, choice
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import loaded, reads_robots, say_left_out
 from symkin.formats.read_options import ReadOptions
 
 
@@ -95,6 +95,8 @@ def firmware(
         mechanism, output, real=real.value, home_relative=home_relative, geometry=geometry.value, home=pose,
         given=names_from(given), find=names_from(find), also=also, compact=compact,  # type: ignore[arg-type]
     )  # fmt: skip
+    if given is None and find is None:
+        say_left_out(mechanism)
     for path in files:
         print(path)
 

@@ -10,7 +10,7 @@ import typer
 
 from symkin.cli.help import ASKED, OUTPUT
 from symkin.cli.options import MechArgument, check_output, choice
-from symkin.cli.reading import loaded, reads_robots
+from symkin.cli.reading import loaded, reads_robots, say_left_out
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
 
@@ -71,6 +71,7 @@ def jacobian(
         made = symbolic(mechanism, of=_names(of), by=_names(by))
     else:
         made = symbolic(mechanism, (kind or Kind.direct).value)
+        say_left_out(mechanism)
     text = jacobian_text(made, language.value)
     if output is None:
         print(text, end="")

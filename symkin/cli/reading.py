@@ -13,7 +13,7 @@ from symkin.cli.help import ROBOT_FILES
 from symkin.cli.streams import say
 from symkin.errors import InputError
 from symkin.formats.read_options import ReadOptions
-from symkin.text import shown
+from symkin.text import first_of, shown
 
 if TYPE_CHECKING:
     from symkin.model.mechanism import Mechanism
@@ -90,6 +90,15 @@ def loaded(mech: str, read: ReadOptions) -> Mechanism:
     for text in () if is_robot(Path(mech)) else oddities(mechanism):
         say(f"note: {text}")
     return mechanism
+
+
+def say_left_out(mechanism: Mechanism) -> None:
+    """Tell which joints of a graph are left out where the arm in it is taken alone."""
+    from symkin.model.arm import joints_left_out
+
+    names = joints_left_out(mechanism)
+    if names:
+        say(f"note: left out, as they do not move the platform link {mechanism.platform_link!r}: {first_of(names)}")
 
 
 def _read_options(

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 from symkin.errors import InputError
-from symkin.model.graph import LinkJoint
+from symkin.model.graph import LinkJoint, LinkRod
 from symkin.model.joint import BASE, Joint
-from symkin.model.limb import Limb
+from symkin.model.limb import Limb, RodLimb
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.model.names import identifier
 
 _ARM_JOINTS = ("R", "P", "H")
+_Part: TypeAlias = LinkJoint | LinkRod | Limb | RodLimb
 
 
 def with_limbs(mechanism: Mechanism, verb: str, instead: str) -> Mechanism:
@@ -28,8 +32,8 @@ def with_limbs(mechanism: Mechanism, verb: str, instead: str) -> Mechanism:
 
 
 def arm_of(graph: Mechanism) -> Mechanism | None:
-    """The graph as a serial arm: its joints in order from the base to the platform link, the tool. None where other joints, rods or
-    limbs are there, a joint is passive, or joints are coupled.
+    """The graph as a serial arm: the joints in order from the base to the platform link, the tool. Joints that do not move the tool are
+    left out, and the arm is then named after its tool too. None where a loop or a coupling moves it, one of these joints is passive, or it has another type than R, P and H.
 
     >>> import symkin
     >>> pan = symkin.Joint("pan", "R", [0, 0, 0], [0, 0, 1], actuated=True)
@@ -39,29 +43,65 @@ def arm_of(graph: Mechanism) -> Mechanism | None:
     >>> [joint.name for _, joint in arm_of(neck).joints]
     ['pan', 'tilt']
     """
-    if graph.platform_link is None or graph.limbs or graph.link_rods or graph.couplings or graph.motion != "spatial":
+    if graph.platform_link is None or graph.motion != "spatial":
         return None
-    joints, link, left = [], BASE, list(graph.link_joints)
-    while link != graph.platform_link:
-        beside = [entry for entry in left if link in entry.links]
-        if len(beside) != 1:
-            return None
-        left.remove(beside[0])
-        link = beside[0].links[beside[0].links[0] == link]
-        joints.append(_outward(beside[0], link))
-    moving = [joint for joint in joints if joint.type != "weld"]
-    if left or not moving or any(joint.type not in _ARM_JOINTS or not joint.actuated for joint in moving):
+    chain = _only_chain(graph, graph.platform_link)
+    joints = [joint for joint in chain or () if joint.type != "weld"]
+    coupled = {name for coupling in graph.couplings for name in (coupling.joint, *coupling.names)}
+    if not joints or any(j.type not in _ARM_JOINTS or not j.actuated or j.name in coupled for j in joints):
         return None
+    # a robot has several arms and legs, whose code must not have one name
+    alone = (
+        len(joints) == sum(entry.joint.type != "weld" for entry in graph.link_joints) and not graph.link_rods and not graph.limbs
+    )
+    name = graph.name if alone else identifier(f"{graph.name}_{graph.platform_link}")
     return replace(
         graph,
-        limbs=[Limb(graph.name, moving)],
+        name=name,
+        limbs=[Limb(name, joints)],
         serial=True,
         link_joints=(),
+        link_rods=(),
+        couplings=(),
         link_points=(),
         link_meshes=(),
         platform_link=None,
         example=None,
     )
+
+
+def joints_left_out(graph: Mechanism) -> tuple[str, ...]:
+    """Actuated joints of a graph that is an arm, which do not move its tool."""
+    arm = arm_of(graph) if graph.is_graph else None
+    return () if arm is None else tuple(c.name for c in graph.actuated if c not in arm.actuated)
+
+
+def _only_chain(graph: Mechanism, tool: str) -> list[Joint] | None:
+    """The joints from the base to a link, where nothing else leads there; each as it moves its outer link."""
+    parts: list[_Part] = [*graph.link_joints, *graph.link_rods, *graph.limbs]
+    way = _way(parts, tool)
+    if any(_way([part for part in parts if part is not cut], tool) for cut in way):
+        return None
+    joints, link = [], BASE
+    for part in way:
+        if not isinstance(part, LinkJoint):
+            return None
+        link = part.links[part.links[0] == link]
+        joints.append(_outward(part, link))
+    return joints
+
+
+def _way(parts: Sequence[_Part], tool: str) -> list[_Part]:
+    """A shortest way from the base to a link; empty where none is."""
+    ways: dict[str, list[_Part]] = {BASE: []}
+    ends = [BASE]
+    for link in ends:
+        for part in (part for part in parts if link in part.links):
+            other = part.links[part.links[0] == link]
+            if other not in ways:
+                ways[other] = [*ways[link], part]
+                ends.append(other)
+    return ways.get(tool, [])
 
 
 def _outward(entry: LinkJoint, link: str) -> Joint:
