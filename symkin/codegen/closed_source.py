@@ -28,6 +28,8 @@ _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
 _FINISH_STEPS, _FINISH_REACH = 6, 0.5
 """Newton steps from a nearly equal arm's branch, and the longest one (of the size)."""
+_NEARLY_CLOSED = """ The axes are only nearly as the
+ * formulas ask, and Newton's method goes on from these: solutions may be MISSING, all of them too, near where two of them meet."""
 _MOST_TURNS = 1e4
 """Whole turns beyond which an angle is not moved: a float of them tells no angle."""
 
@@ -243,7 +245,8 @@ class ClosedCode:
             f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {self._joint_of(i)} */"
             for i, name in enumerate(names)
         ]
-        return fill("closed.h", self.names | {"flags": "\n".join(flags)})
+        nearly = "" if self.newton is None else _NEARLY_CLOSED
+        return fill("closed.h", self.names | {"flags": "\n".join(flags), "nearly": nearly})
 
     def _joint_of(self, number: int) -> str:
         (joint,) = [step for step in self.plan.steps if step.branch is not None][number].joints

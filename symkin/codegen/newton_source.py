@@ -36,11 +36,17 @@ class Tuning:
     kappa2: float
 
 
+def tolerance_of(real: Real, size: float) -> float:
+    """Error of an answer (length unit) that is near what the type resolves of lengths of the size."""
+    return real.epsilon * size * (1.0 if real.name == "float" else 1e4)
+
+
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
     """Choose tolerances near what the type resolves."""
     resolution = real.epsilon * kernel.characteristic_length
-    tolerance = resolution * (1.0 if real.name == "float" else 1e4)
-    return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, 8.0 * resolution, kappa**2)
+    return Tuning(
+        tolerance_of(real, kernel.characteristic_length), 64.0 * resolution, 64.0 * resolution, 8.0 * resolution, kappa**2
+    )
 
 
 @dataclass(frozen=True, eq=False)

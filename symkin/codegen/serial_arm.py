@@ -27,7 +27,7 @@ from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, curvature, system_kernel
-from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.newton_source import NewtonCode, tolerance_of
 from symkin.codegen.options import Options
 from symkin.computed_once import cached_property
 from symkin.errors import InputError
@@ -37,11 +37,16 @@ from symkin.position.feasible_pose import closing_poses
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.rotation import conjugate, multiply
 
-NEARLY = 0.02
+NEARLY = 0.005
 """Axes that are off by less than this (rad, or of the size), as a calibration finds them, make an arm nearly one with a closed form:
-its branches then begin Newton's method."""
+its branches then begin Newton's method. Offsets that are designed are larger, and branches that begin so far off are lost."""
 _FINISHED = 64.0
 """Error of a branch, in roundings of the size, that is still held to meet a pose."""
+
+
+def closed_misfit(real: Real, size: float) -> float:
+    """How far (length unit, angles times the size) a branch of fewer joints may be from the pose that it is said to meet."""
+    return 4.0 * tolerance_of(real, size) + _FINISHED * real.epsilon * size
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +260,7 @@ class ArmSource:
         if arm.plan is None:
             return None
         plan, nearly = arm.plan
-        misfit = 4.0 * self.code.tuning.tolerance + _FINISHED * arm.real.epsilon * arm.mechanism.characteristic_length
+        misfit = closed_misfit(arm.real, arm.mechanism.characteristic_length)
         common = common_values(arm.name, arm.real, struct=False)
         return ClosedCode(plan, arm.actuated, arm.real, common, misfit, self.code if nearly else None)
 

@@ -14,7 +14,7 @@ from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.samples import Configuration, configurations
-from symkin.codegen.serial_arm import SerialArm
+from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
@@ -23,6 +23,15 @@ from symkin.position.solution import pose_of
 
 _FIRM = 0.3
 """Least strength of the steps of a closed form at a vector's pose, over the usual one."""
+_REACHED = 0.5
+"""Share of the misfit of a closed form that rounding of a vector's pose may take: near a fold half of the digits are lost."""
+_ROUNDINGS, _BESIDE = 2.0, 6
+"""Roundings of a pose beside a vector's, and how many such poses are tried."""
+_CLEAR = 4096.0
+"""Least square by which steps of a closed form decide on the line to a vector, in roundings: code refuses lines that may come below
+256. Of an arm whose axes are off by NEARLY it is as much as these."""
+_ASIDE = 1e-3
+"""Distance of vectors from limits, as a share of the range: code refuses what is too near to one to be decided."""
 COUNT = 24
 JACOBIANS = 4
 
@@ -175,15 +184,39 @@ def _each(system: System) -> list[tuple[str, str]]:
 
 
 def _decided(arm: SerialArm) -> list[bool]:
-    """For each sample of an arm whether the steps of its closed form decide their joints firmly there, as at most samples. The pose of
-    an arm of fewer than six joints is beside those that it can take by rounding, and a joint that is decided weakly passes that on."""
+    """For each sample of an arm whether the steps of its closed form decide their joints firmly there, as at most samples, and reach the
+    pose as vectors have it. The pose of an arm of fewer than six joints is beside those that it can take by rounding, and a joint that
+    is decided weakly passes that on."""
     if arm.plan is None or len(arm.actuated) >= 6:
         return [True] * len(arm.samples)
     plan, _ = arm.plan
+    size = arm.mechanism.characteristic_length
     symbol = ca.SX.sym("pose", 7)
-    strength = ca.Function("strengths", [symbol], [plan.branch(symbol, plan.signs[0].tolist()).strengths])
+    branches = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
+    strength = ca.Function("strengths", [symbol], [branches[0].strengths])
+    joints = ca.Function("joints", [symbol], [branch.joints for branch in branches])
     found = np.array([np.asarray(strength(_canonical(pose))).ravel() for _, pose in arm.samples])
-    return np.all(~(found < _FIRM * np.nanmedian(found, axis=0)), axis=1).tolist()  # type: ignore[no-any-return]
+    firm = np.all(~(found < _FIRM * np.nanmedian(found, axis=0)), axis=1)
+    gaps, rng = [], np.random.default_rng(22)
+    for _, pose in arm.samples:
+        target = rounded_to(arm.real, _tidy(_canonical(pose), _pose_scales(size)))
+        # the code's own roundings are as large as those of such poses beside it
+        beside = target + arm.real.epsilon * _ROUNDINGS * np.array(_pose_scales(size)) * rng.uniform(-1, 1, (_BESIDE, 7))
+        gaps.append(max(_reached(arm, joints, near) for near in (target, *beside)))
+    return (firm & (np.array(gaps) < _REACHED * closed_misfit(arm.real, size))).tolist()  # type: ignore[no-any-return]
+
+
+def _reached(arm: SerialArm, joints: ca.Function, target: np.ndarray) -> float:
+    """How far the nearest branch of a closed form is from a pose."""
+    ends = [np.asarray(values).ravel() for values in joints.call([target])]
+    size = arm.mechanism.characteristic_length
+    return min((_pose_gap(arm.forward_at(q), target, size) for q in ends if np.all(np.isfinite(q))), default=np.inf)
+
+
+def _pose_gap(pose: np.ndarray, target: np.ndarray, size: float) -> float:
+    """Distance of two poses: of their origins, and of two directions times the size, each of which may be off by the whole angle."""
+    turned = min(np.linalg.norm(pose[3:] - sign * target[3:]) for sign in (1.0, -1.0))
+    return float(np.hypot(np.linalg.norm(pose[:3] - target[:3]), np.sqrt(2.0) * size * 2.0 * turned))
 
 
 def _serial(arm: SerialArm) -> _Found:
@@ -193,14 +226,15 @@ def _serial(arm: SerialArm) -> _Found:
     rng = np.random.default_rng(21)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
+    margin = _margin(arm)
     for (q, _), firm in zip(arm.samples, _decided(arm), strict=True):
         given = rounded_to(real, q)
         pose = _canonical(arm.forward_at(given))
         target = rounded_to(real, _tidy(pose, _pose_scales(size)))
         condition = system.condition(given, target)
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
-        guess = rounded_to(real, np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6))
-        end = _followed(arm, guess, unit)
+        guess = rounded_to(real, _within(np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6), arm.actuated))
+        end = _followed(arm, guess, unit, margin)
         if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not firm:
             continue
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
@@ -213,16 +247,49 @@ def _serial(arm: SerialArm) -> _Found:
             jacobians.append(_tidy(arm.jacobian_at(given), size).ravel())
     zero = np.array([c.reference[0] for c in arm.actuated])
     singular = np.linalg.svd(arm.kernel.matrix(zero, arm.forward_at(zero), arm.geometry.values), compute_uv=False)
-    starts = zero[None] if singular[-1] < 1e-14 * singular[0] else np.zeros((0, len(zero)))
+    within = all(c.limits is None or c.limits[0] <= v <= c.limits[1] for c, v in zip(arm.actuated, zero.tolist(), strict=True))
+    # beyond a limit, or with more joints than the pose needs, such a start is refused for other reasons
+    is_told = singular[-1] < 1e-14 * singular[0] and within and not arm.is_redundant
+    starts = zero[None] if is_told else np.zeros((0, len(zero)))
     return rows, jacobians, zero, starts
+
+
+def _within(joints: np.ndarray, coordinates: Sequence[Coordinate]) -> np.ndarray:
+    """The nearest joint values that are clearly within the limits."""
+    ranges = np.array([c.limits or (-np.inf, np.inf) for c in coordinates])
+    finite = np.isfinite(ranges[:, 1])
+    aside = np.where(finite, _ASIDE * (ranges[:, 1] - np.where(finite, ranges[:, 0], 0.0)), 0.0)
+    return np.asarray(np.clip(joints, ranges[:, 0] + aside, ranges[:, 1] - aside))
 
 
 def _scales(arm: SerialArm) -> np.ndarray:
     return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.characteristic_length for c in arm.actuated])
 
 
-def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray) -> np.ndarray | None:
-    """The joints after the line of poses from the guess's to the target, in small steps; None where one is long."""
+def _margin(arm: SerialArm) -> ca.Function | None:
+    """Joint values, and the least square by which a step decides there, of all branches at a pose, a column each; None without a closed
+    form."""
+    if arm.plan is None:
+        return None
+    plan, _ = arm.plan
+    symbol = ca.SX.sym("pose", 7)
+    branches = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
+    columns = [ca.vertcat(b.joints, ca.mmin(ca.vertcat(b.strengths, b.discriminants))) for b in branches]
+    return ca.Function("margins", [symbol], [ca.horzcat(*columns)])
+
+
+def _is_apart(margin: ca.Function, q: np.ndarray, pose: np.ndarray, least: float) -> bool:
+    """Whether the branch that the joints are of is clear of others and of singular ones."""
+    columns = np.asarray(margin(pose))
+    gaps = np.abs(np.angle(np.exp(1j * (columns[:-1] - q[:, None])))).max(axis=0)
+    nearest = int(np.argmin(np.where(np.isfinite(gaps), gaps, np.inf)))
+    return bool(columns[-1, nearest] > least)
+
+
+def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, margin: ca.Function | None) -> np.ndarray | None:
+    """The joints after the line of poses from the guess's to the target, in small steps; None where one is long, leaves limits, or is
+    too near to another branch for a closed form's check of lines."""
+    least = NEARLY if arm.plan is not None and arm.plan[1] else _CLEAR * arm.real.epsilon
     start = arm.forward_at(guess)
     start = start if start[3:] @ target[3:] > 0 else np.concatenate([start[:3], -start[3:]])
     q = guess
@@ -230,7 +297,9 @@ def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray) -> np.ndarr
         pose = start + k / 40 * (target - start)
         pose[3:] /= np.linalg.norm(pose[3:])
         moved = arm.inverse.system.polish(q, pose, 6)
-        if np.max(np.abs(moved - q) / _scales(arm)) > 0.1:
+        if np.max(np.abs(moved - q) / _scales(arm)) > 0.1 or np.any(moved != _within(moved, arm.actuated)):
+            return None
+        if margin is not None and not _is_apart(margin, moved, pose, least):
             return None
         q = moved
     return q

@@ -55,7 +55,11 @@ def reading_slopes(
     refuse_undetermined(model, z, made.joints, model.nominal)
     quaternions = np.hstack([made.poses[:, 3:], taken.quaternions[:, 4:]])
     e = model.evaluate(z, made.joints, model.nominal, quaternions)
-    by_joint = model.joint_slopes(e, z, made.joints, model.nominal) * weights
+    by_joint = model.joint_slopes(e, z, made.joints, model.nominal, quaternions) * weights
+    slopes = e.readings_p + e.readings_z @ e.following
+    # two inclinations have no slopes where the platform's z axis lies level: such a configuration is offered as one that tells nothing
+    told = np.all(np.isfinite(by_joint), axis=(1, 2)) & np.all(np.isfinite(slopes), axis=(1, 2))
+    by_joint, slopes = (np.where(told[:, None, None], values, 0.0) for values in (by_joint, slopes))
     whiten = whitening(values, by_joint @ by_joint.transpose(0, 2, 1))
     basis = whiten[:, :, values.grouped] if grouped else np.zeros((*whiten.shape[:2], 0))
-    return ReadingSlopes(whiten @ (e.readings_p + e.readings_z @ e.following), basis)
+    return ReadingSlopes(whiten @ slopes, basis)

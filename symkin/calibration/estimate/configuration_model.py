@@ -122,10 +122,13 @@ class ConfigurationModel:
         rows, rows_z = self._call("rows", z, joints, p, self._no_quaternions(len(z)))
         return rows, rows_z
 
-    def joint_slopes(self, e: Evaluation, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q, at an evaluation e."""
-        rows_q = self._call("joints", z, joints, p, self._no_quaternions(len(z)))[0]
-        return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q))
+    def joint_slopes(
+        self, e: Evaluation, z: np.ndarray, joints: np.ndarray, p: np.ndarray, quaternions: np.ndarray
+    ) -> np.ndarray:
+        """Minus dh/dq (n, K, a) with the configurations following, h_z F_z^+ F_q - h_q, at an evaluation e: the pose of a link that open
+        chains carry is a function of the joints, without unknowns."""
+        rows_q, readings_q = self._call("joints", z, joints, p, quaternions)
+        return np.asarray(e.readings_z @ solve_systems(e.rows_z, rows_q) - readings_q)
 
     def tangent(self, z: np.ndarray, joints: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """Evaluate F, F_z, F_q, h, h_z; orientations are measured against none."""
@@ -173,7 +176,7 @@ class ConfigurationModel:
         return {
             "whole": [system.rows, rows_z, by_p[0], self.readings, readings_z, by_p[1]],
             "rows": [system.rows, rows_z],
-            "joints": [ca.jacobian(system.rows, self.joints)],
+            "joints": [ca.jacobian(f, self.joints) for f in (system.rows, self.readings)],
             "tangent": [system.rows, rows_z, ca.jacobian(system.rows, self.joints), self.readings, readings_z],
             "pose": [ca.vertcat(self.pose.position, self.pose.quaternion)],
         }

@@ -100,7 +100,7 @@ def readings_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarray) -> np
 
 
 def joint_covariance(problem: CalibrationProblem, state: State) -> np.ndarray:
-    """Return the covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = -h_z F_z^+ F_q."""
+    """Return the covariance (n, K, K) that joint noise gives the readings: H_q diag(sigma_q^2) H_q^T, H_q = h_q - h_z F_z^+ F_q."""
     width = len(problem.model.columns)
     made = np.zeros((len(state.z), width, width))
     for rows, part in problem.parts:
@@ -114,7 +114,7 @@ def joint_covariance_at(problem: CalibrationProblem, p: np.ndarray, z: np.ndarra
     if sigma is None:
         return np.zeros((len(z), len(model.columns), len(model.columns)))
     e = evaluate_at(problem, p, z)
-    by_joint = model.joint_slopes(e, z, joints, p) * sigma[:, None, :]
+    by_joint = model.joint_slopes(e, z, joints, p, problem.quaternions) * sigma[:, None, :]
     return np.asarray(by_joint @ by_joint.transpose(0, 2, 1))
 
 

@@ -5,7 +5,7 @@
 @{flags}
 
 /* All joint values with the given tool pose that lie within their ranges, angles about the middle of these; returns how many: 0 for
- * a pose that the arm cannot take, that is singular, or that is not finite. */
+ * a pose that the arm cannot take, that is singular, or that is not finite.@{nearly} */
 int @{p}_inverse_all(const @{p}_pose *pose, @{p}_real joints[@{P}_BRANCHES][@{P}_JOINTS]);
 
 /* The joint values of one branch. @{P}_OUT_OF_RANGE where it has none, @{P}_SINGULAR where nothing decides a joint. */
