@@ -123,30 +123,33 @@ def _roots(problem: Problem, known: Sequence[Coordinate], solution: Solution) ->
         found = modes(mechanism, given=names)
     here = [mode.variables.tolist() for mode in found if mode.partition == solution.partition]
     count = found.complex_count
+    if known and count is not None and count <= _MOST_ROOTS:
+        # at special values, such as a symmetric reference, solutions meet or are at infinity that others have
+        (beside,) = _elsewhere(problem, known, names, 1)
+        count = max(count, beside.complex_count or 0)
     follows = (len(here) if count is None else count) <= _MOST_ROOTS
     over_complex = complex_solutions(problem, solution) if follows else ()
-    elsewhere = _elsewhere(problem, known, names) if follows and count not in (len(here), len(over_complex)) else []
+    is_whole = not known or not follows or count in (len(here), len(over_complex))
+    places = [] if is_whole else _elsewhere(problem, known, names, _PLACES)
+    elsewhere = [mode.variables.tolist() for place in places for mode in place if mode.partition == problem.closure.partition]
     pairs = [np.column_stack([z.real, z.imag]).ravel().tolist() for z in over_complex]
     return {
         "modesHere": here[:_MOST_ROOTS],
         "complexHere": pairs,
-        "seeds": elsewhere,
+        "seeds": elsewhere[:_MOST_ROOTS],
         "complexCount": count,
         "follows": follows,
         "mostFollowed": _MOST_ROOTS,
     }
 
 
-def _elsewhere(problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float]) -> list[list[float]]:
+def _elsewhere(problem: Problem, known: Sequence[Coordinate], names: Mapping[str, float], places: int) -> list[Modes]:
     """Modes at other values: complex solutions that no loop leads to from those of the start may be real there."""
     mechanism, rng = problem.mechanism, np.random.default_rng(5)
-    rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(_PLACES)]
-    if not known:
-        return []
+    rows = [[_near(mechanism, c, names[c.name], rng) for c in known] for _ in range(places)]
     columns = {c.name: [row[k] for row in rows] for k, c in enumerate(known)}
-    many: Any = modes(mechanism, joints=rows) if problem.kind == "direct" else modes(mechanism, given=columns)
-    partition = problem.closure.partition
-    return [mode.variables.tolist() for found in many for mode in found if mode.partition == partition][:_MOST_ROOTS]
+    found: Any = modes(mechanism, joints=rows) if problem.kind == "direct" else modes(mechanism, given=columns)
+    return list(found)
 
 
 def _near(mechanism: Mechanism, c: Coordinate, value: float, rng: np.random.Generator) -> float:

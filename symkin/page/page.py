@@ -28,12 +28,14 @@ _TURN = {"deg": 180.0, "rad": math.pi}
 
 @dataclass(frozen=True)
 class PlayedPath:
-    """Rows of values of the given coordinates `names` that the page plays, at `times` (s) where there are any."""
+    """Rows of values of the given coordinates `names` that the page plays, at `times` (s) where there are any, in the mode of `start`
+    (as `Solution.to_dict` tells it) where it is known."""
 
     title: str
     names: Sequence[str]
     rows: Sequence[Sequence[float]]
     times: Sequence[float] | None = None
+    start: Mapping[str, Any] | None = None
 
 
 def page_html(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from symkin.errors import InputError
@@ -39,12 +40,13 @@ def _of_poses(mechanism: Mechanism, title: str, poses: list[list[float]], times:
     names = [c.name for c in mechanism.actuated]
     rows = [[float(sample.joints[name]) for name in names] for sample in found.samples]
     played = [sample.time for sample in found.samples]
-    return _checked(PlayedPath(title, names, rows, None if None in played else [float(time or 0.0) for time in played]))
+    every = None if None in played else [float(time or 0.0) for time in played]
+    return _checked(PlayedPath(title, names, rows, every, found.samples[0].solution.to_dict()))
 
 
 def _checked(path: PlayedPath) -> PlayedPath:
     if len(path.rows) > _MOST:
         raise InputError(f"{path.title}: {len(path.rows)} rows; a page plays {_MOST} at most")
     if path.times is not None and path.times[0] == path.times[-1]:
-        return PlayedPath(path.title, path.names, path.rows)
+        return replace(path, times=None)
     return path

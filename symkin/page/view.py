@@ -98,7 +98,7 @@ def view_mechanism(
         ordered = given_from(mechanism, joints, None).echo["joints"]
         given = {c.name: value for c, value in zip(mechanism.actuated, ordered, strict=True)}
     if given is None and played is not None:
-        given = dict(zip(played.names, played.rows[0], strict=True))
+        return View(mechanism, dict(zip(played.names, played.rows[0], strict=True)), played, played.start)
     return View(mechanism, given, played)
 
 

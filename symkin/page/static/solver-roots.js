@@ -124,8 +124,11 @@ export class Roots {
 
   /** Where there is no search: the seeds where the values are those of the start, else x alone. */
   _seedsAt(x) {
-    const here = this.solver.places.every((k) => Math.abs(x[k] - this.model.start[k]) < 1e-12 * this.model.columns[k]);
-    return here ? this.startModes() : [];
+    return this._atStart(x) ? this.startModes() : [];
+  }
+
+  _atStart(x) {
+    return this.solver.places.every((k) => Math.abs(x[k] - this.model.start[k]) < 1e-12 * this.model.columns[k]);
   }
 
   /** The modes at the values of the start. */
@@ -139,6 +142,10 @@ export class Roots {
 
   /** Real ends of all paths to the values of x; `unresolved` counts paths that neither end nor go to infinity, or share an end. */
   *_ends(x) {
+    if (this._atStart(x) && this.model.complexCount !== null) {
+      this.unresolved = 0; // symkin has found the modes of the start
+      return this.startModes();
+    }
     const { places } = this.solver, target = places.flatMap((k) => [x[k], 0]);
     let ends = yield* this._all(() => true, (start) => this._path(start, this.p0, target));
     for (const longest of [0.05, 0.01]) {
