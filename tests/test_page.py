@@ -284,7 +284,7 @@ def test_joints_that_move_at_a_stop_are_named(open_page: Callable[..., Any]) -> 
     stop = page.evaluate("symkin.set({x: 0, y: 0, z: -700}).stop")
     assert stop["kind"] == "singularity"
     assert stop["motion"] is None
-    assert "(motor1, motor2, motor3)" in stop["sentence"]
+    assert "motor1, motor2, motor3 can move a little while the given values are held" in stop["sentence"]
 
 
 def test_sliders_and_fields_move_it(open_page: Callable[..., Any]) -> None:
@@ -586,6 +586,64 @@ def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(open
     name, step = next(iter(stops))
     found = page.evaluate("([name, v]) => symkin.set({[name]: v})", [name, step])
     assert found["reached"], found["stop"]
+
+
+def test_a_stop_at_a_limit_is_the_last(open_page: Callable[..., Any]) -> None:
+    """Asked again and again, a slide stays where it stopped, within its limits, and the value of the stop is told."""
+    page = open_page(symkin.view(symkin.load("scara")).html)
+    first = page.evaluate("symkin.set({slide: 1e3}).stop")
+    stopped = page.evaluate("symkin.solution().joints.slide")
+    assert first["kind"] == "limit"
+    assert first["sentence"].startswith("Stopped at slide = ")
+    for _ in range(5):
+        assert not page.evaluate("symkin.set({slide: 1e3})")["reached"]
+    assert page.evaluate("symkin.solution().joints.slide") == stopped
+    assert page.evaluate("symkin.solution().within_limits") is True
+
+
+def test_where_branches_meet_it_is_said(open_page: Callable[..., Any]) -> None:
+    """A parallelogram passes its flat configuration as one or as a crossed one; a six-rod platform's modes end in each other."""
+    page = open_page(symkin.view(symkin.load("parallel_gripper")).html)
+    assert "branches meet here" in page.evaluate("symkin.set({left: -20}).stop.sentence")
+    page = open_page(symkin.view(symkin.load("zhang2009")).html)
+    assert "beyond it this mode does not go on" in page.evaluate("symkin.set({leg1: 700}).stop.sentence")
+
+
+def test_a_symmetric_start_loses_no_modes(open_page: Callable[..., Any]) -> None:
+    """A 3-RRR with equal limbs: at zero all but two of six complex solutions are at infinity, elsewhere they are modes."""
+    start = three_rrr("planar")
+    page = open_page(symkin.view(start).html)
+    page.wait_for_function("!document.querySelector('#modes-text').textContent.includes('Finding')")
+    rng = np.random.default_rng(4)
+    home = page.evaluate("symkin.names.map((name) => symkin.solution().joints[name])")
+    for _ in range(6):
+        values = (np.array(home) + rng.uniform(-0.6, 0.6, 3)).tolist()
+        if not page.evaluate("v => symkin.set(Object.fromEntries(symkin.names.map((n, k) => [n, v[k]]))).reached", values):
+            continue
+        assert len(page.evaluate("symkin.modes()")) == len(symkin.modes(start, joints=values))
+
+
+def test_a_path_of_poses_is_played_in_its_mode(open_page: Callable[..., Any], tmp_path: Path) -> None:
+    """The delta below its base and not above it, where the same motor angles also close."""
+    file = tmp_path / "poses.csv"
+    file.write_text("x[mm],y[mm],z[mm],qw,qx,qy,qz\n0,0,-300,1,0,0,0\n20,10,-320,1,0,0,0\n", encoding="utf-8")
+    page = open_page(symkin.view(symkin.load("delta"), path=file).html)
+    np.testing.assert_allclose(page.evaluate("symkin.solution().position"), [0.0, 0.0, -300.0], atol=1e-9)
+
+
+def test_keys_that_come_fast_all_count(open_page: Callable[..., Any]) -> None:
+    page = open_page(page_of("four_bar"))
+    page.locator("#given-crank").focus()
+    before = page.evaluate("symkin.solution().joints.crank")
+    page.evaluate(
+        "() => { const slider = document.querySelector('#given-crank');"
+        " for (let k = 0; k < 8; k++) slider.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowRight', bubbles: true })); }"
+    )
+    low, high = (float(page.locator("#given-crank").get_attribute(end)) for end in ("min", "max"))
+    page.wait_for_function("at => Math.abs(symkin.solution().joints.crank - at) < 1e-9", arg=before + 8 * (high - low) / 200)
+    page.locator("#given-crank-number").fill("1,000")
+    page.locator("#given-crank-number").press("Enter")
+    assert "may be two numbers" in page.locator("body").inner_text()
 
 
 def test_a_value_out_of_reach_is_not_called_singular(open_page: Callable[..., Any]) -> None:

@@ -2,6 +2,7 @@
 
 const DIGITS = 6;
 const LONG = 17; // letters of a name beyond which all are set smaller
+const THOUSANDS = /^[+-]?[1-9]\d{0,2},\d{3}$/; // 1,000 is a thousand to some and one to others
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 
 export class Inputs {
@@ -68,15 +69,18 @@ class Row {
     if (!way) return;
     event.preventDefault();
     const step = ((this.range[1] - this.range[0]) / 200) * (event.shiftKey ? 0.1 : 1);
-    onChange(Math.min(this.range[1], Math.max(this.range[0], this.value + way * step)));
+    // keys come faster than movements are shown: each goes on from what the last one asked for
+    this.asked = Math.min(this.range[1], Math.max(this.range[0], (this.asked ?? this.value) + way * step));
+    onChange(this.asked);
   }
 
   _typed(onChange) {
     const text = this.number.value.trim().replace(",", ".").replace("−", "-"), value = Number(text);
-    const good = NUMBER.test(text) && Number.isFinite(value);
+    const thousands = THOUSANDS.test(this.number.value.trim()), good = NUMBER.test(text) && Number.isFinite(value) && !thousands;
     this.number.setAttribute("aria-invalid", String(!good));
-    if (good) onChange(value);
-    else this.number.dispatchEvent(new CustomEvent("refused", { bubbles: true, detail: `${JSON.stringify(this.number.value)} is not a number; write one such as 12.5, in ${this.unit}.` }));
+    if (good) return onChange(value);
+    const told = thousands ? "may be two numbers; write it without the comma, or with a point" : `is not a number; write one such as 12.5, in ${this.unit}`;
+    this.number.dispatchEvent(new CustomEvent("refused", { bubbles: true, detail: `${JSON.stringify(this.number.value)} ${told}.` }));
   }
 
   /** Take back what was typed, and what was said of it. */
@@ -88,6 +92,7 @@ class Row {
 
   show(value) {
     this.value = value;
+    this.asked = null;
     this.number.removeAttribute("aria-invalid");
     this.number.value = shown(value);
     // a value beyond the slider widens it

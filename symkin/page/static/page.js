@@ -254,7 +254,10 @@ drawing.listeners.push(() => {
 if (options.plane) {
   const { names } = options.plane, axes = names.map((name) => "xyz".indexOf(name));
   const given = names.every((name) => solver.names.includes(name));
+  const others = given ? solver.names.filter((name) => !names.includes(name)) : [], first = { ...solver.values };
+  const off = () => others.filter((name) => Math.abs(solver.values[name] - first[name]) > 1e-6 * Math.max(1, Math.abs(first[name])));
   plane = new PlaneMap($("plane"), options.plane, {
+    off,
     ink: (key) => drawing.look.colour(key),
     now: () => names.map((name, k) => (given ? solver.values[name] : solver.solution().position[axes[k]])),
     go: (...place) => {

@@ -31,9 +31,9 @@ function entry(colour, text, kind) {
 
 export class PlaneMap {
   /** `plane` {names, units, ranges, held, curves: [{kind, points}], map: {title, values, condition, every, edges or points} or absent};
-   * `go(u, v)` moves there; `now()` tells where it is. */
-  constructor(element, plane, { go, now, ink }) {
-    Object.assign(this, { plane, go, now, ink });
+   * `go(u, v)` moves there; `now()` tells where it is, `off()` the names of what it holds that have other values now. */
+  constructor(element, plane, { go, now, off, ink }) {
+    Object.assign(this, { plane, go, now, off, ink });
     element.hidden = false;
     const kinds = [...new Set(plane.curves.map((curve) => curve.kind))];
     const title = Object.assign(document.createElement("p"), { className: "path-title" });
@@ -45,7 +45,9 @@ export class PlaneMap {
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", `Plane of ${plane.names.join(" and ")} with ${plane.map ? "the map of a sweep" : "singular curves"}; point at a place to go there, or use the arrow keys`);
-    element.append(title, this.canvas);
+    this.elsewhere = Object.assign(document.createElement("div"), { className: "path-title" });
+    this.elsewhere.setAttribute("aria-live", "polite");
+    element.append(title, this.elsewhere, this.canvas);
     this.canvas.addEventListener("pointerdown", (event) => {
       this.canvas.setPointerCapture(event.pointerId);
       this._point(event);
@@ -135,8 +137,13 @@ export class PlaneMap {
     pen.beginPath();
     pen.rect(SIDE, SIDE, width - 2 * SIDE, height - 2 * SIDE);
     pen.clip();
+    // made with other values of what it holds, it is a picture of elsewhere
+    const off = this.off();
+    this.elsewhere.textContent = off.length ? `The ${plane.map ? "map" : "plane"} is for other values of ${off.join(", ")}.` : "";
+    pen.globalAlpha = off.length ? 0.25 : 1;
     if (plane.map) pen.drawImage(this._map(at, width, height, ratio), 0, 0, width, height);
     for (const { kind, points } of plane.curves) this._curve(pen, points.map(at), COLOURS[kind] ?? this.ink("loop"));
+    pen.globalAlpha = 1;
     pen.restore();
     this._words(pen, width, height);
     const [x, y] = at(this.now());

@@ -12,6 +12,7 @@ const REACH = 0.12; // of a step in units of the size and radians
 const CORRECTION = 0.25; // share of a predicted step that Newton may add to it
 const CONTRACTION = 0.2; // of Newton's second step over its first
 const CHANGE = 0.7; // of the Jacobian in a step, relative to itself: from 1 on it may lose rank within the step
+const AHEAD = 1e-3; // of a look beyond a stop, in units of the size and radians
 const SMALLEST = 2e-8; // share of a movement below which a step is given up
 const ESCAPE = 1e-14; // the same for first steps, which lead away from a singularity
 const AT_LIMIT = 1e-12; // the same where a limit lies ahead
@@ -96,9 +97,10 @@ class Solver {
   /** The same to values in radians and lengths; the stop is told with its sentence, motion and place. */
   goTo(target) {
     const { x, share, halt } = this.follow(this.x, target), moved = this._apart(this.x, x);
+    if (halt?.kind === "halt") halt.meets = this._goesOn(x, target);
     this.x = x;
     this.found = this.search = null;
-    return { reached: !halt, share, stop: halt ? this._stop(halt, share, moved) : null };
+    return { reached: !halt, share, stop: halt ? this._stop(halt, share, moved, this._movedAlone(target)) : null };
   }
 
   // --- following -----------------------------------------------------------------------------------------------------
@@ -133,6 +135,26 @@ class Solver {
       if (step < least) return { x, share, halt: { kind: limit ? "limit" : "halt", limit } };
     }
     return { x, share: 1, halt: null };
+  }
+
+  /** The one given coordinate that is still to move to a target, null where more are. */
+  _movedAlone(target) {
+    const left = this.names.filter((name, k) => Math.abs(target[k] - this.x[this.places[k]]) > 1e-12 * this.model.columns[this.places[k]]);
+    return left.length === 1 ? left[0] : null;
+  }
+
+  /** Whether a solution lies straight beyond a stop, as where branches meet, not where two solutions end in each other. */
+  _goesOn(x, target) {
+    const here = this.places.map((place) => x[place]), way = target.map((value, k) => value - here[k]);
+    const length = Math.hypot(...this.places.map((place, k) => way[k] / this.model.columns[place]));
+    if (length < 2 * AHEAD) return false;
+    const step = way.map((v) => (AHEAD / length) * v);
+    const { x: before, halt } = this.follow(x, here.map((value, k) => value - step[k]));
+    if (halt) return false;
+    const guess = x.map((v, i) => 2 * v - before[i]);
+    this.places.forEach((place, k) => (guess[place] = here[k] + step[k]));
+    const beyond = Float64Array.from(guess), apart = (a, b) => Math.hypot(...this.unknown.map((i) => (a[i] - b[i]) / this.model.columns[i]));
+    return this.correct(beyond) && apart(beyond, guess) < 0.1 * apart(beyond, before);
   }
 
   /** The first part of a movement that is too long for one. */
@@ -198,7 +220,9 @@ class Solver {
   /** A coordinate that is further beyond its limits than is allowed, null where none is. */
   _limitLeft(excesses, allowed) {
     const slack = ({ kind }) => ON_LIMIT * (kind === "length" ? this.size : 1);
-    const left = (c, k) => Math.abs(excesses[k]) > slack(c) + (excesses[k] * allowed[k] > 0 ? Math.abs(allowed[k]) : 0);
+    // what lies beyond already may stay there; what is at its limit does not creep on
+    const kept = (c, k) => (excesses[k] * allowed[k] > 0 && Math.abs(allowed[k]) > slack(c) ? Math.abs(allowed[k]) + slack(c) : 0);
+    const left = (c, k) => Math.abs(excesses[k]) > Math.max(slack(c), kept(c, k));
     const k = this.limited.findIndex(left);
     if (k < 0) return null;
     const { name, kind, low, high } = this.limited[k];
@@ -215,20 +239,22 @@ class Solver {
 
   // --- stops ---------------------------------------------------------------------------------------------------------
 
-  _stop(halt, share, moved) {
-    const after = share < 1e-4 && moved < 1e-3 ? "Stopped at once" : `Stopped after ${percent(share)} of the way`;
+  _stop(halt, share, moved, alone) {
+    const where = alone ? `at ${alone} = ${Number(this.values[alone].toPrecision(6))} ${this.units[alone]}, ` : "";
+    const after = share < 1e-4 && moved < 1e-3 ? "Stopped at once" : `Stopped ${where}after ${percent(share)} of the way`;
     if (halt.kind === "far") {
       const cause = ": that is too far for one movement.";
       return { kind: "lost", sentence: after + cause, cause, motion: null, ratio: this.distanceToSingularity() };
     }
     if (halt.limit) {
       const value = this._out(halt.limit.kind, halt.limit.value), unit = this.units[halt.limit.name] ?? "";
-      const where = halt.limit.beyond ? "lies beyond" : "is at";
-      const cause = `: ${halt.limit.name} ${where} its limit of ${Number(value.toPrecision(6))} ${unit}.`;
+      const stands = halt.limit.beyond ? "lies beyond" : "is at";
+      const cause = `: ${halt.limit.name} ${stands} its limit of ${Number(value.toPrecision(6))} ${unit}.`;
       return { kind: "limit", sentence: after + cause, cause, motion: null, limit: { name: halt.limit.name, value } };
     }
     const ratio = this.distanceToSingularity(), { motion, sentence: moves } = this._singularMotion();
-    const cause = ratio < NEAR ? `, at a singularity: ${moves}, and beyond it this mode does not go on.` : ": this mode cannot be followed further.";
+    const ends = halt.meets ? "branches meet here, of which the page chooses none: symkin modes lists them beyond" : "beyond it this mode does not go on";
+    const cause = ratio < NEAR ? `, at a singularity: ${moves}, and ${ends}.` : ": this mode cannot be followed further.";
     return { kind: ratio < NEAR ? "singularity" : "lost", sentence: after + cause, cause, motion: ratio < NEAR ? motion : null, ratio };
   }
 
@@ -260,8 +286,8 @@ class Solver {
       return k < 0 || c.kind === "quaternion" || c.name.startsWith("pose.") ? [] : [[c.name, Math.abs(vector[k])]];
     });
     const most = Math.max(...rates.map(([, rate]) => rate)), named = rates.filter(([, rate]) => rate > 0.3 * most && most > STANDS).slice(0, 3);
-    const how = motion ? ", as the arrow shows" : named.length ? ` (${named.map(([name]) => name).join(", ")})` : "";
-    return { motion, sentence: `the mechanism can move a little with these values held${how}` };
+    const what = motion || !named.length ? "the mechanism" : named.map(([name]) => name).join(", ");
+    return { motion, sentence: `${what} can move a little while the given values are held${motion ? ", as the arrow shows" : ""}` };
   }
 
   _twistOf(vector) {

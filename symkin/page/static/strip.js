@@ -67,6 +67,7 @@ export class Strip {
     while (this.buttons.length > this.poses.length) this.buttons.pop().remove();
     this.buttons.forEach((button, k) => {
       const chosen = k === this.solver.modeIndex, mode = this.modes[k];
+      if (chosen && button.getAttribute("aria-selected") !== "true") this._bring(button);
       button.setAttribute("aria-selected", String(chosen));
       button.tabIndex = chosen || (this.solver.modeIndex < 0 && k === 0) ? 0 : -1;
       const outside = mode.within_limits === false || mode.withinLimits === false;
@@ -74,6 +75,12 @@ export class Strip {
       button.lastChild.textContent = outside ? `${k + 1} · outside limits` : `${k + 1}`;
       button.setAttribute("aria-label", `mode ${k + 1}${chosen ? ", shown" : ""}${outside ? ", outside the limits" : ""}`);
     });
+  }
+
+  /** Into sight, by moving the strip alone. */
+  _bring(button) {
+    const [left, right] = [button.offsetLeft - this.list.offsetLeft, button.offsetLeft - this.list.offsetLeft + button.offsetWidth];
+    if (left < this.list.scrollLeft || right > this.list.scrollLeft + this.list.clientWidth) this.list.scrollLeft = left;
   }
 
   _add(k) {
