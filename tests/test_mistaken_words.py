@@ -1,5 +1,6 @@
 """Words of a command line that are wrong: one sentence that says what is meant."""
 
+import shlex
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,8 @@ from helpers.command_line import run
         ("singularities zhang2009 --plane x y", ["--plane x,y"]),
         ("modes zhao2000 1,2,3,4", ["'1,2,3,4' stands alone", "--joints 1,2,3,4"]),
         ("track zhang2009 -o path.csv stray", ["'stray' stands alone"]),
+        ("firmware zhao2000 -o ''", ["-o is empty; the name of a file or folder is needed"]),
+        ("modes zhao2000 --plot=", ["--plot is empty"]),
         ("modes zhao2000 --joints", ["--joints has no value", "--joints V1,V2,..."]),
         ("modes zhao2000 --jonts 1", ["'--jonts'", "do you mean '--joints'?", "`symkin modes -h`"]),
         ("modes zhao2000 --json=yes", ["--json takes no value"]),
@@ -34,7 +37,7 @@ from helpers.command_line import run
 )
 def test_words_are_told_what_they_lack(capsys: pytest.CaptureFixture[str], words: str, expected: list[str]) -> None:
     """Status 2, nothing on stdout, one line with the offender and how it is written."""
-    status, out, err = run(capsys, *words.split())
+    status, out, err = run(capsys, *shlex.split(words))
     assert (status, out) == (2, "")
     assert err.startswith("symkin: ")
     assert len(err.splitlines()) == 1

@@ -11,7 +11,7 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from symkin.cli.mistakes import sentence, unknown_command
+from symkin.cli.mistakes import refuse_empty_files, sentence, unknown_command
 
 GIVEN, HOW, OUTPUT, ROBOT_FILES = "What is given", "How it is found", "Output", "Robot files"
 ASKED, READINGS, POSTURES = "What is asked", "Readings and their noise", "Postures"
@@ -25,6 +25,7 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         given = list(args)  # the parser empties its own list
+        refuse_empty_files(ctx, given)
         try:
             return super().parse_args(ctx, args)
         except typer.BadParameter.__base__ as error:  # type: ignore[misc]  # Click's UsageError, in either version

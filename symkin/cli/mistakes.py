@@ -32,6 +32,16 @@ def sentence(error: Any, ctx: Any, words: Sequence[str]) -> InputError:
     return InputError(error.format_message().replace("Value error, ", "").rstrip("."))
 
 
+def refuse_empty_files(ctx: Any, words: Sequence[str]) -> None:
+    """Raise InputError for a file or folder whose name is empty, as of a variable that is not set: it would be the current folder."""
+    files = [p for p in ctx.command.params if re.match("FILE|DIR|FOLDER", p.metavar or "")]
+    names = {name for p in files for name in p.opts if name.startswith("-")}
+    for k, word in enumerate(words):
+        name, equals, value = word.partition("=") if word.startswith("--") else (word, "", "")
+        if name in names and not (value if equals else words[k + 1] if k + 1 < len(words) else "-").strip():
+            raise InputError(f"{name} is empty; the name of a file or folder is needed")
+
+
 def unknown_command(word: str, path: str, commands: Sequence[str]) -> InputError:
     """A word where a command is needed: one that no command has, or a mechanism before its command."""
     if word.startswith("-"):

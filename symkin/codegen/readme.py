@@ -242,7 +242,11 @@ def _dead_centres(program: Program) -> str:
 
 
 def _is_shipped(mechanism: Mechanism) -> bool:
-    return mechanism.name in shipped_names() and shipped(mechanism.name) == mechanism
+    """Whether a command takes the name; of a file's mechanism, which may have the same name, it takes the path."""
+    if mechanism.name not in shipped_names():
+        return False
+    ours = shipped(mechanism.name)
+    return (ours.title, ours.source) == (mechanism.title, mechanism.source)
 
 
 def _described(mechanism: Mechanism) -> str:

@@ -156,7 +156,7 @@ class Table:
         value = math.nan if number is None else number
         if not math.isfinite(value):
             raise InputError(
-                f"{self.path}, line {self.lines[row]}, column {column.header!r}: {repr(cell) if cell else 'an empty cell'} is not a number; a finite number is needed"
+                f"{self.path}, line {self.lines[row]}, column {column.header!r}: {repr(cell) if cell else 'an empty cell, or one of NaN or its like,'} is not a number; a finite number is needed"
             )
         return value
 

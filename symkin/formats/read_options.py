@@ -124,7 +124,7 @@ def _with_platform(robot: Robot, name: str) -> Robot:
     frames = {link: (link, frame) for link, frame in robot.links.items()} | dict(robot.merged)
     moved = [body for body, (link, _) in frames.items() if link != BASE]
     if name not in moved:
-        if name in frames:
+        if name in frames or any(note.startswith(f"the root link {name!r} ") for note in robot.notes):
             raise InputError(f"platform: {name!r} is part of the base, which is held; links that move: {first_of(moved, 20)}")
         raise InputError(f"platform: no link is named {shown(name)}{meant(name, moved)}; links that move: {first_of(moved, 20)}")
     return replace(robot, parts=replace(robot.parts, platform=frames[name]))

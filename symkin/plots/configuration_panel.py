@@ -23,6 +23,8 @@ _EDGE, _REACH = 3.0, 0.03
 """Width (points) that a white edge adds to a line where it passes over another, and half its length, of the box."""
 _OVERLAP = 1e-3
 """Share of the box by which pieces of one line overlap, so that no seam is seen."""
+_END_ON = 0.999
+"""Share of a direction along the line of sight from which on an axis is seen as a point."""
 _TWIST: dict[str, Any] = {"color": "#8c2d9c", "linewidth": 1.8}
 """Look of the axes of platform motions."""
 _LINES: dict[SegmentKind, tuple[tuple[float, str], ...]] = {
@@ -60,7 +62,8 @@ def _segments(body: MechanismLines) -> Iterator[Segment]:
 
 
 def draw_twist(ax: Any, twist: NamedScrew, body: MechanismLines, view: View) -> None:
-    """Draw a platform motion: its axis through the box, or an arrow at the platform's origin where it is a translation."""
+    """Draw a platform motion: its axis through the box (a circle with a dot where it is seen end-on), or an arrow at the platform's
+    origin where it is a translation."""
     length, point = float(view.extent.max()), twist.point
     if point is None:
         origin = np.asarray(body.pose.position)
@@ -69,6 +72,16 @@ def draw_twist(ax: Any, twist: NamedScrew, body: MechanismLines, view: View) -> 
     middle = point + twist.direction * float((view.limits.mean(axis=1) - point) @ twist.direction)
     ends = np.array([middle - 0.5 * length * twist.direction, middle + 0.5 * length * twist.direction])
     ax.plot(*ends.T, linestyle="--", zorder=40.0, **_TWIST)
+    if view.flat and abs(twist.direction[2]) > _END_ON:
+        for marker, size in (("o", 9.0), (".", 4.0)):
+            ax.plot(
+                *middle[:, None],
+                marker=marker,
+                markersize=size,
+                fillstyle="none" if marker == "o" else "full",
+                zorder=40.0,
+                **_TWIST,
+            )
 
 
 def frame_handle() -> Any:

@@ -109,7 +109,8 @@ class PanelBlock:
 
     def _titles(self, figure: Figure, panel: Panel, view: View, x: float, top: float) -> None:
         first = view is self.views[0]
-        side = _VIEW_TITLES[view.name] if len(self.views) > 1 else ""
+        seen: ViewName = "top" if view.flat and view.name == "main" else view.name
+        side = _VIEW_TITLES[seen] if len(self.views) > 1 else ""
         title = ", ".join(part for part in (panel.title, side) if part)
         _text(figure, x, top - 0.03, title, ha="center", fontsize=10.5, fontweight="bold")
         lines = "\n".join(wrapped_lines(panel.text, self.grid.width)) if first else ""

@@ -77,6 +77,7 @@ def figure_of_sweep(
         _words(figure, ax, part, attributes, name)
         if curves is not None:
             draw_loci(figure, ax, curves, list(part.ranges))
+        figure.draw_without_rendering()  # the layout of axes of one scale is found in two goes, the second when it is drawn
     return figure
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
 from symkin.position.problem import Kind
 from symkin.spatial.pose import Pose
@@ -276,7 +277,9 @@ def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, flo
     if nearest.distance <= PROJECTED * mechanism.characteristic_length:
         note = (f"the pose was projected onto those that the {frame} can take, by {nearest.distance:.3g} {unit}",)
         return nearest.values, 0.0, note
-    there = ", ".join(f"{v:.7g}" for v in _pose_numbers(mechanism, nearest.values))
+    numbers = np.asarray(_pose_numbers(mechanism, nearest.values), dtype=float)
+    scales = [mechanism.characteristic_length] * 3 + [1.0] * 4
+    there = ", ".join(f"{plain(v, scale):.7g}" for v, scale in zip(numbers.tolist(), scales, strict=False))
     note = (
         f"the joints tie the coordinates of the {frame}'s pose, and this one lies {nearest.distance:.3g} {unit} (angles times the "
         f"size) off those that it can take; the nearest is {there}",
