@@ -40,3 +40,7 @@ class InputError(SymkinError):
 
 class TooManyModesError(InputError):
     """A problem with more modes than can be listed."""
+
+
+class NoConfigurationError(InputError):
+    """Values at which no configuration closes the loops, where one is needed to begin with; exit status 3 of a command."""

@@ -588,6 +588,16 @@ def test_joints_that_begin_beyond_limits_do_not_hold_what_leaves_them_there(open
     assert found["reached"], found["stop"]
 
 
+def test_a_page_without_a_configuration_is_not_found(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """As `modes` has it: status 3, one line, and no file."""
+    file = tmp_path / "page.html"
+    status, out, err = run(capsys, "view", "slider_crank", "--given", "piston=1e4", "--html", file)
+    assert (status, out) == (3, "")
+    assert "has no configuration at these values" in err
+    assert len(err.splitlines()) == 1
+    assert not file.exists()
+
+
 def test_a_stop_at_a_limit_is_the_last(open_page: Callable[..., Any]) -> None:
     """Asked again and again, a slide stays where it stopped, within its limits, and the value of the stop is told."""
     page = open_page(symkin.view(symkin.load("scara")).html)

@@ -23,7 +23,7 @@ from symkin.cli.streams import prepare_streams, say, silence
 from symkin.cli.sweep import sweep
 from symkin.cli.track import track
 from symkin.cli.view import view
-from symkin.errors import SymkinError
+from symkin.errors import NoConfigurationError, SymkinError
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C, which Typer gives too: 128 and the number of the signal."""
@@ -157,6 +157,9 @@ def _status(arguments: list[str] | None) -> int:
         if status == INTERRUPTED:
             say("interrupted")
         return status or 0
+    except NoConfigurationError as error:
+        say(error)
+        return 3
     except SymkinError as error:
         return _complain(error)
     except (KeyboardInterrupt, Interrupted) as error:

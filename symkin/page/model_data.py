@@ -14,7 +14,7 @@ from symkin.assembly.modes_result import Modes
 from symkin.closure.closure import Closure, random_values
 from symkin.closure.link_frames import LinkFrames, link_frames
 from symkin.codegen.js_text import javascript
-from symkin.errors import InputError
+from symkin.errors import NoConfigurationError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.page.complex_solutions import complex_solutions
@@ -103,7 +103,7 @@ def _with_turns(
 def _first_mode(mechanism: Mechanism, given: Mapping[str, float] | None, failed: SolveResult) -> SolveResult:
     every = modes(mechanism, given=given or None)
     if not len(every):
-        raise InputError(f"view: {mechanism.name} has no configuration at these values: {failed.message}")
+        raise NoConfigurationError(f"view: {mechanism.name} has no configuration at these values: {failed.message}")
     return _result(every, every[0], failed)
 
 

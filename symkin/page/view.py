@@ -11,7 +11,7 @@ from typing import Any
 
 from symkin.assembly.modes import modes
 from symkin.computed_once import cached_property
-from symkin.errors import InputError
+from symkin.errors import InputError, NoConfigurationError
 from symkin.files.outputs import check_output, write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.cache_folder import cache_folder
@@ -89,7 +89,7 @@ def view_mechanism(
             )
         found = modes(mechanism, pose=pose)
         if not len(found):
-            raise InputError(
+            raise NoConfigurationError(
                 f"view: {mechanism.name} has no configuration at this pose; {'; '.join(found.notes) or 'symkin modes tells more'}"
             )
         return view_solution(found[0])
