@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,6 +11,7 @@ from symkin.cli.help import GIVEN
 from symkin.cli.options import named_from, numbers_from, start_from
 from symkin.cli.streams import say
 from symkin.errors import InputError
+from symkin.model.oddities import FULL_TURN
 from symkin.text import counted
 
 if TYPE_CHECKING:
@@ -39,8 +39,6 @@ ROLL_PITCH_YAW, _FIXED = "rpy", "xyz"
 """Roll, pitch and yaw, and the Euler sequence that they are: about fixed axes, in this order."""
 _QUATERNION, _ANGLES, _POSITION = 7, 6, 3
 """Counts of numbers of a pose with a quaternion, of one with three angles, and of a position."""
-_MORE_THAN_A_TURN = 2.0 * math.pi * (1.0 + 1e-3)
-"""Radians from which an angle is more than a turn; people write a turn with three digits."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +102,7 @@ class PoseReader:
     def _with_angles(self, position: list[float], angles: list[float], sequence: str) -> list[float]:
         from symkin.spatial.pose import Pose
 
-        if self.mechanism.angle_unit == "rad" and max(map(abs, angles)) > _MORE_THAN_A_TURN:
+        if self.mechanism.angle_unit == "rad" and max(map(abs, angles)) > FULL_TURN:
             largest = max(angles, key=abs)
             say(
                 f"note: {largest:g} rad: more than a turn; angles of {self.mechanism.name} are radians, as in pi/2. Are degrees meant?"

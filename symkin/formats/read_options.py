@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import get_args
 
@@ -65,7 +65,7 @@ class ReadOptions:
 
     def refuse_but(self, allowed: Sequence[str], what: str, because: str) -> None:
         """Raise InputError for options that are given and mean nothing for a file; `because` says why."""
-        given = [key for key in ("loop", "actuated", "platform", "arguments", "packages", "model") if getattr(self, key)]
+        given = [option.name for option in fields(self) if getattr(self, option.name)]
         wrong = next((key for key in given if key not in allowed), None)
         if wrong is not None:
             raise InputError(f"{wrong} (--{wrong}) has no meaning for {what}: {because}")

@@ -15,7 +15,7 @@ _FAR_OFF = 200.0
 """How many times farther than the others a point lies that may be in another unit, metres among millimetres."""
 _LEAST_POINTS = 4
 """Points from which one can be told to lie off the others."""
-_FULL_TURN = 2.0 * math.pi * (1.0 + 1e-3)
+FULL_TURN = 2.0 * math.pi * (1.0 + 1e-3)
 """Radians from which an angle is more than a turn; files write a turn with three digits."""
 
 
@@ -65,7 +65,7 @@ def _far_of(points: dict[str, tuple[float, ...]], unit: str) -> Iterator[str]:
 def _degrees(mechanism: Mechanism) -> Iterator[str]:
     if mechanism.angle_unit != "rad":
         return
-    found = [f"{where} = {value:g}" for where, value in _angles(mechanism) if abs(value) > _FULL_TURN]
+    found = [f"{where} = {value:g}" for where, value in _angles(mechanism) if abs(value) > FULL_TURN]
     if found:
         yield f'{first_of(found, 3)}: more than a turn, and angle_unit is "rad"; are degrees meant? Then write angle_unit = "deg"'
 

@@ -13,6 +13,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism, require_mechanism
+from symkin.model.oddities import FULL_TURN
 from symkin.plain_number import plain
 from symkin.position.feasible_pose import PROJECTED, closing_poses, nearest_pose, ties_poses
 from symkin.position.problem import Kind
@@ -74,9 +75,7 @@ def _turn_notes(mechanism: Mechanism, ordered: Sequence[float]) -> tuple[str, ..
     if mechanism.angle_unit != "rad":
         return ()
     told = [
-        f"{c.name} = {v:g}"
-        for c, v in zip(mechanism.actuated, ordered, strict=True)
-        if c.kind == "angle" and abs(v) > 2.0 * math.pi * (1.0 + 1e-3)
+        f"{c.name} = {v:g}" for c, v in zip(mechanism.actuated, ordered, strict=True) if c.kind == "angle" and abs(v) > FULL_TURN
     ]
     return (f"{first_of(told, 3)} rad: more than a turn, taken without its whole turns; are degrees meant?",) if told else ()
 

@@ -143,7 +143,6 @@ export class PlaneMap {
     pen.globalAlpha = off.length ? 0.25 : 1;
     if (plane.map) pen.drawImage(this._map(at, width, height, ratio), 0, 0, width, height);
     for (const { kind, points } of plane.curves) this._curve(pen, points.map(at), COLOURS[kind] ?? this.ink("loop"));
-    pen.globalAlpha = 1;
     pen.restore();
     this._words(pen, width, height);
     const [x, y] = at(this.now());
