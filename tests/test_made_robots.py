@@ -87,11 +87,21 @@ def part_poses(one: Read, solution: symkin.Solution) -> dict[str, np.ndarray]:
     return found
 
 
+def told_name(one: Read, coordinate: str) -> str:
+    """A coordinate of the machine as the file has it: of a universal joint told from the link that it carries, the last axis is first."""
+    joint, _, number = coordinate.rpartition(".")
+    entry = next((e for e in one.mechanism.link_joints if e.joint.name == joint), None)
+    backward = entry is not None and entry.links[0] in {part.name for part in one.machine.parts if part.joint_name == joint}
+    return f"{joint}.{3 - int(number)}" if backward else coordinate
+
+
 def values_of(one: Read, solution: symkin.Solution) -> dict[str, Any]:
-    """Joint values in the machine's own terms: those of universal joints count from the reference in the mechanism."""
+    """Joint values in the machine's own terms: those of universal joints count from the reference in the mechanism, and have the
+    numbers of the file's axes."""
     universal = {c.name for entry in one.robot.joints if entry.joint.type == "U" for c in entry.joint.coordinates}
     start = {name: one.closed.joints[name] for name in universal}
-    scalars = {c: solution.joints[c] + start.get(c, 0.0) for part in one.machine.parts for c in part.coordinates}
+    told = {c: told_name(one, c) for part in one.machine.parts for c in part.coordinates}
+    scalars = {c: solution.joints[name] + start.get(name, 0.0) for c, name in told.items()}
     return {**scalars, **ball_values(one.machine, part_poses(one, solution))}
 
 
@@ -153,7 +163,8 @@ def test_rates_are_central_differences_of_mujocos_poses(name: str, suffix: str, 
     (solution,) = solved(one, 1, seed=3)
     qpos = one.mujoco.place(values_of(one, solution))
     others = [c for part in one.machine.parts for c in part.coordinates if c not in one.machine.given]
-    own = symkin.jacobian(one.mechanism, of=others, by=list(one.machine.given)).at(solution)
+    told, by = ([told_name(one, c) for c in names] for names in (others, one.machine.given))
+    own = symkin.jacobian(one.mechanism, of=told, by=by).at(solution)
     link, pose_rates = link_rates(one, solution)
     for column, name_moved in enumerate(one.machine.given):
         ahead, behind = (moved(one, qpos, name_moved, sign * STEP) for sign in (1, -1))
@@ -179,7 +190,7 @@ def link_rates(one: Read, solution: symkin.Solution) -> tuple[str, np.ndarray]:
     carrying = replace(
         one.mechanism, platform_link=link, platform_position=tuple(frame.position), platform_quaternion=tuple(frame.quaternion)
     )
-    given = {name: solution.joints[name] for name in one.machine.given}
+    given = {name: solution.joints[name] for name in (told_name(one, c) for c in one.machine.given)}
     there = symkin.solve(carrying, given=given).solution
     return link, symkin.jacobian(carrying, of=["x", "y", "z", "azimuth", "tilt", "torsion"], by=list(given)).at(there)
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from symkin.errors import MechanismError
 from symkin.formats.closing import Closed, nearest_closed
+from symkin.formats.parts import turned
 from symkin.formats.robot import Closure, Robot
 from symkin.formats.whole_joints import whole_again
 from symkin.model.graph import LinkJoint
@@ -51,6 +52,7 @@ def assembled(robot: Robot, closed: Closed) -> Mechanism:
     """The graph of links at a closed configuration, which is its reference; joints of one coordinate keep their values from there."""
     joints = [_moved_joint(entry, closed) for entry in robot.joints]
     joints += [_closing_joint(closure, closed) for closure in robot.closures]
+    joints = [(turned(joint), links[::-1]) if joint.name in robot.turned else (joint, links) for joint, links in joints]
     if not joints:
         raise MechanismError(f"{robot.source or robot.name}: no joint moves; a mechanism needs one at least")
     found = Mechanism(

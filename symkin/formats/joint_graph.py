@@ -13,9 +13,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.formats.naming import allowed_names, renamed
-from symkin.formats.parts import Parts
+from symkin.formats.parts import Parts, turned
 from symkin.formats.robot import Closure, ClosureType, Mesh, Robot
 from symkin.model.graph import Coupling, LinkJoint
 from symkin.model.joint import BASE, FREEDOMS, Joint, JointType
@@ -27,7 +28,7 @@ Z: Direction = (0.0, 0.0, 1.0)
 _COINCIDE = 1e-6
 """Metres and radians: frames that are this near are one to the digits that files hold."""
 _EXCHANGED = {"1": "2", "2": "1"}
-"""Coordinates of a universal joint told from its other link."""
+"""Coordinates of a universal joint that the mechanism has from its other link."""
 _SQUARE = 1e-6
 """Cosine of the angle between the axes of a universal joint that is taken for zero."""
 
@@ -167,12 +168,12 @@ class _Assembly:
                 *self.graph.notes,
                 *notes,
                 *dropped,
-                *self._exchanged(),
                 *self._lost_couplings(kept),
             ),
             source=self.graph.source,
             meshes=self._meshes(),
             parts=self.graph.parts,
+            turned=frozenset(self.joint_names[name] for name in self._turned),
             merged={
                 self.link_names[link]: (self.link_names[self.part_of[link]], self.placed[link][0])
                 for link in self.placed
@@ -180,10 +181,12 @@ class _Assembly:
             },
         )
 
-    def _exchanged(self) -> list[str]:
-        names = [self.joint_names[name] for name in self._backward]
-        told = f"told from the link that they carry, so that .1 turns about axis2 and .2 about axis: {first_of(names)}"
-        return [f"universal joints are {told}"] if names else []
+    @cached_property
+    def _turned(self) -> set[str]:
+        """Joints that the mechanism has from the link that the tree carries, by their names in the file:
+        a joint leads as the file tells it, or the other way about where the file's parts say so."""
+        backward = {joint.name for _, link, joint in self.carried if joint.links[0] == link}
+        return backward ^ (set(self.graph.parts.turned) & self.joint_names.keys())
 
     def _link_joint(self, carrier: str, link: str, joint: GraphJoint) -> LinkJoint:
         """The joint in the base frame, from the link nearer to the root; turned about where the file tells it from the other."""
@@ -191,10 +194,6 @@ class _Assembly:
         frame = self.placed[joint.links[0]][0] @ joint.frames[0]
         axis = None if joint.axis is None else np.asarray(frame.turn(np.asarray(joint.axis)))
         axis2 = None if joint.axis2 is None else np.asarray(frame.turn(np.asarray(joint.axis2)))
-        if backward and joint.type == "U" and axis is not None and axis2 is not None:
-            axis, axis2 = -axis2, -axis
-        elif backward and axis is not None:
-            axis = -axis
         made = Joint(
             self.joint_names[joint.name],
             joint.type,
@@ -206,7 +205,7 @@ class _Assembly:
             zero=self.graph.parts.reference.get(joint.name, 0.0) if FREEDOMS[joint.type] == 1 else 0.0,
             limits=joint.limits if FREEDOMS[joint.type] == 1 else None,
         )
-        return LinkJoint(made, (self.link_names[carrier], self.link_names[link]))
+        return LinkJoint(turned(made) if backward else made, (self.link_names[carrier], self.link_names[link]))
 
     def _closures(self, rest: Sequence[GraphJoint]) -> tuple[list[Closure], list[str]]:
         """The closures, and notes on what of them is left out."""
@@ -245,12 +244,9 @@ class _Assembly:
         if name in self.joint_names:
             return self.joint_names[name]
         stem, dot, ending = name.rpartition(".")
-        return f"{self.joint_names[stem]}{dot}{_EXCHANGED[ending] if stem in self._backward else ending}"
-
-    @property
-    def _backward(self) -> list[str]:
-        """Universal joints that the file tells from the link that they carry: their first axis is the second one there."""
-        return [joint.name for _, link, joint in self.carried if joint.type == "U" and joint.links[0] == link]
+        if stem in self.graph.parts.turned:
+            ending = _EXCHANGED.get(ending, ending)
+        return f"{self.joint_names[stem]}{dot}{ending}"
 
     def _is_kept(self, coupling: Coupling, kept: set[str]) -> bool:
         return all(name in kept or name.rpartition(".")[0] in kept for name in (coupling.joint, *coupling.names))

@@ -13,7 +13,7 @@ from symkin.formats.mjcf_couplings import couplings_of, driven, idle_actuators, 
 from symkin.formats.mjcf_equalities import Equality, active_equalities, body_of, frames_on_bodies, held_values, is_rigid
 from symkin.formats.mjcf_model import CompiledModel
 from symkin.formats.naming import allowed_names, renamed, robot_name
-from symkin.formats.parts import KEY, parts_from
+from symkin.formats.parts import KEY, Parts, parts_from
 from symkin.formats.robot import Closure, Mesh, Robot
 from symkin.model.graph import LinkJoint
 from symkin.model.joint import BASE, Joint, JointType
@@ -70,8 +70,14 @@ class Reader:
             meshes=self._meshes(frames),
             floating=tuple(self.link_names[body] for body in self.floating),
             merged=merged,
-            parts=parts_from(self.compiled.text(KEY), f"{self.compiled.path}: <text name={KEY!r}>"),
+            parts=self._told,
+            turned=frozenset(self._told.turned),
         )
+
+    @cached_property
+    def _told(self) -> Parts:
+        """What the file's text tells of joints."""
+        return parts_from(self.compiled.text(KEY), f"{self.compiled.path}: <text name={KEY!r}>")
 
     # --- bodies --------------------------------------------------------------------------------------------------------
 
@@ -167,8 +173,9 @@ class Reader:
                 found[place : place + 7] = [*pose.position, *pose.quaternion]
             elif kind == "ball" and name in joints:
                 # from axes of the base frame, as symkin has them, to the body's own
-                turn = self._frame(body).quaternion
-                found[place : place + 4] = multiply(multiply(conjugate(turn), np.asarray(joints[name])), turn)
+                turn, value = self._frame(body).quaternion, np.asarray(joints[name])
+                value = conjugate(value) if name in self._told.turned else value
+                found[place : place + 4] = multiply(multiply(conjugate(turn), value), turn)
             elif name in joints:
                 found[place] = joints[name]
         return found

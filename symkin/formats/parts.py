@@ -3,7 +3,7 @@
 A universal joint is two revolute ones with a link between them, a rod two spherical ones, a joint that closes a loop may be a joint to a
 leaf that is welded to the link. Such parts are named in one text of the file, which others pass over:
 
-    knee = U: knee.1, knee.2; rod1 = rod: rod1.from, rod1.to; actuated: hip
+    knee = U: knee.1, knee.2; rod1 = rod: rod1.from, rod1.to; actuated: hip; turned: wrist
 
 Statements stand between semicolons; commas, colons and equals signs are no characters of names.
 """
@@ -28,7 +28,7 @@ KEY = "symkin"
 JOINTS_TAG = f"{KEY}:joints"
 NAMESPACE = f"urn:{KEY}"
 """Element and namespace of the text in XML that has none of its own."""
-_LISTS = ("actuated", "zeros", "reference", "welds", "order", "platform", "points")
+_LISTS = ("actuated", "zeros", "reference", "welds", "turned", "order", "platform", "points")
 _KINDS = ("R", "P", "H", "C", "U", "S", "weld", "rod")
 
 
@@ -48,14 +48,16 @@ class Whole:
 class Parts:
     """What a file tells of joints beyond its format: those in parts; which joints are actuated (None: not told); values that are added
     to those of the file (`zeros`), or at which the file's loops are closed (`reference`); welds that are joints, not parts of a link
-    (`welds`); the order of joints and rods; the link that carries the platform frame, with the frame's pose, and named points of links, in
-    the base frame at the file's configuration."""
+    (`welds`); joints that lead from the file's second link to its first (`turned`); the order of
+    joints and rods; the link that carries the platform frame, with the frame's pose, and named points
+    of links, in the base frame at the file's configuration."""
 
     wholes: tuple[Whole, ...] = ()
     actuated: tuple[str, ...] | None = None
     zeros: Mapping[str, float] = field(default_factory=dict)
     reference: Mapping[str, float] = field(default_factory=dict)
     welds: tuple[str, ...] = ()
+    turned: tuple[str, ...] = ()
     order: tuple[str, ...] = ()
     platform: tuple[str, Pose] | None = field(default=None, compare=False)
     points: tuple[LinkPoint, ...] = ()
@@ -68,13 +70,17 @@ class Parts:
             return joint in driven
         return kind == "P" if whole.kind == "rod" else joint == whole.parts[0] if whole.kind == "H" else kind != "weld"
 
+    def hold(self, joint: str) -> bool:
+        """Whether a joint is written in parts, or is one."""
+        return any(joint in (whole.name, *whole.parts) for whole in self.wholes)
+
     def at(self, reference: Mapping[str, float]) -> Parts:
         """The same with the values at which the loops are closed."""
         return replace(self, reference=reference)
 
-    def in_file(self, zeros: Mapping[str, float], welds: tuple[str, ...]) -> Parts:
-        """The same with what is added to the file's values, and welds by their names there."""
-        return replace(self, zeros=zeros, welds=welds)
+    def in_file(self, zeros: Mapping[str, float], welds: tuple[str, ...], turned: tuple[str, ...]) -> Parts:
+        """The same with what is added to the file's values, and welds and turned joints by their names there."""
+        return replace(self, zeros=zeros, welds=welds, turned=turned)
 
     def moved(self, displacements: Mapping[str, Pose]) -> Parts:
         """The same where links are displaced."""
@@ -105,7 +111,7 @@ def parts_text(parts: Parts) -> str:
         values: Mapping[str, float] = getattr(parts, key)
         if values:
             lines.append(f"{key}: " + ", ".join(f"{name} = {value!r}" for name, value in values.items()))
-    for key in ("welds", "order"):
+    for key in ("welds", "turned", "order"):
         names: tuple[str, ...] = getattr(parts, key)
         if names:
             lines.append(f"{key}: {', '.join(names)}")
@@ -140,6 +146,7 @@ def parts_from(text: str, where: str) -> Parts:
         _values(found.get("zeros", ()), where),
         _values(found.get("reference", ()), where),
         found.get("welds", ()),
+        found.get("turned", ()),
         found.get("order", ()),
         _platform(found.get("platform", ()), where),
         tuple(_points(found.get("points", ()), where)),

@@ -54,7 +54,9 @@ class Robot:
     to the other; their `zero` is the value at the file's configuration, in radians and metres), closures, couplings of joints, and what
     was left out of the file, a sentence each (`notes`). The root link is "base". Links that are `floating` hang on no joint, only on
     closures. Bodies that fixed joints make part of a link are `merged`: by their name in the file, the link and their frame. `meshes` show
-    links and merged bodies, by name. `parts` tells which joints are parts of one."""
+    links and merged bodies, by name. `parts` tells which joints are parts of one. Joints
+    and closures that are `turned` lead from the second of their links to the first in the mechanism: their
+    coordinates have the names that they have there."""
 
     name: str
     links: Mapping[str, Pose]
@@ -67,3 +69,4 @@ class Robot:
     floating: tuple[str, ...] = ()
     merged: Mapping[str, tuple[str, Pose]] = field(default_factory=dict)
     parts: Parts = field(default_factory=Parts)
+    turned: frozenset[str] = frozenset()

@@ -18,7 +18,7 @@ from symkin.formats.sdf_frames import NEWEST, WORLD
 from symkin.formats.written_tree import Form, WrittenTree, written_tree
 from symkin.formats.xml_written import Element, document, element, inside, numbers
 from symkin.model.graph import Coupling, LinkJoint
-from symkin.model.joint import BASE, FREEDOMS, Joint
+from symkin.model.joint import BASE, FREEDOMS, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 
 _TYPES = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}
@@ -46,13 +46,15 @@ class _Text:
             (joint,) = entry.joints
             self.places[entry.link] = np.array(joint.point)
             self.joints.append(LinkJoint(joint, (entry.carrier, entry.link)))
-        self.joints += [_towards_links(entry) for entry in tree.closures]
+        closures = [_towards_links(entry) for entry in tree.closures]
+        self.joints += closures
+        backward = [made.joint.name for made, entry in zip(closures, tree.closures, strict=True) if made is not entry]
+        self.turned = {*tree.parts.turned, *(name for name in backward if not tree.parts.hold(name))}
         self._refuse_names()
         self.names = self._joint_names()
         self.zeros = {e.joint.name: e.joint.zero for e in self.joints if FREEDOMS[e.joint.type] == 1 and e.joint.zero}
         self.couplings = {coupling.joint: coupling for coupling in tree.couplings}
-        coordinates = ((c.name, e.joint, tag) for e in self.joints for c, tag in zip(e.joint.coordinates, _TAGS, strict=False))
-        self.axes = {name: (joint, tag) for name, joint, tag in coordinates}
+        self.axes = {c.name: (e.joint, tag) for e in self.joints for c, tag in self._tagged(e.joint)}
 
     def document(self) -> str:
         root = element("sdf", version=".".join(str(part) for part in NEWEST))
@@ -100,7 +102,13 @@ class _Text:
             elif old != new:
                 parts = parts.with_whole(Whole(old, kinds[old].type, (new,), kinds[old].pitch))
         welds = tuple(self.names[name] for name in parts.welds)
-        return parts_text(parts.in_file({self.names[n]: z for n, z in self.zeros.items()}, welds))
+        other_way = tuple(self.names[e.joint.name] for e in self.joints if e.joint.name in self.turned)
+        return parts_text(parts.in_file({self.names[n]: z for n, z in self.zeros.items()}, welds, other_way))
+
+    def _tagged(self, joint: Joint) -> Iterator[tuple[Coordinate, str]]:
+        """The coordinates with the elements of their axes in the file; of a universal joint that is turned the last comes first."""
+        coordinates = joint.coordinates[::-1] if joint.name in self.turned else joint.coordinates
+        return zip(coordinates, _TAGS, strict=False)
 
     # --- links and joints ----------------------------------------------------------------------------------------------
 
@@ -121,7 +129,7 @@ class _Text:
         inside(made, "child", child)
         if joint.type == "H":
             inside(made, "screw_thread_pitch", joint.pitch)
-        for tag, vector, coordinate in zip(_TAGS, (joint.axis, joint.axis2), joint.coordinates, strict=False):
+        for (coordinate, tag), vector in zip(self._tagged(joint), (joint.axis, joint.axis2), strict=False):
             if vector is not None:
                 axis = inside(made, tag)
                 inside(axis, "xyz", vector)

@@ -7,7 +7,7 @@ The state of a ball is its unit quaternion, of every other step a number.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -77,6 +77,16 @@ def steps_of(joint: Joint) -> list[Step]:
             return []
 
 
+def _seen_backward(joint: Joint) -> list[Step]:
+    """The motions of a joint with the names that they have as seen from its second link: the last
+    turn of a universal joint comes first there, turn and slide of a C joint are in any order."""
+    steps = steps_of(joint)
+    names = [step.name for step in steps]
+    if joint.type == "U":
+        names.reverse()
+    return [replace(step, name=name) for step, name in zip(steps, names, strict=True)]
+
+
 State = tuple[np.ndarray, ...]
 """The value of each step: one number, or four of a ball."""
 
@@ -141,7 +151,9 @@ class Tree:
                     f"joint {waiting[0].joint.name!r}: its link {waiting[0].links[0]!r} hangs on nothing; the tree begins at {BASE!r}"
                 )
             for entry in ready:
-                found.append((entry.links[0], entry.links[1], steps_of(entry.joint)))
+                backward = entry.joint.name in robot.turned
+                steps = _seen_backward(entry.joint) if backward else steps_of(entry.joint)
+                found.append((entry.links[0], entry.links[1], steps))
                 if entry.links[1] in placed:
                     raise MechanismError(
                         f"joint {entry.joint.name!r}: the link {entry.links[1]!r} hangs on two joints of the tree; a loop is a closure"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from symkin.errors import MechanismError
@@ -19,6 +19,7 @@ def whole_again(mechanism: Mechanism, parts: Parts) -> Mechanism:
     if parts == Parts() and parts.platform is None:
         return mechanism
     made = _Made(mechanism, parts)
+    made.check_known(parts.turned)
     made.shift(parts.zeros)
     for whole in parts.wholes:
         made.join(whole)
@@ -74,9 +75,7 @@ class _Made:
     def mechanism(self) -> Mechanism:
         """All of it, in the order that is told."""
         driven = self.parts.actuated
-        for name in driven or ():
-            if name not in self.rods:
-                self._known(name)
+        self.check_known(name for name in driven or () if name not in self.rods)
         places = {name: k for k, name in enumerate(self.parts.order)}
         joints = sorted(self.joints.values(), key=lambda entry: places.get(entry.joint.name, len(places)))
         rods = sorted(self.rods.values(), key=lambda rod: places.get(rod.name, len(places)))
@@ -88,6 +87,11 @@ class _Made:
             return made if self.parts.platform is None else _with_frame(made, *self.parts.platform)
         except MechanismError as error:
             raise self._error(str(error)) from None
+
+    def check_known(self, names: Iterable[str]) -> None:
+        """Raise MechanismError for a name that no joint has."""
+        for name in names:
+            self._known(name)
 
     def _known(self, name: str) -> LinkJoint:
         if name not in self.joints:

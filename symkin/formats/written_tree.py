@@ -107,6 +107,7 @@ class _Writer:
         self.coupled = {name for c in graph.couplings for name in (c.joint, *c.names)}
         self.couplings = list(graph.couplings)
         self.wholes: list[Whole] = []
+        self.turned: list[str] = []
         self.entries = list(graph.link_joints)
         for rod in graph.link_rods:
             self._add_rod(rod)
@@ -126,6 +127,7 @@ class _Writer:
             tuple(self.wholes),
             actuated,
             welds=welds,
+            turned=tuple(self.turned),
             order=tuple(part.name for part in parts),
             platform=None if graph.platform_link is None else (graph.platform_link, graph.reference_pose),
             points=tuple(graph.link_points),
@@ -222,6 +224,8 @@ class _Writer:
                 parts = self._in_parts(entry.joint)
                 if entry.links[0] != link:
                     parts = [turned(part) for part in reversed(parts)]
+                    # of joints in parts the order of these tells it
+                    self.turned += [] if Parts(tuple(self.wholes)).hold(entry.joint.name) else [entry.joint.name]
                 found.append(Carried(link, other, tuple(parts)))
             todo += reversed(behind)
         return found

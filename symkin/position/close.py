@@ -31,6 +31,7 @@ from symkin.position.gruebler import counts
 from symkin.position.mobility import mobility
 from symkin.position.moved_reference import with_reference_at
 from symkin.position.readings import left_out, readings_at
+from symkin.spatial.rotation import conjugate
 from symkin.text import first_of
 
 
@@ -94,6 +95,8 @@ def _tree_values(robot: Robot, found: Closed) -> dict[str, float | list[float]]:
     """The values of the tree's joints, in the file's order."""
     names = [c.name for entry in robot.joints for c in entry.joint.coordinates]
     values = {name: found.values[name] for name in names}
+    # a ball as seen from its other link turns back
+    values |= {name: tuple(conjugate(np.array(values[name]))) for name in robot.turned if len(values.get(name, ())) == 4}
     return {name: value[0] if len(value) == 1 else list(value) for name, value in values.items()}
 
 

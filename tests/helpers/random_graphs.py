@@ -45,7 +45,10 @@ def _joint(rng: np.random.Generator, kind: str, name: str, size: float) -> symki
         return symkin.Joint(name, kind, at)
     actuated = bool(rng.random() < 0.3)
     if FREEDOMS[kind] != 1:
-        return symkin.Joint(name, kind, at, unit(rng), unit(rng) if kind == "U" else None, actuated=actuated)
+        axis, axis2 = unit(rng), unit(rng) if kind == "U" else None
+        if axis2 is not None and rng.random() < 0.5:
+            axis2 = np.cross(axis, axis2)  # square, as formats have it that know universal joints
+        return symkin.Joint(name, kind, at, axis, axis2, actuated=actuated)
     scale = size if kind == "P" else 2.0 * np.pi
     limits = sorted(scale * rng.uniform(-1, 1, 2)) if rng.random() < 0.4 else None
     pitch = size * float(rng.uniform(0.1, 0.5)) if kind == "H" else 0.0

@@ -1,10 +1,12 @@
-"""When two graphs of links are one mechanism: the same links, and joints, rods and couplings with the same names, types and screws."""
+"""When two graphs of links are one mechanism: the same links, and joints, rods and couplings with the same names, types and screws; and
+the same values of the same names mean the same poses."""
 
 from __future__ import annotations
 
 import numpy as np
 
 import symkin
+from helpers.product_of_exponentials import between_links, random_values
 from symkin.model.graph_checks import links_of
 
 DIGITS = 1e-12
@@ -20,6 +22,7 @@ def assert_same(expected: symkin.Mechanism, found: symkin.Mechanism, digits: flo
     assert list(others) == list(joints)
     for name, entry in joints.items():
         _assert_joint(entry, others[name], size, digits)
+    _assert_same_meaning(expected, found, size, digits)
     rods, more = ({rod.name: rod for rod in m.link_rods} for m in (expected, found))
     assert list(more) == list(rods)
     for name, rod in rods.items():
@@ -45,22 +48,29 @@ def _assert_joint(entry: symkin.LinkJoint, other: symkin.LinkJoint, size: float,
     assert found.type == joint.type, name
     assert found.actuated == joint.actuated, name
     assert (found.limits is None) == (joint.limits is None), name
-    turned = tuple(other.links) != tuple(entry.links)
-    assert tuple(other.links) == (tuple(reversed(entry.links)) if turned else tuple(entry.links)), name
-    np.testing.assert_allclose(_lines(found, turned), _lines(joint, False), rtol=0, atol=digits * max(size, 1.0), err_msg=name)
+    assert tuple(other.links) == tuple(entry.links), name
+    np.testing.assert_allclose(_lines(found), _lines(joint), rtol=0, atol=digits * max(size, 1.0), err_msg=name)
     numbers, others = ([j.zero, j.pitch, *(j.limits or ())] for j in (joint, found))
     np.testing.assert_allclose(others, numbers, rtol=digits, atol=digits * max(size, 1.0), err_msg=name)
 
 
-def _lines(joint: symkin.Joint, turned: bool) -> np.ndarray:
+def _assert_same_meaning(expected: symkin.Mechanism, found: symkin.Mechanism, size: float, digits: float) -> None:
+    """Values of coordinates by name place the links of each joint alike, by an account of their screws that is none of symkin's."""
+    values = random_values(expected, 0)
+    assert set(values) == {c.name for c in found.coordinates}
+    placed, others = (between_links(m, values) for m in (expected, found))
+    for name, (link, pose) in placed.items():
+        assert others[name][0] == link, name
+        np.testing.assert_allclose(others[name][1], pose, rtol=0, atol=10 * digits * max(size, 1.0), err_msg=name)
+
+
+def _lines(joint: symkin.Joint) -> np.ndarray:
     """The joint's axes as lines (direction, moment) as seen from its first link; the point of a ball; the direction of a slide."""
     if joint.type == "weld":
         return np.zeros(0)
     if joint.type == "S":
         return np.array(joint.point)
-    sign = -1.0 if turned else 1.0
-    axes = [a for a in (joint.axis, joint.axis2) if a is not None]
-    axes = [sign * np.array(a) for a in (reversed(axes) if turned else axes)]
+    axes = [np.array(a) for a in (joint.axis, joint.axis2) if a is not None]
     if joint.type == "P":
         return axes[0]
     return np.concatenate([part for a in axes for part in (a, np.cross(joint.point, a))])
