@@ -137,7 +137,7 @@ def report_mobility(report: Report) -> None:
         )
     for name in (PLATFORM_NAME, LINKS_NAME):
         found = symkin.mobility(symkin.load(name))
-        numbers = [found.freedoms, found.rows, found.rank.value, found.redundant, found.mobility]
+        numbers = [found.freedoms, found.rows, found.rank.value, found.implied_rows, found.mobility]
         paper = [None, None, None, 1, 4] if name == LINKS_NAME else None
         verdict = "reproduced" if paper is not None and numbers[3:] == [1, 4] else None
         report.row(

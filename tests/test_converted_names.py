@@ -65,6 +65,18 @@ def test_the_same_names_and_values_mean_the_same_poses(kind: str, suffix: str, t
 
 
 @pytest.mark.parametrize("suffix", FORMATS)
+def test_a_loop_of_one_point_closes_to_rounding(suffix: str, tmp_path: Path) -> None:
+    """Two slides and a ball: the two frames of the ball, which are all the points there are, differ by rounding, and that is no size."""
+    entries = [
+        symkin.LinkJoint(symkin.Joint("p", "P", AT, AXIS, zero=0.0385), ("base", "a")),
+        symkin.LinkJoint(symkin.Joint("q", "P", AT, SKEW, zero=0.0731), ("b", "a")),
+        symkin.LinkJoint(symkin.Joint("s", "S", (0.08506903, -0.01000043, 0.07229414)), ("a", "b")),
+    ]
+    mechanism = symkin.Mechanism("m", link_joints=entries, length_unit="m")
+    assert_same(as_graph(mechanism), round_trip(mechanism, suffix, tmp_path))
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
 @pytest.mark.parametrize("backward", [False, True])
 def test_couplings_follow_their_axis(suffix: str, backward: bool, tmp_path: Path) -> None:
     """Of a universal joint told from the link that the tree carries, a joint that follows .2 follows it after the round trip."""

@@ -7,12 +7,17 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.body_constraints import redundant_rows
+from helpers.random_graphs import random_graph
 from helpers.samples import delta, three_rrr
 from symkin import Joint, Mechanism
+from symkin.closure.closure import build_closure
+from symkin.formats.graph_form import as_graph
 from symkin.model.limb import Limb
 from symkin.numeric.rank import Rank
 from symkin.position.describe import describe
 from symkin.position.limb_screws import reciprocal_system
+from symkin.position.loops import redundant_constraints
 from symkin.position.platform_motion import fewer_rows
 from symkin.spatial.screw import prismatic_screw, reciprocal_product, revolute_screw
 
@@ -52,7 +57,7 @@ def bennett(twist: float = 30.0, other: float = 60.0, length: float = 2.0) -> Me
         (four_bar(), 1, 3, -2),
         (bennett(), 1, 3, -2),
         (symkin.load("zhao2000_links"), 4, 1, 4),
-        (symkin.load("zhao2000"), 4, 0, 1),
+        (symkin.load("zhao2000"), 4, 4, 1),
         (symkin.load("zhang2009"), 6, 0, 12),
         (symkin.load("ren2008"), 6, 0, 6),
         (symkin.load("gluon_6l3"), 6, 0, 6),
@@ -64,6 +69,58 @@ def test_mobility_of_known_mechanisms(mechanism: Mechanism, mobility: int, redun
     (Zhao 2000), platforms of six SPS or UPS limbs 6."""
     found = symkin.mobility(mechanism)
     assert (found.mobility, found.redundant, found.gruebler) == (mobility, redundant, gruebler)
+
+
+def agile_eye() -> Mechanism:
+    """Three limbs of three revolutes whose axes meet at the origin, square to each other at the reference."""
+    x, y, z = np.eye(3)
+    limbs = []
+    for k, (a, b, c) in enumerate([(x, y, -z), (y, z, -x), (z, x, -y)]):
+        axes = {"m": a, "e": b, "p": c}
+        limbs.append(Limb(f"l{k}", [Joint(f"{n}{k}", "R", 60 * v, v, actuated=n == "m") for n, v in axes.items()]))
+    return Mechanism("agile", limbs)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "motion", "redundant"),
+    [
+        (agile_eye(), "spherical", 6),
+        (three_rrr(), "planar", 6),
+        (delta(), "translation", 0),
+        (symkin.load("zhao2000"), "schoenflies", 4),
+        (four_bar(), "planar", 3),
+    ],
+    ids=lambda value: getattr(value, "name", str(value)),
+)
+def test_redundant_constraints_are_those_of_the_machine(mechanism: Mechanism, motion: str, redundant: int) -> None:
+    """6 loops and rods less their rank, by hand: whether its motion is declared or not, as limbs and as a graph, and to `close`."""
+    spatial = replace(mechanism, motion="spatial")
+    for form in (replace(mechanism, motion=motion), spatial, as_graph(spatial)):
+        found = symkin.mobility(form)
+        shown, closed = found.to_dict(), symkin.close(form)
+        told = [found.redundant, shown["redundant"], shown["generic"]["redundant"], closed.redundant]
+        told.append(closed.to_dict()["generic"]["redundant"])
+        assert told == [redundant] * 5
+        assert f"redundant constraints: {redundant}" in describe(form)
+    assert symkin.mobility(spatial).implied_rows == redundant
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_redundant_constraints_are_those_of_free_bodies(name: str) -> None:
+    """At the reference, by what joints and rods forbid of links as free bodies."""
+    mechanism = symkin.load(name)
+    found = symkin.mobility(mechanism)
+    assert found.to_dict()["redundant"] == redundant_rows(replace(mechanism, motion="spatial"))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_redundant_constraints_of_random_graphs_are_those_of_free_bodies(seed: int) -> None:
+    """By loops as well as by the rows of the closure, couplings included, wherever loops are cut."""
+    mechanism = random_graph(seed)
+    closure = build_closure(mechanism)
+    expected = redundant_rows(mechanism)
+    assert redundant_constraints(closure, closure.reference) == expected
+    assert symkin.mobility(mechanism).redundant_at_reference == expected
 
 
 @pytest.mark.slow

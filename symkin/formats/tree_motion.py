@@ -27,6 +27,8 @@ from symkin.spatial.rotation import (
 )
 
 _AXES = np.eye(3)
+_ONE_POINT = 1e-12
+"""Of the largest coordinate: points that are this near are one to the rounding of their poses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,9 +188,11 @@ class Tree:
     def size(self) -> float:
         """The diagonal of the box around joints, closures and frames at the file's configuration (metres), by which angles become
         lengths; 1 where all of them are one point."""
-        points = [*self._points]
-        spread = np.ptp(np.array(points), axis=0) if points else np.zeros(3)
-        return float(np.linalg.norm(spread)) or 1.0
+        points = np.array([*self._points]).reshape(-1, 3)
+        if not len(points):
+            return 1.0
+        spread = float(np.linalg.norm(np.ptp(points, axis=0)))
+        return spread if spread > _ONE_POINT * float(np.abs(points).max()) else 1.0
 
     @property
     def _points(self) -> list[np.ndarray]:

@@ -73,6 +73,7 @@ def close_robot(robot: Robot, *, seed: int = 0) -> ClosedConfiguration:
         freedoms=tree.freedom,
         rows=row_count(robot),
         rank=rank,
+        redundant=row_count(robot) - rank,
         generic_rank=None if generic is None else generic.value,
         actuated=tuple(c.name for e in robot.joints if e.joint.actuated for c in e.joint.coordinates),
         loops=tuple(LoopGap(name, found.gaps[name], found.residuals[name]) for name in found.gaps),
@@ -156,6 +157,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
     moved = mechanism if open_by <= CLOSURE_TOLERANCE * size else with_reference_at(closure, values)
     links, joints, _ = counts(mechanism)
     rank = account.rank.value if account.reference_rank is None else account.reference_rank.value
+    redundant = account.redundant_at_reference
     return ClosedConfiguration(
         mechanism=mechanism.name,
         units=(mechanism.length_unit, mechanism.angle_unit),
@@ -164,6 +166,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
         freedoms=account.freedoms,
         rows=account.rows,
         rank=rank,
+        redundant=account.redundant if redundant is None else redundant,
         generic_rank=account.generic_rank,
         actuated=tuple(c.name for c in mechanism.actuated),
         loops=(),

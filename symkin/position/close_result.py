@@ -24,7 +24,7 @@ class LoopGap:
 class ClosedConfiguration(Result):
     """The closed configuration nearest to a file's own.
 
-    mobility = freedoms - rank, redundant = rows - rank, both here; `generic_rank` is that of closed configurations beside it,
+    mobility = freedoms - rank, here as is `redundant`, the constraints that others imply (rows - rank where no motion is declared); `generic_rank` is that of closed configurations beside it,
     None where it is not clear.
     `open_by` and `residual` are the largest of what the loops leave open in the file and here, `joints` the values of all joints in
     `units` (length, angle), `link_poses` the frames of links, and of bodies that are part of them, in the base frame. `closed` is
@@ -44,6 +44,7 @@ class ClosedConfiguration(Result):
     freedoms: int
     rows: int
     rank: int
+    redundant: int
     generic_rank: int | None
     actuated: tuple[str, ...]
     loops: tuple[LoopGap, ...]
@@ -59,11 +60,6 @@ class ClosedConfiguration(Result):
     def mobility(self) -> int:
         """Freedoms that the constraints leave."""
         return self.freedoms - self.rank
-
-    @property
-    def redundant(self) -> int:
-        """Rows that the others imply."""
-        return self.rows - self.rank
 
     def summary(self, most_rows: int | None = None) -> Summary:
         """Mobility, how far the loops were open and are, then every joint's value."""
@@ -101,7 +97,7 @@ class ClosedConfiguration(Result):
             "generic": {
                 "rank": rank,
                 "mobility": None if rank is None else self.freedoms - rank,
-                "redundant": None if rank is None else self.rows - rank,
+                "redundant": None if rank is None else self.redundant + self.rank - rank,
             },
             "actuated": list(self.actuated),
             "closed": self.closed,

@@ -99,7 +99,7 @@ def _mobility(m: Mobility) -> str:
         if m.reference_rank is not None and not m.at_reference:
             there = m.reference_rank.value
             lines.append(
-                f"  at the reference: rank {there}, mobility {m.freedoms - there}, redundant constraints {m.rows - there}"
+                f"  at the reference: rank {there}, mobility {m.freedoms - there}, redundant constraints {m.redundant_at_reference}"
             )
     return "\n".join([*lines, *(f"  warning: {warning}" for warning in m.warnings)])
 

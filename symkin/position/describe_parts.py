@@ -50,8 +50,15 @@ def ranks_text(found: Mobility, rows: str) -> list[str]:
         f"  {rows} {found.rows}, rank at {where} {found.rank.value}, freedoms of the coordinates {found.freedoms}",
         f"  mobility = {found.freedoms} - {found.rank.value} = {found.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
         f"{found.gruebler})",
-        f"  redundant constraints: {found.redundant}",
+        f"  redundant constraints: {found.redundant}{_whose(found)}",
     ]
+
+
+def _whose(found: Mobility) -> str:
+    """Why the count is not what rows and rank leave."""
+    if found.redundant == found.implied_rows:
+        return ""
+    return ", of the loops in space; the rows are those of the declared motion"
 
 
 def where_text(found: Mobility) -> str:

@@ -16,7 +16,7 @@ from symkin.numeric.tolerances import CLOSED_CONFIGURATION, CLOSURE_TOLERANCE
 from symkin.position.closed_configurations import LeastSquaresEnds, least_squares_ends, whole_system
 from symkin.position.gruebler import gruebler_kutzbach
 from symkin.position.limb_screws import limb_screws, per_freedom, platform_screws
-from symkin.position.loops import loops_at
+from symkin.position.loops import loops_at, redundant_constraints
 from symkin.position.mobility_result import FILE_DIGITS, Misfit, Mobility, ToDigits
 
 _CLEAR_DROP = 2e-2
@@ -36,7 +36,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     >>> import symkin
     >>> found = symkin.mobility(symkin.load("zhao2000"))
     >>> found.mobility, found.redundant, found.gruebler
-    (4, 0, 1)
+    (4, 4, 1)
     """
     closure = build_closure(mechanism)
     system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
@@ -67,6 +67,7 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         freedoms=system.freedom,
         rows=_count_rows(closure),
         rank=generic,
+        redundant=_redundant(closure, there, generic.value),
         direct_rank=Rank.of(system.linearise_one(there, nothing)[1][:, unknown]),
         limbs=limbs,
         platform_constraints=constraints,
@@ -83,6 +84,14 @@ def _other_ranks(ranks: Sequence[Rank], generic: Rank) -> tuple[int, ...]:
     """Smaller ranks that are as clear as the generic one at two closed configurations or more: those of other branches."""
     clear = [rank.value for rank in ranks if rank.is_clear and rank.value < generic.value]
     return tuple(sorted({value for value in clear if clear.count(value) > 1}))
+
+
+def _redundant(closure: Closure, values: np.ndarray, rank: int) -> int:
+    """Redundant constraints of the machine in space: a declared motion leaves rows out, or says what
+    they say, so that they are counted by the loops."""
+    if closure.mechanism.motion != "spatial":
+        return redundant_constraints(closure, values)
+    return _count_rows(closure) - rank
 
 
 def _count_rows(closure: Closure) -> int:

@@ -13,7 +13,7 @@ from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
 from symkin.position.gruebler import counts
 from symkin.position.limb_screws import LimbScrews
-from symkin.position.loops import Loop, loops_at
+from symkin.position.loops import Loop, loops_at, redundant_constraints
 from symkin.result import Result, Summary
 
 FILE_DIGITS = 1e-5
@@ -43,8 +43,9 @@ class Misfit:
 class Mobility(Result):
     """What the closure's differential says at one closed configuration.
 
-    mobility = freedoms of all coordinates - rank; redundant = rows - rank; rows that vanish at every configuration count as well,
-    unless a declared motion is why they do. `values` are the closure's variables there;
+    mobility = freedoms of all coordinates - rank. `redundant` counts the constraints of the machine in
+    space that others imply, whatever motion is declared; without a declared motion it is rows - rank, rows
+    that vanish at every configuration included. `values` are the closure's variables there;
     `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
     `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
     reciprocal to them (rows, base origin). `digits` is set where they close only to the digits of the
@@ -64,6 +65,7 @@ class Mobility(Result):
     freedoms: int
     rows: int
     rank: Rank
+    redundant: int
     direct_rank: Rank
     limbs: tuple[LimbScrews, ...]
     platform_constraints: np.ndarray
@@ -90,9 +92,22 @@ class Mobility(Result):
         return self.digits.rank if self.digits is not None and self.digits.beside_alone else self.rank.value
 
     @property
-    def redundant(self) -> int:
-        """Rows of the closure that the others imply."""
+    def implied_rows(self) -> int:
+        """Rows of the closure that the others imply, under the motion that is declared."""
         return self.rows - self.rank.value
+
+    @property
+    def redundant_at_reference(self) -> int | None:
+        """Redundant constraints of the machine at the reference; None where it is open."""
+        if self.reference_rank is None:
+            return None
+        if self.closure.mechanism.motion != "spatial":
+            return redundant_constraints(self.closure, self.closure.reference)
+        return self.redundant_of(self.reference_rank.value)
+
+    def redundant_of(self, rank: int) -> int:
+        """Redundant constraints where the closure has another rank."""
+        return self.redundant + self.rank.value - rank
 
     @property
     def actuated(self) -> int:
@@ -140,7 +155,7 @@ class Mobility(Result):
             exactly = f"; at the reference, which is singular, it is {self.mobility}"
         return (
             f"{where}the loops close only to the digits of the file: least-squares configurations leave {self.digits.misfit:.1e} "
-            f"{unit}; to these digits the mobility is {self.freedoms - rank}, with {self.rows - rank} redundant constraints{exactly}",
+            f"{unit}; to these digits the mobility is {self.freedoms - rank}, with {self.redundant_of(rank)} redundant constraints{exactly}",
         )
 
     def summary(self, most_rows: int | None = None) -> Summary:
@@ -175,9 +190,9 @@ class Mobility(Result):
             "rows": self.rows,
             "rank": None if reference is None else reference.value,
             "mobility": None if reference is None else self.freedoms - reference.value,
-            "redundant": None if reference is None else self.rows - reference.value,
+            "redundant": self.redundant_at_reference,
             "generic": {
-                "rank": self.generic_rank, "mobility": self.freedoms - self.generic_rank, "redundant": self.rows - self.generic_rank,
+                "rank": self.generic_rank, "mobility": self.freedoms - self.generic_rank, "redundant": self.redundant_of(self.generic_rank),
                 "closed": self.closed,
             },
             "gruebler": self.gruebler,

@@ -15,12 +15,12 @@ def fewer_rows(found: Mobility) -> tuple[Motion, int] | None:
     """The motion of a platform declared spatial that the joints leave it anyway and that removes most redundant rows, with
     the number of those left; None where there is none. Declared, it changes no solution of the same assembly."""
     mechanism = found.closure.mechanism
-    if not found.limbs or mechanism.motion != "spatial" or not found.redundant or not found.closed:
+    if not found.limbs or mechanism.motion != "spatial" or not found.implied_rows or not found.closed:
         return None
     restricted = [(m, mobility(replace(mechanism, motion=m))) for m in MOTIONS if m != "spatial"]
-    kept = [(m, other.redundant) for m, other in restricted if other.closed and other.mobility == found.mobility]
+    kept = [(m, other.implied_rows) for m, other in restricted if other.closed and other.mobility == found.mobility]
     best = min(kept, key=lambda pair: pair[1], default=None)
-    return best if best is not None and best[1] < found.redundant else None
+    return best if best is not None and best[1] < found.implied_rows else None
 
 
 def implied_motion(mechanism: Mechanism) -> Motion | None:
