@@ -250,6 +250,42 @@ def test_the_text_to_spoil_is_right():
     assert parse(GRAPH).is_graph
 
 
+JOINT = """[[joint]]
+name = "q"
+type = "R"
+links = LINKS
+point = [0, 0, 0]
+axis = [0, 0, 1]
+"""
+ROD_ON_PLATFORM = """[[rod]]
+name = "bar"
+links = ["platform", "arm"]
+from = [1, 2, 3]
+to = [4, 5, 6]
+"""
+HEAD_OF_A_GRAPH = 'format = 1\nname = "g"\nlength_unit = "mm"\nangle_unit = "deg"\n'
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        JOINT.replace("LINKS", '["base", "platform"]'),
+        JOINT.replace("LINKS", '["platform", "base"]'),
+        JOINT.replace("LINKS", '["base", "arm"]') + ROD_ON_PLATFORM,
+        JOINT.replace("LINKS", '["base", "arm"]') + LIMB.replace('name = "leg"', 'name = "leg"\nlinks = ["platform", "arm"]'),
+    ],
+    ids=["joint to it", "joint from it", "rod", "limb from it"],
+)
+@pytest.mark.parametrize("frame", ["position = [1, 2, 3]", "", 'position = [1, 2, 3]\nmotion = "planar"'])
+def test_a_link_named_platform_carries_the_frame(entries: str, frame: str) -> None:
+    """As the reference says, whatever names the link: the file without `platform.link` is the one that has it."""
+    text = HEAD_OF_A_GRAPH + entries + "[platform]\n"
+    found = parse(text + frame)
+    assert found == parse(text + f'link = "platform"\n{frame}')
+    assert found.platform_link == "platform"
+    assert parse(found.to_toml()) == found
+
+
 @pytest.mark.parametrize("case", BAD)
 def test_a_mistake_is_one_line_with_file_key_and_value(case, tmp_path):
     """MechanismError: the file's path first, then what it is about, the value, what is allowed; one line."""

@@ -256,8 +256,11 @@ def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
     linked = table.platform is not None and table.platform.link is not None
     if linked and form != "graph":
         raise MechanismError("platform.link: allowed with [[joint]] that have links; limbs end on the platform")
-    if form == "graph" and table.platform is not None and not linked and not any(limb.links[1] == PLATFORM for limb in limbs):
-        raise MechanismError("platform.link is missing; in a graph of links it names the one that carries the platform frame")
+    if form == "graph" and table.platform is not None and not linked and PLATFORM not in _links_named(table, limbs):
+        raise MechanismError(
+            "platform.link is missing; in a graph of links it names the one that carries the platform frame, which a link named "
+            f"{PLATFORM!r} does by itself"
+        )
     if form == "limb" and table.platform is None and any(hasattr(limb, "joint") for limb in limbs):
         raise MechanismError("platform is missing; limbs of joints need [platform] with its position at the reference")
     if form == "graph":
@@ -267,9 +270,14 @@ def _check_frames(form: str, table: Any, limbs: Sequence[Any]) -> None:
         raise MechanismError("platform.position is missing; limbs of joints need it")
 
 
+def _links_named(table: Any, limbs: Sequence[Any]) -> list[str]:
+    """The links that joints, rods and limbs name."""
+    return [link for entry in (*table.joint, *table.rod, *limbs) for link in entry.links or ()]
+
+
 def _check_link_tables(table: Any, limbs: Sequence[Any]) -> None:
     """Every [[link]] is one that a joint, a rod or a limb names."""
-    held = [link for entry in (*table.joint, *table.rod, *limbs) for link in entry.links or ()]
+    held = _links_named(table, limbs)
     for k, link in enumerate(table.link):
         if link.name not in held and link.name != BASE:
             raise MechanismError(
