@@ -61,7 +61,7 @@ def test_the_same_names_and_values_mean_the_same_poses(kind: str, suffix: str, t
     for mechanism in machines(kind):
         found = round_trip(mechanism, suffix, tmp_path)
         assert_same(as_graph(mechanism), found)
-        assert_same(found, round_trip(found, suffix, tmp_path))
+    assert_same(found, round_trip(found, suffix, tmp_path))
 
 
 @pytest.mark.parametrize("suffix", FORMATS)

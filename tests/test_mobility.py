@@ -17,7 +17,7 @@ from symkin.model.limb import Limb
 from symkin.numeric.rank import Rank
 from symkin.position.describe import describe
 from symkin.position.limb_screws import reciprocal_system
-from symkin.position.loops import redundant_constraints
+from symkin.position.loops import loops_at, redundant_constraints
 from symkin.position.platform_motion import fewer_rows
 from symkin.spatial.screw import prismatic_screw, reciprocal_product, revolute_screw
 
@@ -113,7 +113,23 @@ def test_redundant_constraints_are_those_of_free_bodies(name: str) -> None:
     assert found.to_dict()["redundant"] == redundant_rows(replace(mechanism, motion="spatial"))
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("name", ["four_bar", "sarrus", "double_wishbone", "five_link_suspension"])
+@pytest.mark.parametrize("away", [1e2, 1e6])
+def test_redundant_constraints_wherever_the_base_frame_is(name: str, away: float) -> None:
+    """By loops, each and together, of a machine that stands many times its size from the origin of the base frame."""
+    mechanism = symkin.load(name)
+    far = np.array([1.0, 0.7, -0.4]) * away * mechanism.characteristic_length
+    joints = [replace(e, joint=replace(e.joint, point=e.joint.point + far)) for e in mechanism.link_joints]
+    rods = [replace(rod, start=rod.start + far, end=rod.end + far) for rod in mechanism.link_rods]
+    moved = replace(mechanism, link_joints=joints, link_rods=rods, link_points=())
+    closures = [build_closure(m) for m in (mechanism, moved)]
+    together = [redundant_constraints(closure, closure.reference) for closure in closures]
+    single = [[loop.redundant for loop in loops_at(closure, closure.reference)] for closure in closures]
+    assert together[0] == together[1]
+    assert single[0] == single[1]
+
+
+@pytest.mark.parametrize("seed", range(15))
 def test_redundant_constraints_of_random_graphs_are_those_of_free_bodies(seed: int) -> None:
     """By loops as well as by the rows of the closure, couplings included, wherever loops are cut."""
     mechanism = random_graph(seed)

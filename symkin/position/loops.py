@@ -191,20 +191,20 @@ def _cut_freedom(cycle: Sequence[Branch]) -> int:
 
 
 def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np.ndarray:
-    """Twists (angular velocity times the size; velocity at the base origin) of an edge's freedoms, as rows."""
-    part, size = edge.elements[0].part, mechanism.characteristic_length
+    """Twists (angular velocity; velocity at the mechanism's middle over the size) of an edge's freedoms, as rows."""
+    part, size, middle = edge.elements[0].part, mechanism.characteristic_length, _middle(mechanism)
     before, after = (poses[link] for link in edge.ends)
     if isinstance(part, Bar):
         ends = []
         for pose, end in ((before, part.start), (after, part.end)):
             ends.append(np.asarray(pose.apply(end.at_reference(mechanism.reference_pose))))
-        turns = np.vstack([_turns(np.eye(3), end, size) for end in ends])
+        turns = np.vstack([_turns(np.eye(3), end - middle, size) for end in ends])
         along = np.concatenate([np.zeros(3), ends[1] - ends[0]])[None]
         length = float(np.linalg.norm(along))
         return turns if part.coordinate is None or not length else np.vstack([turns, along / length])
     if part.type == "weld":
         return np.zeros((0, _SPATIAL))
-    point = np.asarray(before.apply(np.array(mechanism.places[part.name])))
+    point = np.asarray(before.apply(np.array(mechanism.places[part.name]))) - middle
     if part.type == "S":
         return _turns(np.eye(3), point, size)
     axis = np.asarray(before.turn(np.array(part.axis)))
@@ -221,6 +221,15 @@ def _screws(mechanism: Mechanism, edge: Branch, poses: Mapping[str, Pose]) -> np
             return _turns(np.vstack([axis, second]), point, size)
         case _:
             return _turns(axis[None], point, size)
+
+
+@lru_cache(maxsize=128)
+def _middle(mechanism: Mechanism) -> np.ndarray:
+    """The mean of joints and rod ends at the reference: moments about it are of the size of the
+    mechanism, however far that stands from the base's origin."""
+    pose = mechanism.reference_pose
+    ends = [end.at_reference(pose) for bar in mechanism.bars for end in (bar.start, bar.end)]
+    return np.asarray(np.mean(np.array([*mechanism.places.values(), *ends], dtype=float), axis=0))
 
 
 def _columns(edge: Branch) -> list[tuple[str, int]]:
