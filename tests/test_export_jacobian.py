@@ -21,8 +21,7 @@ from helpers.shipped import LIMBS
 from symkin import InputError
 from symkin.cli.app import main
 from symkin.codegen.jacobian_formats import FORMATS, jacobian_text, write_jacobian
-from symkin.codegen.jacobian_latex import symbol_of
-from symkin.codegen.latex import distinct
+from symkin.codegen.jacobian_latex import symbols_read
 from symkin.velocity.jacobian import jacobian
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"]
@@ -53,7 +52,7 @@ def _run_c(text, symbolic, inputs, folder):
     )
     function = getattr(ctypes.CDLL(str(folder / "j.so")), f"{symbolic.mechanism.name}_{symbolic.kind}_jacobian")
     split = len(symbolic.inputs)
-    arrays = [(ctypes.c_double * len(part))(*part) for part in (inputs[:split], inputs[split:]) if part]
+    arrays = [(ctypes.c_double * len(part))(*part) for part in (inputs[:split], *([inputs[split:]] if inputs[split:] else []))]
     matrix = np.zeros(symbolic.shape)
     function(*arrays, matrix.ctypes.data_as(ctypes.POINTER(ctypes.c_double)))
     return matrix
@@ -63,8 +62,7 @@ def _run_latex(symbolic, inputs):
     """The document's equations, read back as arithmetic."""
     text = jacobian_text(symbolic, "latex")
     lines = [line.removesuffix(r" \\").split(" &= ", 1) for line in text.splitlines() if " &= " in line]
-    read = (*symbolic.inputs, *symbolic.parameters)
-    symbols = distinct([symbol_of(v) for v in read], [v.name for v in read])
+    symbols = symbols_read(symbolic)
     matrix, filled = np.zeros(symbolic.shape), [line for line in lines if line[0].startswith("J_{")]
     defined = [(name, value) for name, value in lines if not name.startswith("J_{")]
     values = evaluated(defined, [value for _, value in filled], dict(zip(symbols, inputs, strict=True)))

@@ -22,10 +22,12 @@ def c_source(jacobian: AnyJacobian) -> str:
     emitter = Emitter(function, [inputs], real)
     rows, columns = jacobian.shape
     entries = [emitter.value(0, i + rows * j) for i in range(rows) for j in range(columns)]
-    arrays = [f"const {real.type} {array}[{count}]" for array, count in sizes.items() if count]
+    arrays = [f"const {real.type} variables[{len(jacobian.inputs) or ''}]"]
+    arrays += [f"const {real.type} geometry[{len(jacobian.parameters)}]"] if jacobian.parameters else []
     head = f"void {name}_{jacobian.kind}_jacobian({', '.join([*arrays, f'{real.type} jacobian[{rows * columns}]'])})"
     body = [*emitter.lines, *(f"jacobian[{k}] = {text};" for k, text in enumerate(entries))]
-    unread = [array for array, count in sizes.items() if count and not any(f"{array}[" in line for line in body)]
+    passed = ["variables", *(["geometry"] if jacobian.parameters else [])]
+    unread = [array for array in passed if not any(f"{array}[" in line for line in body)]
     body = [*(f"(void){array};" for array in unread), *body]
     return "\n".join([
         "/*", *(f" * {line}".rstrip() for line in _comment(jacobian)), " */", "#include <math.h>", "",
@@ -35,7 +37,6 @@ def c_source(jacobian: AnyJacobian) -> str:
 
 def _comment(jacobian: AnyJacobian) -> list[str]:
     names = {v.name: v.name for v in (*jacobian.inputs, *jacobian.parameters)}
-    order = (
-        "variables[k] are the inputs, " + ("geometry[k] the geometry, " if jacobian.parameters else "") + "jacobian is row-major."
-    )
+    order = "variables[k] are the inputs, " if jacobian.inputs else "variables are not read, "
+    order += ("geometry[k] the geometry, " if jacobian.parameters else "") + "jacobian is row-major."
     return [c_comment(line) for line in [*header(jacobian, names), *textwrap.wrap(order, 110)]]

@@ -18,6 +18,11 @@ _MEANING = {
     "passive": "passive joint rates = J * actuated joint rates; a spherical joint has its angular velocity before the joint",
 }
 
+_RANGE = (
+    "By least squares of all equations: right at every closed configuration at which the columns' coordinates decide all rates. "
+    "Where they do not (a singularity), entries grow without bound towards it and are not finite at it."
+)
+
 
 def meaning(jacobian: AnyJacobian) -> str:
     """The equation in words."""
@@ -43,6 +48,8 @@ def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
         lines += _listed("Geometry, after the inputs:", [f"{names[v.name]} ({v.source})" for v in jacobian.parameters])
     if _reads_loops(jacobian):
         lines.append("Inputs must be those of a configuration that closes all loops.")
+    if isinstance(jacobian, RateJacobian):
+        lines += textwrap.wrap(_RANGE, 110)
     return [*lines, f"Made by symkin {__version__}; model SHA-256 {mechanism.digest}"]
 
 

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 from symkin.codegen.expression import write
 from symkin.codegen.jacobian_header import header
-from symkin.codegen.latex import Latex, distinct, document, letter_of_values, symbol_name
+from symkin.codegen.latex import (
+    Latex,
+    coordinate_symbols,
+    distinct,
+    document,
+    letter_of_values,
+    renamed,
+    upright,
+    variable_names,
+)
+from symkin.text import code_point, latex_text, printable
 from symkin.velocity.jacobian import AnyJacobian
-from symkin.velocity.jacobian_names import Variable
+from symkin.velocity.jacobian_names import components
 
 _LONGEST = 80
 """Printed characters beyond which parts of a value get names: about one line."""
@@ -19,7 +30,7 @@ _LINES = 30
 def latex_source(jacobian: AnyJacobian) -> str:
     """A document that compiles on its own: numbered definitions in order, then the entries J_{ij} that are not zero."""
     read = (*jacobian.inputs, *jacobian.parameters)
-    symbols = distinct([symbol_of(v) for v in read], [v.name for v in read])
+    symbols = symbols_read(jacobian)
     definitions, entries = write(jacobian.function, symbols, Latex(_LONGEST, exact=True, letter=letter_of_values(symbols)))
     rows, columns = jacobian.shape
     lines = [rf"{name} &= {text} \\" for name, text in definitions]
@@ -28,34 +39,57 @@ def latex_source(jacobian: AnyJacobian) -> str:
     blocks = []
     for begin in range(0, len(lines), _LINES):
         blocks += [r"\begin{align*}", *lines[begin : begin + _LINES], r"\end{align*}"]
-    names = {v.name: v.name for v in read}
-    head = header(jacobian, names)
+    head = header(jacobian, {v.name: v.source for v in read})
+    legend = renamed(coordinate_symbols(jacobian.closure), variable_names(jacobian.closure))
+    head += [f"{symbol} is {printable(name)}" for symbol, name in legend]
     remark = f"Entries that are not listed are zero ({rows * columns - len(filled)} of {rows * columns})."
-    return "\n".join([*(f"% {line}".rstrip() for line in head), document("\n".join([*_prose(jacobian), remark, *blocks])), ""])
+    prose = [*_prose(jacobian), remark, *_legend(legend)]
+    return "\n".join([*(f"% {line}".rstrip() for line in head), document("\n".join([*prose, *blocks])), ""])
 
 
-def symbol_of(v: Variable) -> str:
-    """The symbol of a coordinate, of a quaternion's component, or of a parameter by its key path."""
-    component = re.fullmatch(r"(.*)\.([wxyz])", v.source) if v.unit == "1" else re.fullmatch(r"(q)([wxyz])", v.source)
-    if component is not None and v.unit == "1":
-        owner = v.coordinate.removeprefix("pose.")
-        return symbol_name(owner, "wxyz".index(component.group(2)))
-    return rf"\mathrm{{{_plain(v.source)}}}" if not v.unit else symbol_name(_ascii(v.source))
-
-
-def _ascii(text: str) -> str:
-    return re.sub(r"[^A-Za-z0-9_]", "_", text)
+def symbols_read(jacobian: AnyJacobian) -> list[str]:
+    """A symbol for each input and parameter, no two alike: those of the closure's equations, and key paths of parameters."""
+    symbols = coordinate_symbols(jacobian.closure)
+    keys = [v.source for v in jacobian.parameters]
+    both = distinct([*symbols, *(rf"\mathrm{{{_plain(key)}}}" for key in keys)], [*symbols, *keys])
+    return [*(both[v.index] for v in jacobian.inputs), *both[len(symbols) :]]
 
 
 def _plain(text: str) -> str:
-    return _ascii(text.replace(".", "_")).replace("_", r"\_")
+    return re.sub(r"[^A-Za-z0-9]", r"\_", text)
 
 
 def _prose(jacobian: AnyJacobian) -> list[str]:
     mechanism = jacobian.mechanism
-    joints = ", ".join(f"${symbol_name(_ascii(name))}$" for name in (c.name for c in jacobian.closure.role("actuated")))
+    joints = ", ".join(_labels(jacobian, [c.name for c in jacobian.closure.role("actuated")]))
+    rows = ", ".join(_labels(jacobian, jacobian.rows, pose=jacobian.kind == "analytic"))
+    columns = ", ".join(_labels(jacobian, jacobian.columns))
     return [
-        rf"\noindent {_plain(mechanism.name)}: {jacobian.kind} Jacobian $J$. Lengths in {mechanism.length_unit}, angles in rad; "
-        rf"actuated joints {joints}.",
-        rf"Rows: {', '.join(_plain(row) for row in jacobian.rows)}; columns: {', '.join(_plain(c) for c in jacobian.columns)}.",
+        rf"\noindent {_plain(mechanism.name)}: {jacobian.kind} Jacobian $J$. Lengths in {mechanism.length_unit}, angles in rad"
+        + (f"; actuated joints {joints}." if joints else "."),
+        f"Rows: {rows}; columns: {columns}.",
     ]
+
+
+def _labels(jacobian: AnyJacobian, names: Sequence[str], *, pose: bool = False) -> list[str]:
+    """What stands for names of rows, columns and joints in the text: the symbols of coordinates, other names upright, no two alike. Of a
+    joint and a coordinate of the pose with one name it is the joint, or the `pose`."""
+    closure = jacobian.closure
+    symbols = coordinate_symbols(closure)
+    of_pose = sorted(closure.coordinates, key=lambda c: (c.role == "pose") == pose)
+    own = {
+        source: symbols[closure.slices[c.name].start + k] for c in of_pose for k, source in enumerate(components(c.name, c.width))
+    }
+    others = [name for name in dict.fromkeys((*jacobian.rows, *jacobian.columns)) if name not in own]
+    made = distinct([*symbols, *(rf"\mathrm{{{upright(name)}}}" for name in others)], [*symbols, *others])
+    found = own | dict(zip(others, made[len(symbols) :], strict=True))
+    return [f"${found[name]}$" for name in names]
+
+
+def _legend(renamed_symbols: list[tuple[str, str]]) -> list[str]:
+    """Which coordinates have symbols that do not tell their names; letters beyond ASCII by their numbers too."""
+    told = [(symbol, latex_text(name), [code_point(c) for c in name if not c.isascii()]) for symbol, name in renamed_symbols]
+    listed = ", ".join(
+        rf"${symbol}$ is \texttt{{{name}}}" + (f" ({', '.join(points)})" if points else "") for symbol, name, points in told
+    )
+    return [f"Of the symbols, {listed}."] if listed else []

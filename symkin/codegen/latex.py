@@ -15,7 +15,7 @@ from symkin.codegen.expression import ATOM, POWER, PRODUCT, SUM, Text, bracketed
 from symkin.codegen.expression import write as write_in
 from symkin.codegen.simplification import tidied
 from symkin.model.mechanism import Mechanism
-from symkin.text import ascii_letters, latex_text
+from symkin.text import ascii_letters, latex_text, printable
 
 _FUNCTIONS = {
     ca.OP_SIN: r"\sin", ca.OP_COS: r"\cos", ca.OP_TAN: r"\tan", ca.OP_ASIN: r"\arcsin", ca.OP_ACOS: r"\arccos",
@@ -30,11 +30,11 @@ def equations(mechanism: Mechanism) -> str:
     # a sum of lengths leaves the rounding of lengths
     scale = max(1.0, closure.characteristic_length)
     rows = tidied(snapped_expression(_in_user_scale(closure), [closure.variables], scale), [closure.variables])
-    parts = [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
-    names = distinct([symbol_name(*part) for part in parts], [name if k is None else f"{name}.{k}" for name, k in parts])
+    names = coordinate_symbols(closure)
     definitions, results = write(rows, closure.variables, names)
     norms = [closure.slices[c.name] for c in closure.coordinates if c.kind == "quaternion"]
     lines = [f"% closure of {mechanism.name}: lengths in {mechanism.length_unit}, angles in rad"]
+    lines += [f"% {symbol} is {printable(name)}" for symbol, name in renamed(names, variable_names(closure))]
     if definitions:
         lines += [r"\begin{align*}", *(rf"{name} &= {text} \\" for name, text in definitions), r"\end{align*}"]
     lines.append(r"\begin{align*}")
@@ -62,13 +62,34 @@ def document(body: str) -> str:
 
 def symbol_name(name: str, component: int | None = None) -> str:
     """LaTeX symbol of a coordinate: `pose.x` is x, `theta1` is theta with subscript 1, a quaternion has e_0..e_3."""
-    short = name.removeprefix("pose.")
+    short = ascii_letters(name.removeprefix("pose."))
     if component is not None:
-        return f"e_{component}" if short == "quaternion" else rf"e^{{\mathrm{{{_upright(short)}}}}}_{component}"
+        return f"e_{component}" if short == "quaternion" else rf"e^{{\mathrm{{{upright(short)}}}}}_{component}"
     match = re.fullmatch(r"([A-Za-z]+?)_?([0-9]+)", short)
     stem, index = match.groups() if match else (short, "")
-    head = rf"\{stem}" if stem in _GREEK else stem if re.fullmatch("[A-Za-z]", stem) else rf"\mathrm{{{_upright(stem)}}}"
+    head = rf"\{stem}" if stem in _GREEK else stem if re.fullmatch("[A-Za-z]", stem) else rf"\mathrm{{{upright(stem)}}}"
     return f"{head}_{{{index}}}" if index else head
+
+
+def variable_names(closure: Closure) -> list[tuple[str, int | None]]:
+    """For each of a closure's variables the name of its coordinate, and which component of a quaternion it is."""
+    return [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
+
+
+def coordinate_symbols(closure: Closure) -> list[str]:
+    """A symbol for each of a closure's variables, no two alike."""
+    parts = variable_names(closure)
+    return distinct([symbol_name(*part) for part in parts], [name if k is None else f"{name}.{k}" for name, k in parts])
+
+
+def renamed(symbols: Sequence[str], parts: Sequence[tuple[str, int | None]]) -> list[tuple[str, str]]:
+    """The symbols that do not tell their coordinate's name, with this name: of names that look alike, or with signs that no symbol has."""
+    found = []
+    for symbol, (name, k) in zip(symbols, parts, strict=False):
+        short = name.removeprefix("pose.")
+        if symbol != symbol_name(name, k) or not re.fullmatch(r"[A-Za-z0-9_.]+", short):
+            found.append((symbol, short if k is None else f"{short}, component {k}"))
+    return found
 
 
 def distinct(symbols: Sequence[str], full: Sequence[str]) -> list[str]:
@@ -76,13 +97,13 @@ def distinct(symbols: Sequence[str], full: Sequence[str]) -> list[str]:
     found: dict[str, str] = {}
     for symbol, name in zip(symbols, full, strict=True):
         while _look(symbol) in found:
-            symbol = rf"\mathrm{{{_upright(name)}}}"
+            symbol = rf"\mathrm{{{upright(name)}}}"
             name += "_"
         found[_look(symbol)] = symbol
     return list(found.values())
 
 
-def _upright(name: str) -> str:
+def upright(name: str) -> str:
     """A name in a symbol, where signs and spaces would be mathematics."""
     return latex_text(re.sub(r"[^A-Za-z0-9_.]", "_", ascii_letters(name)))
 

@@ -42,7 +42,7 @@ def labels(equations: VelocityEquations, kind: JacobianKind) -> tuple[tuple[str,
         case "passive":
             return equations.passive_names, joints
         case _:
-            pose = [v for c in equations.closure.role("pose") for v in _components(c.name, c.width)]
+            pose = [v for c in equations.closure.role("pose") for v in components(c.name, c.width)]
             return tuple(pose), joints
 
 
@@ -56,7 +56,7 @@ def variables_read(
     inputs, numbers = [], []
     for c in closure.coordinates:
         unit = "1" if c.kind == "quaternion" else "rad" if c.is_angular else closure.mechanism.length_unit
-        for k, source in enumerate(_components(c.name, c.width)):
+        for k, source in enumerate(components(c.name, c.width)):
             name = _identifier(source, taken)
             if used[closure.slices[c.name].start + k] or (explicit and c.role == "actuated"):
                 inputs.append(Variable(name, source, unit, closure.slices[c.name].start + k, c.name))
@@ -66,7 +66,8 @@ def variables_read(
     return tuple(inputs), tuple(numbers)
 
 
-def _components(name: str, width: int) -> list[str]:
+def components(name: str, width: int) -> list[str]:
+    """The names of a coordinate's numbers, without the pose's prefix."""
     if width == 1:
         return [name.removeprefix("pose.")]
     return ["qw", "qx", "qy", "qz"] if name == "pose.quaternion" else [f"{name}.{letter}" for letter in "wxyz"]

@@ -1,7 +1,12 @@
 """Rates of any coordinates by those of any others that decide the motion: of' = J by'.
 
 With the closure F(u, k) = 0, u its unknowns and k the coordinates of `by`: F_u u' + F_k k' = 0. Structure groups are solved one
-after another, so that each expression holds no more than a group's own equations; of redundant rows an independent set is taken.
+after another, so that each expression holds no more than a group's own equations, and each by least squares of all its rows without a
+choice of pivots: expressions have no poles but where these rows leave a rate free.
+
+Square groups leave none wherever all rows together leave none, for determinants multiply. Redundant rows may decide more than their own
+group (the third crank of a parallelogram carries it through its dead points), so that such a group is solved together with all groups
+that lead to it.
 """
 
 from __future__ import annotations
@@ -16,6 +21,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property, lru_cache
 from symkin.errors import InputError
+from symkin.model.joint import POSE_CONDITIONS, Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.tolerances import RANK_TOLERANCE
@@ -26,9 +32,10 @@ from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem
 from symkin.position.solution import Solution
 from symkin.position.solve_result import SolveError
-from symkin.position.transfer import variables_elsewhere
+from symkin.position.transfer import many_elsewhere, variables_elsewhere
 from symkin.result import Result, Summary
 from symkin.velocity.differential import tangent_jacobian
+from symkin.velocity.elimination import factored
 from symkin.velocity.jacobian_names import Variable, variables_read
 
 
@@ -83,24 +90,33 @@ class RateJacobian(Result):
         """The matrix at a closed configuration, by least squares of all rows. Raises SolveError at one where `by` does not decide the
         rates of `of`: a singular configuration."""
         values = variables_elsewhere(self.closure, solution)
-        problem, size = self.problem, self.closure.characteristic_length
-        unknown = np.asarray(self._slopes(values))
-        rows, known = unknown[:, : problem.system.freedom], unknown[:, problem.system.freedom :]
-        weights = np.array(
-            [size if c.is_angular or c.kind == "quaternion" else 1.0 for c in problem.system.unknowns for _ in range(c.freedom)]
-        )
-        scaled = rows / weights
-        rates = -np.linalg.lstsq(scaled, known, rcond=RANK_TOLERANCE)[0] / weights[:, None]
-        free = null_space(scaled, RANK_TOLERANCE, relative=True)
-        places = self._places
-        wanted = [places[name] for name in self.rows if name in places]
-        if len(free) and np.abs(free[:, wanted]).max(initial=0.0) > RANK_TOLERANCE:
+        rows, known = self._scaled_rows(values)
+        rates = -np.linalg.lstsq(rows, known, rcond=RANK_TOLERANCE)[0] / self._weights[:, None]
+        undecided = self._undecided(values)
+        if undecided:
             raise SolveError(
-                f"{self.mechanism.name}: {', '.join(self.columns)} do not decide the rates of {', '.join(self.rows)} at this "
+                f"{self.mechanism.name}: {', '.join(self.columns)} do not decide the rates of {', '.join(undecided)} at this "
                 "configuration: it is singular"
             )
-        unit = np.eye(len(self.columns))
+        places, unit = self._places, np.eye(len(self.columns))
         return np.array([rates[places[name]] if name in places else unit[self.columns.index(name)] for name in self.rows])
+
+    def _undecided(self, values: np.ndarray) -> list[str]:
+        """The rows whose rates the columns' leave free at a configuration."""
+        free = null_space(self._scaled_rows(values)[0], RANK_TOLERANCE, relative=True)
+        found = self._places
+        return [n for n in self.rows if n in found and np.abs(free[:, found[n]]).max(initial=0.0) > RANK_TOLERANCE]
+
+    def _scaled_rows(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All rows' derivatives by the unknown rates in lengths, and by the known ones."""
+        slopes = self._slopes(values).full()
+        return slopes[:, : len(self._weights)] / self._weights, slopes[:, len(self._weights) :]
+
+    @cached_property
+    def _weights(self) -> np.ndarray:
+        """What makes lengths of the unknown rates: the size for angles, 1 for lengths."""
+        size, unknowns = self.closure.characteristic_length, self.problem.system.unknowns
+        return np.array([size if c.is_angular or c.kind == "quaternion" else 1.0 for c in unknowns for _ in range(c.freedom)])
 
     @cached_property
     def _places(self) -> dict[str, int]:
@@ -164,39 +180,82 @@ def _built(mechanism: Mechanism, of: tuple[str, ...], by: tuple[str, ...]) -> Ra
     unit = ca.SX.eye(len(by))
     expression = ca.vertcat(*(rates[name] if name in rates else unit[by.index(name), :] for name in of))
     inputs, _ = variables_read(problem.closure, expression)
-    return RateJacobian(problem, of, by, expression, inputs)
+    made = RateJacobian(problem, of, by, expression, inputs)
+    if set(of) & {"azimuth", "tilt"}:
+        _refuse_level(made)
+    return made
+
+
+def _refuse_level(made: RateJacobian) -> None:
+    """Raise InputError for angles of a platform that never tilts, which have no rates."""
+    problem = made.problem
+    # a closure that holds the tilt tells one of zero from others to the root of rounding only: it is read off the orientation
+    held = tuple(name for name in (*made.rows, *made.columns) if name not in POSE_CONDITIONS)
+    plain = build_problem(problem.mechanism, "given", (), held).closure
+    closed = many_elsewhere(problem.closure, plain, np.array(closed_configurations(plain, 0)))
+    everywhere = set(made.rows).intersection(*(made._undecided(values) for values in closed))
+    without = [name for name in made.rows if name in everywhere]
+    if without:
+        have = "has no rate" if len(without) == 1 else "have no rates"
+        raise InputError(
+            f"of: {', '.join(without)} {have} by {', '.join(made.columns)} at any configuration of {problem.mechanism.name}: the "
+            "platform never tilts, its azimuth is then any angle, and its tilt, which is never negative, has no derivative at 0; "
+            "allowed: joints, x, y, z, torsion"
+        )
 
 
 def _rates_of_unknowns(problem: Problem) -> dict[str, ca.SX]:
-    """(freedom, k) for each coordinate: its rates by those of the known ones, group by group."""
+    """(freedom, k) for each coordinate: its rates by those of the known ones, block by block."""
     closure = problem.closure
     rates: dict[str, ca.SX] = {
         c.name: ca.SX.eye(len(problem.known_coordinates))[k, :] for k, c in enumerate(problem.known_coordinates)
     }
-    values = np.array(closed_configurations(closure, 0))
-    for group in structure_groups(problem):
-        unknowns, knowns = group.system.unknowns, group.known_coordinates
-        slopes = tangent_jacobian(group.system.rows, closure, unknowns)
-        kept = _independent(ca.Function("slopes", [closure.variables], [ca.densify(slopes)]), values, group.system.freedom)
-        driven = ca.SX(len(kept), len(problem.known_coordinates))
-        for c in knowns:
-            driven += ca.mtimes(tangent_jacobian(group.system.rows[kept, 0], closure, (c,)), rates[c.name])
-        solved = -ca.solve(slopes[kept, :], driven)
+    for block in _blocks(problem):
+        knowns = tuple(c for c in closure.coordinates if c.name in rates)
+        slopes, driving = (tangent_jacobian(block.rows, closure, part) for part in (block.unknowns, knowns))
+        driven = ca.mtimes(driving, ca.vertcat(*(rates[c.name] for c in knowns)))
+        solved = -factored(slopes, driven).solution()
         place = 0
-        for c in unknowns:
+        for c in block.unknowns:
             rates[c.name] = solved[place : place + c.freedom, :]
             place += c.freedom
     return rates
 
 
-def _independent(slopes: ca.Function, values: np.ndarray, freedom: int) -> list[int]:
-    """Rows that decide a group's rates at generic closed configurations, the largest rest first."""
-    matrices = [np.asarray(slopes(v)) for v in values]
-    left = max(matrices, key=lambda m: float(np.linalg.svd(m, compute_uv=False)[freedom - 1 : freedom].sum())).copy()
-    kept: list[int] = []
-    for _ in range(freedom):
-        best = int(np.argmax(np.linalg.norm(left, axis=1)))
-        unit = left[best] / np.linalg.norm(left[best])
-        left -= np.outer(left @ unit, unit)
-        kept.append(best)
-    return sorted(kept)
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Rows whose unknowns are solved together, and the names of the coordinates that they hold beside these."""
+
+    unknowns: tuple[Coordinate, ...]
+    rows: ca.SX
+    knowns: frozenset[str]
+
+    def leads_to(self, other: _Block) -> bool:
+        return any(c.name in other.knowns for c in self.unknowns)
+
+
+def _blocks(problem: Problem) -> list[_Block]:
+    """The structure groups in order; those with redundant rows in one with all that lead to them, which needs no other before."""
+    blocks: list[_Block] = []
+    for group in structure_groups(problem):
+        known = frozenset(c.name for c in group.known_coordinates)
+        block = _Block(group.system.unknowns, group.system.rows, known)
+        if group.system.rows.shape[0] <= group.system.freedom:
+            blocks.append(block)
+            continue
+        before: list[_Block] = []
+        for other in reversed(blocks):
+            if other.leads_to(block) or any(other.leads_to(b) for b in before):
+                before.insert(0, other)
+        blocks = [_joined([*before, block]), *(other for other in blocks if other not in before)]
+    return blocks
+
+
+def _joined(blocks: list[_Block]) -> _Block:
+    unknowns = tuple(c for block in blocks for c in block.unknowns)
+    own = {c.name for c in unknowns}
+    return _Block(
+        unknowns,
+        ca.vertcat(*(block.rows for block in blocks)),
+        frozenset(name for block in blocks for name in block.knowns if name not in own),
+    )
