@@ -95,7 +95,11 @@ def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
     rng = np.random.default_rng(0)
     values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
-    sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0)
+    # derivatives by angles are lengths: those by lengths become so too, so that a small machine has the rows of a large one
+    unit = np.array(
+        [closure.characteristic_length if c.kind == "length" else 1.0 for c in closure.coordinates for _ in range(c.width)]
+    )
+    sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * unit
     return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
 
 
