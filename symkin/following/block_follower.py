@@ -3,7 +3,8 @@
 Each step goes from u to u + h of one interval: Newton at the far end, a cubic with the branch's slopes at both ends, and a
 tube about it in which there is exactly one solution for every u (see `step_certificate`). Consecutive tubes are joined at
 a point whose own box lies in both. Where steps shrink, a singular point is looked for ahead; a turning point is reached by
-a last tube in the direction of the branch, which is regular there (see `last_tube`).
+a last tube in the direction of the branch, which is regular there (see `last_tube`). A branch that comes back to itself after whole
+turns of the given angles is known from there on (see `whole_turns`).
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from symkin.following.singular_point import SingularPoint, find_singular_point
 from symkin.following.station import Station, along_parameter, interval_of, redundant_rows_bound, station_at, station_near
 from symkin.following.step_certificate import Interval, Tube
 from symkin.following.trajectory import Trajectory
+from symkin.following.whole_turns import ClosedBranch, closed_branch, whole_turns
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.determination import DIGITS
 from symkin.position.problem import Problem
@@ -33,7 +35,7 @@ _FIRST_CHANGE = 0.05
 """Change of the unknowns (over the size, or rad) that the first step aims at."""
 _SHORTEST_STEP = 1e-12
 """A step of less than this share of an interval is given up."""
-_MOST_EFFORT = 20_000
+MOST_EFFORT = 20_000
 """Steps on one interval after which it is given up; those with power series count `_SERIES_EFFORT`."""
 _SERIES_EFFORT = 10
 """What a step with a proof by power series counts, about its time over a plain one's."""
@@ -55,6 +57,8 @@ branch stops."""
 _MORE_MISFIT = 100.0
 """A path that begins at a configuration of least squares, in loops of redundant constraints that close only to the digits of a file, is
 followed while its misfit is below this many times that of its start."""
+_ROUNDED_SHARE = 8 * np.finfo(float).eps
+"""A share of an interval is told to this: times the slope of an unknown, what its place is told to."""
 SAME_PLACE = 1e-9
 """Blocks that stop within this share of an interval stop at the same place."""
 
@@ -62,7 +66,7 @@ SAME_PLACE = 1e-9
 @dataclass(frozen=True, eq=False)
 class BlockStop:
     """Why and where (u) a block's branch ends. `last_tube` leads to a turning point. `residual` (length unit) is what
-    is left open."""
+    is left open; `is_spent`: no step has failed, but as many as one interval may take are made."""
 
     ending: Ending
     u: float
@@ -70,6 +74,7 @@ class BlockStop:
     last_tube: LastTube | None = None
     limit: Limit | None = None
     residual: float = 0.0
+    is_spent: bool = False
 
 
 @dataclass(eq=False)
@@ -77,7 +82,8 @@ class BlockFollower:
     """One block's branch as far as it has been followed.
 
     `station` is its end, `passed` the ends of all steps. `steps` counts tubes, of which images fill at most `tightest`; `link` is
-    the last one, `curves` are the cubics of the present interval. `redundant_bound` bounds redundant rows at the ends of steps
+    the last one, `curves` are the cubics of the present interval with their tubes. `closed_branches` are the intervals (by row) on which the
+    branch comes back to itself, `begun` is the first station of the present one. `redundant_bound` bounds redundant rows at the ends of steps
     (length unit); `is_clear`: the last search has found no singular point ahead; `closed` is the largest closure error (length unit)
     of closed loops."""
 
@@ -90,7 +96,9 @@ class BlockFollower:
     steps: int = 0
     tightest: float = 0.0
     link: Tube | None = None
-    curves: list[Cubic] = field(default_factory=list)
+    curves: list[tuple[Cubic, Tube]] = field(default_factory=list)
+    begun: Station | None = None
+    closed_branches: dict[int, ClosedBranch] = field(default_factory=dict)
     is_clear: bool = False
     stop: BlockStop | None = None
     passed: list[Station] = field(default_factory=list)
@@ -120,6 +128,7 @@ class BlockFollower:
         y = np.append(self.station.z, 0.0)
         self.station = station_at(self.interval, row, y, self.interval.evaluate(y)[1])
         self._record()
+        self.begun = self.station
         if self.link is not None and not self.link.holds(self.station.half):
             self.stop = BlockStop("unproved", 0.0)
 
@@ -127,18 +136,19 @@ class BlockFollower:
         """Follow the branch to u = `until` of the interval, or the first stop before."""
         h = min(1.0, self.pace / self.station.speed)
         searched = h / _SEARCH_AT
-        effort = 0
+        effort, turn = 0, whole_turns(self.trajectory, self.station.row)
+        mark = until if turn is None else min(turn, until)
         while self.station.u < until and self.stop is None:
             station = self.station
-            if h < _SHORTEST_STEP or effort > _MOST_EFFORT or not station.is_regular:
+            if h < _SHORTEST_STEP or effort > MOST_EFFORT or not station.is_regular:
                 if not (station.is_regular and self._meets_singular_point(until)):
-                    self.stop = BlockStop("unproved", station.u)
+                    self.stop = BlockStop("unproved", station.u, is_spent=station.is_regular and h >= _SHORTEST_STEP)
                 return
             if h < _SEARCH_AT * searched and h < 0.5 * (until - station.u):
                 searched = h
                 if self._meets_singular_point(until):
                     return
-            end = until if station.u + 1.01 * h >= until else station.u + h
+            end = mark if station.u + 1.01 * h >= mark else station.u + h
             found = _step(self.interval, station, end, with_series=self.is_clear)
             if found is None:
                 h = 0.5 * (end - station.u)
@@ -148,6 +158,42 @@ class BlockFollower:
             h = (end - station.u) * (_GROWTH_WITH_ROOM if self.link is not None and self.link.tightness < _ROOM else _GROWTH)
             searched = max(searched, h)
             self.pace = h * self.station.speed
+            if turn is not None and self.stop is None and end == mark < until:
+                if self._comes_back() and self._skip_to(until):
+                    return
+                mark = min(mark + turn, until)
+
+    def _comes_back(self) -> bool:
+        """Whether the branch is where it began on this interval, up to whole turns: the box of its first root lies in the last tube."""
+        first, here = self.begun, self.station
+        if first is None or first.half is None or self.link is None:
+            return False
+        closed = closed_branch(self.system, here.u, first.z, here.z)
+        away = np.abs(closed.moved(first.z, 1) - here.z) + _ROUNDED_SHARE * np.abs(here.slope)
+        if not self.link.holds(first.half + np.append(away, 0.0)):
+            return False
+        limited = [place for c, place in zip(self.system.system.unknowns, self.system.system.slices, strict=True) if c.limits]
+        if not self.watch.off and any(closed.shift[place].any() for place in limited):
+            return False
+        self.closed_branches[here.row] = closed
+        return True
+
+    def _skip_to(self, u: float) -> bool:
+        """Stand at a u that is whole turns behind a place of the branch that has been followed, if that is what is found there."""
+        row = self.station.row
+        closed = self.closed_branches[row]
+        place, times = closed.folded(u)
+        curve, tube = next((c, t) for c, t in self.curves if place <= c.control[-1, -1])
+        guess = closed.moved(curve.at((place - curve.control[0, -1]) / curve.length)[:-1], times)
+        there = station_near(self.interval, row, guess, u)
+        if not there.is_regular or there.half is None:
+            return False
+        away = np.abs(there.z - guess) + _ROUNDED_SHARE * np.abs(there.slope)
+        if not tube.holds(there.half + np.append(away, 0.0)) or self._closure_error(there) > self.closed:
+            return False
+        # what the next interval begins at is a box within this tube, moved by whole turns
+        self.station, self.link = there, tube
+        return True
 
     def at(self, u: float) -> np.ndarray:
         """z of the branch at a u of the interval that it has passed, or at which it stops."""
@@ -158,16 +204,22 @@ class BlockFollower:
             if u > self.station.u:
                 share = (u - self.station.u) / (point.u - self.station.u)
                 return station_near(self.interval, 0, self.station.z + share * (point.y[:-1] - self.station.z), u).z
-        for curve in self.curves:
+        if u == self.station.u:
+            return self.station.z
+        closed, times = self.closed_branches.get(self.station.row), 0
+        if closed is not None:
+            u, times = closed.folded(u)
+        for curve, _ in self.curves:
             if curve.control[0, -1] <= u < curve.control[-1, -1]:
-                return station_near(self.interval, 0, curve.at((u - curve.control[0, -1]) / curve.length)[:-1], u).z
+                z = station_near(self.interval, 0, curve.at((u - curve.control[0, -1]) / curve.length)[:-1], u).z
+                return z if closed is None else closed.moved(z, times)
         return self.station.z
 
     def _accept(self, reached: Station, curve: Cubic, tube: Tube) -> None:
         """Accept a proved step, up to a limit or to the place where loops open."""
         before, self.station = self.station, reached
         self.steps, self.link, self.tightest = self.steps + 1, tube, max(self.tightest, tube.tightness)
-        self.curves.append(curve)
+        self.curves.append((curve, tube))
         if not self.system.is_square:
             self.redundant_bound = max(self.redundant_bound, redundant_rows_bound(self.interval, reached.y))
         met = self.watch.unknown(self.interval, curve)

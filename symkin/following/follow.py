@@ -30,6 +30,16 @@ class PathPoint:
     radius: float | None
 
 
+@dataclass(frozen=True, eq=False)
+class Way:
+    """Configurations (u, unknowns) that lead from the beginning of an interval to a place of it: those of `turn`, whole turns after which
+    they are the same, so many times, and then those of `rest`."""
+
+    turn: tuple[tuple[float, np.ndarray], ...]
+    times: int
+    rest: tuple[tuple[float, np.ndarray], ...]
+
+
 @dataclass(eq=False)
 class Branch:
     """What was followed: `places` at the samples, `last` the end, and why it ended: `stopped` are the blocks that end there.
@@ -53,6 +63,17 @@ class Branch:
     @property
     def tightest(self) -> float:
         return max((block.tightest for block in self.blocks), default=0.0)
+
+    def way(self, row: int, u: float) -> Way:
+        """The configurations that lead to a place of an interval; of independent blocks, none."""
+        if len(self.blocks) != 1:
+            return Way((), 0, ())
+        block = self.blocks[0]
+        closed = block.closed_branches.get(row)
+        place, times = (u, 0) if closed is None else closed.folded(u)
+        ends = [(s.u, block.system.unknown(s.z)) for s in block.passed if s.row == row]
+        turn = [end for end in ends if closed is not None and end[0] <= closed.period]
+        return Way(tuple(turn), times, tuple(end for end in ends if end[0] <= place))
 
     @property
     def is_square(self) -> bool:
@@ -129,18 +150,21 @@ def path_point(blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u:
 def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -> str:
     """On what ground the samples of a branch are said to be one mode."""
     steps = f"{branch.steps} step{'s' if branch.steps != 1 else ''}"
+    turns = "; where given angles make whole turns, after which it is where it was, all later ones are the first" * any(
+        block.closed_branches for block in branch.blocks
+    )
     if branch.formula:
         return "proved: the pose is a formula of the joints, one for every input; no steps are needed"
     if certified and not branch.steps:
         return "proved: ball arithmetic shows exactly one solution at the start"
     if certified:
-        return f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for every input{_last_tube(branch)}"
+        return f"proved: {steps}, in each of which ball arithmetic shows exactly one solution for every input{_last_tube(branch)}{turns}"
     if not branch.blocks:
         return "checked: nothing was followed"
     if branch.is_square:
         return (
             f"proved up to parameter {branch.followed:.9g} by {steps}, in each of which ball arithmetic shows exactly one "
-            "solution for every input; beyond, checked in double precision only"
+            f"solution for every input{turns}; beyond, checked in double precision only"
         )
     rows, unknowns = (sum(n) for n in zip(*((b.system.count, b.system.width) for b in branch.blocks), strict=True))
     return (
@@ -148,6 +172,7 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
         f"there is one); in each of {steps} ball arithmetic shows at most one "
         f"solution for every input (margin {1 - branch.tightest:.2g}), and {_existence(branch, residual, length_unit)}"
         + _redundant_rows(branch, length_unit)
+        + turns
     )
 
 

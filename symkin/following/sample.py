@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.closure.link_poses import link_poses
 from symkin.computed_once import cached_property
-from symkin.following.follow import PathPoint
+from symkin.following.follow import PathPoint, Way
 from symkin.following.trajectory import Trajectory
 from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import singular_values
@@ -101,8 +101,11 @@ def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
     return problem.mechanism.coordinates if problem.kind == "given" else problem.closure.role("actuated", "passive")
 
 
-def make_sample(trajectory: Trajectory, problem: Problem, place: PathPoint, before: Sample | None) -> Sample:
-    """One configuration of the path with its checks; its quaternion continues the one before."""
+def make_sample(
+    trajectory: Trajectory, problem: Problem, place: PathPoint, before: Sample | None, way: Way | None = None
+) -> Sample:
+    """One configuration of the path with its checks; its quaternion continues the one before, and what angles of joints that the closure
+    leaves out have turned is counted along the `way` from there."""
     row, u, unknown = place.row, place.u, place.unknown
     known = trajectory.at(row, u)
     values = problem.join_values(unknown, known)
@@ -120,17 +123,34 @@ def make_sample(trajectory: Trajectory, problem: Problem, place: PathPoint, befo
         condition=problem.system.condition(unknown, known),
         smallest_singular_value=float(singular[-1]) if singular.size else 1.0,
         radius=place.radius,
-        readings=_readings(problem, values, before) if problem.kind == "given" else {},
+        readings=_readings(problem, values, before, _turned(trajectory, problem, row, way)) if problem.kind == "given" else {},
     )
 
 
-def _readings(problem: Problem, values: np.ndarray, before: Sample | None) -> dict[str, np.ndarray]:
-    """Coordinates of joints that the closure leaves out, as near as possible to those before."""
+def _readings(problem: Problem, values: np.ndarray, before: Sample | None, turned: dict[str, float]) -> dict[str, np.ndarray]:
+    """Coordinates of joints that the closure leaves out, as near as possible to those before and what they have turned since."""
     read = {name: part[0] for name, part in readings_at(problem.closure, values[None]).items()}
     for c in left_out(problem.closure) if before is not None else ():
         last = before.readings[c.name]  # type: ignore[union-attr]
         if c.kind == "quaternion":
             read[c.name] = read[c.name] if read[c.name] @ last >= 0.0 else -read[c.name]
         elif c.kind == "angle":
-            read[c.name] = last + np.array([math.remainder(v, 2 * math.pi) for v in read[c.name] - last])
+            near = last + turned.get(c.name, 0.0)
+            read[c.name] = near + np.array([math.remainder(v, 2 * math.pi) for v in read[c.name] - near])
     return read
+
+
+def _turned(trajectory: Trajectory, problem: Problem, row: int, way: Way | None) -> dict[str, float]:
+    """What angles of joints that the closure leaves out turn by along a way."""
+    angles = [c.name for c in left_out(problem.closure) if c.kind == "angle"]
+    if way is None or not angles:
+        return {}
+    found = dict.fromkeys(angles, 0.0)
+    for ends, times in ((way.turn, way.times), (way.rest, 1)):
+        if len(ends) > 1 and times:
+            values = np.array([problem.join_values(unknown, trajectory.at(row, u)) for u, unknown in ends])
+            read = readings_at(problem.closure, values)
+            for name in angles:
+                steps = np.diff(read[name][:, 0])
+                found[name] += times * float(np.sum(steps - 2 * math.pi * np.round(steps / (2 * math.pi))))
+    return found

@@ -29,7 +29,7 @@ from symkin.numeric.balls import REAL, UP, precision, upper
 
 BITS = 64
 """Precision of the balls: eleven bits more than the doubles about which they lie."""
-_COEFFICIENT_RADIUS = 2.0**-49
+COEFFICIENT_RADIUS = 2.0**-49
 """Radius of the coefficients' balls, relative to their values, or to the size and 1: what interpolation in double precision
 leaves out at the samples."""
 LARGEST_FILL = 0.99
@@ -74,7 +74,7 @@ class Interval:
     @cached_property
     def _prepared(self) -> list[Any]:
         with precision(BITS):
-            spread = _COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
+            spread = COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
             return self.system.balls.prepare(REAL, balls(self.c, spread))
 
     def evaluate(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -89,7 +89,7 @@ class Interval:
     def _prepared_second(self) -> list[Any]:
         function, constants = self.system.second
         with precision(BITS):
-            spread = _COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
+            spread = COEFFICIENT_RADIUS * np.maximum(np.abs(self.c), coefficient_scales(self.system.problem))
             return function.prepare(REAL, [*balls(self.c, spread), *constants])
 
     def tube(self, curve: Cubic, direction: np.ndarray, *ends: np.ndarray | None) -> Tube | None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from symkin.following.block_follower import MOST_EFFORT
 from symkin.following.follow import Branch
 from symkin.following.joint_limits import Limit
 from symkin.following.meeting_modes import Meeting, meeting_modes
@@ -89,7 +90,7 @@ def stop_of(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list
     if singular and trajectory.parameter(last.row, last.u) > _AT_START:
         return _singular_stop(trajectory, problem, branch, kept, name_modes)
     last = branch.places[0] if singular else last
-    place = make_sample(trajectory, problem, last, kept[-1])
+    place = make_sample(trajectory, problem, last, kept[-1], branch.way(last.row, last.u))
     reasons = {"singular": "singular start", "limit": "limit", "open": "open loops", "unproved": "unproved"}
     kind, text = reasons[branch.ending], _why(branch, trajectory)
     if branch.ending == "unproved" and branch.steps == 0 and place.condition > SUSPECT_CONDITION:
@@ -105,6 +106,11 @@ def _why(branch: Branch, trajectory: Trajectory) -> str:
         case "open":
             left = max(b.stop.residual for b in branch.stopped if b.stop is not None)
             return f"the loops open: a step further {left:.3g} {unit} are left; the mechanism cannot take what the path asks"
+        case "unproved" if all(b.stop is not None and b.stop.is_spent for b in branch.stopped):
+            return (
+                f"{MOST_EFFORT} steps, as many as one interval between two samples may take, are made, and no singularity is near: give "
+                "more samples (--samples N), and the path goes on from here"
+            )
         case "unproved":
             return "no further step could be proved, and no singular point was located: a singularity is very near"
         case _:
@@ -114,7 +120,7 @@ def _why(branch: Branch, trajectory: Trajectory) -> str:
 def _singular_stop(trajectory: Trajectory, problem: Problem, branch: Branch, kept: list[Sample], name_modes: bool) -> Stop:
     stops = [b.stop for b in branch.stopped if b.stop is not None]
     points = [s.singular for s in stops if s.singular is not None]
-    place = make_sample(trajectory, problem, branch.last, kept[-1])
+    place = make_sample(trajectory, problem, branch.last, kept[-1], branch.way(branch.last.row, branch.last.u))
     found = classify(place.solution, roles=roles_followed(problem))
     errors = [None if s.last_tube is None else s.last_tube.error for s in stops]
     return Stop(

@@ -203,7 +203,7 @@ def _not_begun(trajectory: Trajectory, problem: Problem, failure: str) -> Track:
 def _result(trajectory: Trajectory, problem: Problem, branch: Branch, name_modes: bool) -> Track:
     kept: list[Sample] = []
     for place in branch.places:
-        kept.append(make_sample(trajectory, problem, place, kept[-1] if kept else None))
+        kept.append(make_sample(trajectory, problem, place, kept[-1] if kept else None, branch.way(place.row, place.u)))
     stop = stop_of(trajectory, problem, branch, kept, name_modes)
     if stop is not None and stop.place is not None and stop.place.parameter > kept[-1].parameter:
         kept.append(stop.place)
