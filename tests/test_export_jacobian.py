@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import json
 import os
 import shutil
@@ -16,15 +15,13 @@ import pytest
 import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
-from helpers.latex_reader import evaluated
+from helpers.exported_jacobians import module_of, run_c, run_latex
 from helpers.shipped import LIMBS
 from symkin import InputError
 from symkin.cli.app import main
 from symkin.codegen.jacobian_formats import FORMATS, jacobian_text, write_jacobian
-from symkin.codegen.jacobian_latex import symbols_read
 from symkin.velocity.jacobian import jacobian
 
-STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"]
 CASES = [
     *((name, "direct") for name in LIMBS), ("zhang2009", "inverse"), ("zhao2000", "inverse"),
     ("gluon_6l3", "inverse"), ("yao2020", "analytic"), ("zhao2000", "analytic"), ("zhao2000", "passive"), ("three_rps", "inverse"),
@@ -37,39 +34,6 @@ def _inputs(symbolic, values):
     return [float(values[v.index]) for v in symbolic.inputs] + [
         float(symbolic.closure.parameter_values[v.index]) for v in symbolic.parameters
     ]
-
-
-def _module(text):
-    scope: dict = {}
-    exec(compile(text, "exported", "exec"), scope)
-    return scope
-
-
-def _run_c(text, symbolic, inputs, folder):
-    (folder / "j.c").write_text(text)
-    subprocess.run(
-        ["gcc", *STRICT, "-shared", "-fPIC", "-o", folder / "j.so", folder / "j.c", "-lm"], check=True, capture_output=True
-    )
-    function = getattr(ctypes.CDLL(str(folder / "j.so")), f"{symbolic.mechanism.name}_{symbolic.kind}_jacobian")
-    split = len(symbolic.inputs)
-    arrays = [(ctypes.c_double * len(part))(*part) for part in (inputs[:split], *([inputs[split:]] if inputs[split:] else []))]
-    matrix = np.zeros(symbolic.shape)
-    function(*arrays, matrix.ctypes.data_as(ctypes.POINTER(ctypes.c_double)))
-    return matrix
-
-
-def _run_latex(symbolic, inputs):
-    """The document's equations, read back as arithmetic."""
-    text = jacobian_text(symbolic, "latex")
-    lines = [line.removesuffix(r" \\").split(" &= ", 1) for line in text.splitlines() if " &= " in line]
-    symbols = symbols_read(symbolic)
-    matrix, filled = np.zeros(symbolic.shape), [line for line in lines if line[0].startswith("J_{")]
-    defined = [(name, value) for name, value in lines if not name.startswith("J_{")]
-    values = evaluated(defined, [value for _, value in filled], dict(zip(symbols, inputs, strict=True)))
-    for (name, _), value in zip(filled, values, strict=True):
-        i, j = name[3:-1].split(",")
-        matrix[int(i) - 1, int(j) - 1] = value
-    return matrix
 
 
 _LOADER = """
@@ -111,13 +75,13 @@ def test_formats_agree_to_twelve_digits(name, kind, tmp_path, run_casadi):
     case = cases.case(name)
     symbolic = jacobian(case.mechanism, kind)
     inputs, expected = _inputs(symbolic, case.values), symbolic.at(case.values)
-    found = {"numpy": _module(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs)}
+    found = {"numpy": module_of(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs)}
     if shutil.which("gcc"):
-        found["c"] = _run_c(jacobian_text(symbolic, "c"), symbolic, inputs, tmp_path)
+        found["c"] = run_c(symbolic, inputs, tmp_path)
     found["casadi"] = run_casadi(symbolic, inputs)
-    found["latex"] = _run_latex(symbolic, inputs)
+    found["latex"] = run_latex(symbolic, inputs)
     pytest.importorskip("sympy")
-    found["sympy"] = _module(jacobian_text(symbolic, "sympy"))["lambdified"]()(*inputs)
+    found["sympy"] = module_of(jacobian_text(symbolic, "sympy"))["lambdified"]()(*inputs)
     for language, matrix in found.items():
         matrix = np.array(matrix, dtype=float).reshape(symbolic.shape)
         np.testing.assert_allclose(matrix, expected, rtol=0, atol=1e-12 * np.max(np.abs(expected)), err_msg=language)
@@ -130,10 +94,10 @@ def test_geometry_symbols_are_inputs_after_the_variables(name, tmp_path, run_cas
     symbolic = jacobian(case.mechanism, "inverse", parameters=True)
     inputs, expected = _inputs(symbolic, case.values), symbolic.at(case.values)
     found = [
-        _module(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs), run_casadi(symbolic, inputs), _run_latex(symbolic, inputs)
+        module_of(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs), run_casadi(symbolic, inputs), run_latex(symbolic, inputs)
     ]  # fmt: skip
     if shutil.which("gcc"):
-        found.append(_run_c(jacobian_text(symbolic, "c"), symbolic, inputs, tmp_path))
+        found.append(run_c(symbolic, inputs, tmp_path))
     for matrix in found:
         np.testing.assert_allclose(matrix, expected, rtol=0, atol=1e-12 * np.max(np.abs(expected)))
 
@@ -143,7 +107,7 @@ def test_sympy_expands_to_the_inputs_alone():
     pytest.importorskip("sympy")
     case = cases.case("delta")
     symbolic = jacobian(case.mechanism, "inverse")
-    module = _module(jacobian_text(symbolic, "sympy"))
+    module = module_of(jacobian_text(symbolic, "sympy"))
     expanded = module["expanded"]()
     assert {str(s) for s in expanded.free_symbols} <= {v.name for v in symbolic.inputs}
     numbers = expanded.evalf(17, subs=dict(zip(module["inputs"], _inputs(symbolic, case.values), strict=True)))
@@ -154,7 +118,7 @@ def test_numpy_takes_arrays():
     """Arrays of inputs (shapes broadcast) give an array of matrices, each that of its inputs."""
     case = cases.case("zhao2000")
     symbolic = jacobian(case.mechanism, "inverse")
-    function = _module(jacobian_text(symbolic, "numpy"))["jacobian"]
+    function = module_of(jacobian_text(symbolic, "numpy"))["jacobian"]
     inputs = _inputs(symbolic, case.values)
     shifts = np.array([[0.0, 0.1, 0.2], [0.3, 0.4, 0.5]])
     many = function(inputs[0] + shifts, *inputs[1:])
@@ -230,10 +194,10 @@ def test_names_that_a_language_reserves_are_changed():
     values = symbolic.closure.reference
     for language, run in (("numpy", lambda m: m["jacobian"]), ("sympy", lambda m: m["lambdified"]())):
         text = jacobian_text(symbolic, language)
-        matrix = np.array(run(_module(text))(*_inputs(symbolic, values)), dtype=float)
+        matrix = np.array(run(module_of(text))(*_inputs(symbolic, values)), dtype=float)
         np.testing.assert_allclose(matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values))))
         assert "lambda_ is lambda" in text
-    matrix = _run_latex(symbolic, _inputs(symbolic, values))
+    matrix = run_latex(symbolic, _inputs(symbolic, values))
     np.testing.assert_allclose(matrix, symbolic.at(values), atol=1e-12 * np.max(np.abs(symbolic.at(values))))
 
 
@@ -249,13 +213,13 @@ def test_constant_jacobians_and_odd_names_are_legal_everywhere(serial, tmp_path,
     symbolic = jacobian(mechanism, "direct")
     inputs, expected = _inputs(symbolic, symbolic.closure.reference), np.eye(6, 2)
     found = [
-        _module(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs),
-        _module(jacobian_text(symbolic, "sympy"))["lambdified"]()(*inputs),
+        module_of(jacobian_text(symbolic, "numpy"))["jacobian"](*inputs),
+        module_of(jacobian_text(symbolic, "sympy"))["lambdified"]()(*inputs),
         run_casadi(symbolic, inputs),
-        _run_latex(symbolic, inputs),
+        run_latex(symbolic, inputs),
     ]
     if shutil.which("gcc"):
-        found.append(_run_c(jacobian_text(symbolic, "c"), symbolic, inputs, tmp_path))
+        found.append(run_c(symbolic, inputs, tmp_path))
     for matrix in found:
         np.testing.assert_allclose(np.array(matrix, dtype=float), expected, atol=1e-15)
 

@@ -38,6 +38,9 @@ from symkin.velocity.differential import tangent_jacobian
 from symkin.velocity.elimination import factored
 from symkin.velocity.jacobian_names import Variable, variables_read
 
+_LEVEL = ("azimuth", "tilt")
+"""Angles of a platform that have no rates where it does not tilt."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RateJacobian(Result):
@@ -174,16 +177,18 @@ def rate_jacobian(mechanism: Mechanism, of: Sequence[str], by: Sequence[str]) ->
 
 @lru_cache(maxsize=128)
 def _built(mechanism: Mechanism, of: tuple[str, ...], by: tuple[str, ...]) -> RateJacobian:
-    problem = build_problem(mechanism, "given", by, tuple(name for name in of if name not in by))
-    refuse_unless_determined(problem)
+    others = tuple(name for name in of if name not in by)
+    plain = tuple(name for name in others if name not in _LEVEL)
+    problem = build_problem(mechanism, "given", by, others)
+    refuse_unless_determined(build_problem(mechanism, "given", by, plain) if others != plain else problem)
+    if others != plain:
+        _refuse_level(RateJacobian(problem, of, by, ca.SX(0, 0), ()))
+        refuse_unless_determined(problem)
     rates = _rates_of_unknowns(problem)
     unit = ca.SX.eye(len(by))
     expression = ca.vertcat(*(rates[name] if name in rates else unit[by.index(name), :] for name in of))
     inputs, _ = variables_read(problem.closure, expression)
-    made = RateJacobian(problem, of, by, expression, inputs)
-    if set(of) & {"azimuth", "tilt"}:
-        _refuse_level(made)
-    return made
+    return RateJacobian(problem, of, by, expression, inputs)
 
 
 def _refuse_level(made: RateJacobian) -> None:
