@@ -13,12 +13,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
+from helpers.exported_jacobians import run_latex
 from helpers.latex_reader import evaluated
 from helpers.samples import delta, five_bar, pieper, three_rps, three_rrr
 from symkin.closure.closure import build_closure, random_values
 from symkin.closure.snapping import snap, snapped_expression
-from symkin.codegen.latex import distinct, document, equations, letter_of_values, symbol_name, write
+from symkin.codegen.jacobian_formats import jacobian_text
+from symkin.codegen.latex import coordinate_symbols, distinct, document, equations, letter_of_values, symbol_name, write
 from symkin.codegen.simplification import tidied
+from symkin.position.closed_configurations import closed_configurations
 
 OWN = {"five_bar": five_bar, "3-RRR": three_rrr, "3-RPS": three_rps, "delta": delta, "pieper": pieper}
 EVERY = [*symkin.shipped_names(), *OWN]
@@ -88,6 +91,58 @@ def test_names_that_look_alike_have_symbols_of_their_own() -> None:
     assert len({s.replace("{", "").replace("}", "") for s in symbols}) == 5
     assert letter_of_values(symbols) != "v"
     assert letter_of_values(symbols[:2]) == "v"
+
+
+NAMES_ALIKE = Path(__file__).parent / "data" / "names_alike.toml"
+"""Joints c1.angle and c1_angle, u.1 and u_1, and Greek ones."""
+
+
+def _spelled_alike() -> symkin.Mechanism:
+    """Names of which signs, capitals, letters or only the place of an index differ."""
+    names = ["theta1", "theta_1", "θ1", "a-b", "a_b", "a b", "e0", "v1", "x", "J1"]
+    joints = [
+        symkin.Joint(name, "R", (0.1 * k, 0.05 * k * k, 0.02 * k), (1.0, 0.3 * k - 1.0, 0.5), actuated=True)
+        for k, name in enumerate(names)
+    ]
+    return symkin.Mechanism("alike", limbs=[symkin.Limb("arm", joints)], serial=True)
+
+
+@pytest.mark.parametrize("mechanism", [symkin.load(NAMES_ALIKE), _spelled_alike()], ids=["file", "arm"])
+@pytest.mark.parametrize("kind", ["direct", "inverse", "passive"])
+def test_no_two_coordinates_have_one_symbol(mechanism: symkin.Mechanism, kind: str) -> None:
+    """Nor two names of rows, columns and actuated joints in a Jacobian's text; with its symbols it has the expression's values."""
+    closure = build_closure(mechanism)
+    symbols = [re.sub("[{}]", "", symbol) for symbol in coordinate_symbols(closure)]
+    assert len(set(symbols)) == len(symbols)
+    if kind == "passive" and not closure.role("passive"):
+        return
+    made = symkin.jacobian(mechanism, kind)
+    prose = jacobian_text(made, "latex").split(r"\noindent")[1].split("Entries")[0]
+    for text, names in zip(
+        re.split("actuated joints|Rows:|columns:", prose)[1:],
+        ([c.name for c in closure.role("actuated")], made.rows, made.columns),
+        strict=True,
+    ):
+        listed = re.findall(r"\$([^$]+)\$", text)
+        assert len(set(listed)) == len(names)
+    values = closed_configurations(closure, 1)[0]
+    inputs = [float(values[v.index]) for v in made.inputs]
+    expected = made.at(values)
+    np.testing.assert_allclose(run_latex(made, inputs), expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
+def test_names_that_look_alike_compile(tmp_path: Path) -> None:
+    """Equations and a Jacobian, with what the symbols stand for."""
+    for k, mechanism in enumerate((symkin.load(NAMES_ALIKE), _spelled_alike())):
+        for name, text in (
+            (f"closure{k}", document(equations(mechanism))),
+            (f"jacobian{k}", jacobian_text(symkin.jacobian(mechanism, "inverse"), "latex")),
+        ):
+            (tmp_path / f"{name}.tex").write_text(text, encoding="utf-8")
+            command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", f"{name}.tex"]
+            done = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
+            assert done.returncode == 0, done.stdout.decode(errors="replace")[-2000:]
 
 
 # --- no rounding noise, and short -----------------------------------------------------------------------------------
