@@ -110,7 +110,8 @@ def _spelled_alike() -> symkin.Mechanism:
 @pytest.mark.parametrize("mechanism", [symkin.load(NAMES_ALIKE), _spelled_alike()], ids=["file", "arm"])
 @pytest.mark.parametrize("kind", ["direct", "inverse", "passive"])
 def test_no_two_coordinates_have_one_symbol(mechanism: symkin.Mechanism, kind: str) -> None:
-    """Nor two names of rows, columns and actuated joints in a Jacobian's text; with its symbols it has the expression's values."""
+    """Nor two names of rows, columns and actuated joints in a Jacobian's text; with its symbols
+    it has the expression's values."""
     closure = build_closure(mechanism)
     symbols = [re.sub("[{}]", "", symbol) for symbol in coordinate_symbols(closure)]
     assert len(set(symbols)) == len(symbols)

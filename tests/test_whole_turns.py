@@ -1,4 +1,5 @@
-"""Branches that come back to themselves after whole turns of the given angles: many turns are as right as few, and cheap."""
+"""Branches that come back to themselves after whole turns of the given angles: many turns are as
+right as few, and cheap."""
 
 from __future__ import annotations
 
@@ -21,8 +22,8 @@ PATHS = [
 
 
 def _geared() -> symkin.Mechanism:
-    """A crank and rocker behind a gear: two turns of the motor are one of the crank, so that one turn of the motor leads to another
-    mode."""
+    """A crank and rocker behind a gear: two turns of the motor are one of the crank, so that one
+    turn of the motor leads to another mode."""
     z = (0.0, 0.0, 1.0)
 
     def joint(name: str, at: tuple[float, float], links: tuple[str, str]) -> symkin.LinkJoint:
@@ -43,7 +44,8 @@ def _scalars(sample: Any) -> np.ndarray:
 
 
 def _agree(mechanism: symkin.Mechanism, start: dict[str, float], by: dict[str, float], samples: int) -> None:
-    """A path without samples between has the end, all turns counted, and the nearest place of one whose intervals hold no whole turn."""
+    """A path without samples between has the end, all turns counted, and the nearest place of
+    one whose intervals hold no whole turn."""
     given = {name: [value, value + by[name]] for name, value in start.items()}
     once = symkin.track(mechanism, given=given)
     plain = symkin.track(mechanism, given=given, samples=samples)
@@ -70,7 +72,8 @@ def test_a_turn_that_leads_to_another_mode_is_followed_until_it_comes_back() -> 
 
 
 def test_thousands_of_turns_take_the_steps_of_one() -> None:
-    """And the end is the configuration of the same angle within the first turn, as many turns on."""
+    """And the end is the configuration of the same angle within the first turn, as many turns
+    on."""
     mechanism = symkin.load("four_bar")
     few = symkin.track(mechanism, given={"crank": [90.0, 90.0 + 360.0 + 50.0]})
     many = symkin.track(mechanism, given={"crank": [90.0, 90.0 + 360.0 * 5001 + 50.0]})
@@ -95,7 +98,8 @@ def test_limits_hold_in_later_turns(tmp_path: Path) -> None:
 
 
 def test_the_cap_of_effort_is_no_singularity(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where steps run out the sentence says so, and what to do; as many samples as it asks for lead to the end."""
+    """Where steps run out the sentence says so, and what to do; as many samples as it asks for
+    lead to the end."""
     monkeypatch.setattr(block_follower, "MOST_EFFORT", 30)
     mechanism = symkin.load("four_bar")
     found = symkin.track(mechanism, given={"crank": [90.0, 440.0]})

@@ -48,7 +48,8 @@ def latex_source(jacobian: AnyJacobian) -> str:
 
 
 def symbols_read(jacobian: AnyJacobian) -> list[str]:
-    """A symbol for each input and parameter, no two alike: those of the closure's equations, and key paths of parameters."""
+    """A symbol for each input and parameter, no two alike: those of the closure's equations, and
+    key paths of parameters."""
     symbols = coordinate_symbols(jacobian.closure)
     keys = [v.source for v in jacobian.parameters]
     both = distinct([*symbols, *(rf"\mathrm{{{_plain(key)}}}" for key in keys)], [*symbols, *keys])
@@ -72,8 +73,9 @@ def _prose(jacobian: AnyJacobian) -> list[str]:
 
 
 def _labels(jacobian: AnyJacobian, names: Sequence[str], *, pose: bool = False) -> list[str]:
-    """What stands for names of rows, columns and joints in the text: the symbols of coordinates, other names upright, no two alike. Of a
-    joint and a coordinate of the pose with one name it is the joint, or the `pose`."""
+    """What stands for names of rows, columns and joints in the text: the symbols of coordinates,
+    other names upright, no two alike. Of a joint and a coordinate of the pose with one name
+    it is the joint, or the `pose`."""
     closure = jacobian.closure
     symbols = coordinate_symbols(closure)
     of_pose = sorted(closure.coordinates, key=lambda c: (c.role == "pose") == pose)
@@ -87,7 +89,8 @@ def _labels(jacobian: AnyJacobian, names: Sequence[str], *, pose: bool = False) 
 
 
 def _legend(renamed_symbols: list[tuple[str, str]]) -> list[str]:
-    """Which coordinates have symbols that do not tell their names; letters beyond ASCII by their numbers too."""
+    """Which coordinates have symbols that do not tell their names; letters beyond ASCII by their
+    numbers too."""
     told = [(symbol, latex_text(name), [code_point(c) for c in name if not c.isascii()]) for symbol, name in renamed_symbols]
     listed = ", ".join(
         rf"${symbol}$ is \texttt{{{name}}}" + (f" ({', '.join(points)})" if points else "") for symbol, name, points in told

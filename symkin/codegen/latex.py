@@ -72,7 +72,8 @@ def symbol_name(name: str, component: int | None = None) -> str:
 
 
 def variable_names(closure: Closure) -> list[tuple[str, int | None]]:
-    """For each of a closure's variables the name of its coordinate, and which component of a quaternion it is."""
+    """For each of a closure's variables the name of its coordinate, and which component of a
+    quaternion it is."""
     return [(c.name, k if c.width > 1 else None) for c in closure.coordinates for k in range(c.width)]
 
 
@@ -83,7 +84,8 @@ def coordinate_symbols(closure: Closure) -> list[str]:
 
 
 def renamed(symbols: Sequence[str], parts: Sequence[tuple[str, int | None]]) -> list[tuple[str, str]]:
-    """The symbols that do not tell their coordinate's name, with this name: of names that look alike, or with signs that no symbol has."""
+    """The symbols that do not tell their coordinate's name, with this name: of names that look
+    alike, or with signs that no symbol has."""
     found = []
     for symbol, (name, k) in zip(symbols, parts, strict=False):
         short = name.removeprefix("pose.")

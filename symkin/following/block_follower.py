@@ -1,10 +1,12 @@
-"""Follow one block's branch along an interval of a trajectory, step by step with a proof, up to the first stop.
+"""Follow one block's branch along an interval of a trajectory, step by step with a proof, up to the
+first stop.
 
-Each step goes from u to u + h of one interval: Newton at the far end, a cubic with the branch's slopes at both ends, and a
-tube about it in which there is exactly one solution for every u (see `step_certificate`). Consecutive tubes are joined at
-a point whose own box lies in both. Where steps shrink, a singular point is looked for ahead; a turning point is reached by
-a last tube in the direction of the branch, which is regular there (see `last_tube`). A branch that comes back to itself after whole
-turns of the given angles is known from there on (see `whole_turns`).
+Each step goes from u to u + h of one interval: Newton at the far end, a cubic with the branch's
+slopes at both ends, and a tube about it in which there is exactly one solution for every u (see
+`step_certificate`). Consecutive tubes are joined at a point whose own box lies in both. Where
+steps shrink, a singular point is looked for ahead; a turning point is reached by a last tube in
+the direction of the branch, which is regular there (see `last_tube`). A branch that comes back
+to itself after whole turns of the given angles is known from there on (see `whole_turns`).
 """
 
 from __future__ import annotations
@@ -58,7 +60,8 @@ _MORE_MISFIT = 100.0
 """A path that begins at a configuration of least squares, in loops of redundant constraints that close only to the digits of a file, is
 followed while its misfit is below this many times that of its start."""
 _ROUNDED_SHARE = 8 * np.finfo(float).eps
-"""A share of an interval is told to this: times the slope of an unknown, what its place is told to."""
+"""A share of an interval is told to this: times the slope of an unknown, what its place is told
+to."""
 SAME_PLACE = 1e-9
 """Blocks that stop within this share of an interval stop at the same place."""
 
@@ -81,11 +84,14 @@ class BlockStop:
 class BlockFollower:
     """One block's branch as far as it has been followed.
 
-    `station` is its end, `passed` the ends of all steps. `steps` counts tubes, of which images fill at most `tightest`; `link` is
-    the last one, `curves` are the cubics of the present interval with their tubes. `closed_branches` are the intervals (by row) on which the
-    branch comes back to itself, `begun` is the first station of the present one. `redundant_bound` bounds redundant rows at the ends of steps
-    (length unit); `is_clear`: the last search has found no singular point ahead; `closed` is the largest closure error (length unit)
-    of closed loops."""
+    `station` is its end, `passed` the ends of all steps. `steps` counts tubes, of which images
+    fill at most `tightest`; `link` is the last one, `curves` are the cubics of the present
+    interval with their tubes. `closed_branches` are the intervals (by row) on which the branch
+    comes back to itself, `begun` is the first station of the present one. `redundant_bound`
+    bounds redundant rows at the ends of steps (length unit); `is_clear`: the last search has
+    found no singular point ahead; `closed` is the largest closure error (length unit) of closed
+    loops.
+    """
 
     system: PathSystem
     trajectory: Trajectory
@@ -164,7 +170,8 @@ class BlockFollower:
                 mark = min(mark + turn, until)
 
     def _comes_back(self) -> bool:
-        """Whether the branch is where it began on this interval, up to whole turns: the box of its first root lies in the last tube."""
+        """Whether the branch is where it began on this interval, up to whole turns: the box of
+        its first root lies in the last tube."""
         first, here = self.begun, self.station
         if first is None or first.half is None or self.link is None:
             return False
@@ -179,7 +186,8 @@ class BlockFollower:
         return True
 
     def _skip_to(self, u: float) -> bool:
-        """Stand at a u that is whole turns behind a place of the branch that has been followed, if that is what is found there."""
+        """Stand at a u that is whole turns behind a place of the branch that has been followed,
+        if that is what is found there."""
         row = self.station.row
         closed = self.closed_branches[row]
         place, times = closed.folded(u)

@@ -7,6 +7,7 @@ Limbs whose platform pose is given are blocks of their own (see `Problem.blocks`
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -32,8 +33,8 @@ class PathPoint:
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """Configurations (u, unknowns) that lead from the beginning of an interval to a place of it: those of `turn`, whole turns after which
-    they are the same, so many times, and then those of `rest`."""
+    """Configurations (u, unknowns) that lead from the beginning of an interval to a place of it:
+    those of `turn`, after which they are the same, so many times, and then those of `rest`."""
 
     turn: tuple[tuple[float, np.ndarray], ...]
     times: int
@@ -65,13 +66,15 @@ class Branch:
         return max((block.tightest for block in self.blocks), default=0.0)
 
     def way(self, row: int, u: float) -> Way:
-        """The configurations that lead to a place of an interval; of independent blocks, none."""
-        if len(self.blocks) != 1:
+        """The configurations that lead to a place of an interval, where all unknowns are one
+        block of coordinates told by name; of others, none."""
+        block = self.blocks[0] if len(self.blocks) == 1 else None
+        if block is None or block.system.problem.kind != "given":
             return Way((), 0, ())
-        block = self.blocks[0]
         closed = block.closed_branches.get(row)
         place, times = (u, 0) if closed is None else closed.folded(u)
-        ends = [(s.u, block.system.unknown(s.z)) for s in block.passed if s.row == row]
+        first, last = (side(block.passed, row, key=lambda s: s.row) for side in (bisect_left, bisect_right))
+        ends = [(s.u, block.system.unknown(s.z)) for s in block.passed[first:last]]
         turn = [end for end in ends if closed is not None and end[0] <= closed.period]
         return Way(tuple(turn), times, tuple(end for end in ends if end[0] <= place))
 
@@ -150,9 +153,7 @@ def path_point(blocks: tuple[BlockFollower, ...], problem: Problem, row: int, u:
 def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -> str:
     """On what ground the samples of a branch are said to be one mode."""
     steps = f"{branch.steps} step{'s' if branch.steps != 1 else ''}"
-    turns = "; where given angles make whole turns, after which it is where it was, all later ones are the first" * any(
-        block.closed_branches for block in branch.blocks
-    )
+    turns = _later_turns(branch)
     if branch.formula:
         return "proved: the pose is a formula of the joints, one for every input; no steps are needed"
     if certified and not branch.steps:
@@ -174,6 +175,13 @@ def ground(branch: Branch, certified: bool, residual: float, length_unit: str) -
         + _redundant_rows(branch, length_unit)
         + turns
     )
+
+
+def _later_turns(branch: Branch) -> str:
+    """On what ground later turns are not followed."""
+    if not any(block.closed_branches for block in branch.blocks):
+        return ""
+    return "; after whole turns of the given angles the branch is where it began, and later turns are the same"
 
 
 def _existence(branch: Branch, residual: float, length_unit: str) -> str:

@@ -41,7 +41,8 @@ def nearest_to_singularity(branch: Branch, problem: Problem, trajectory: Traject
 
 
 def _least_near(block: BlockFollower, trajectory: Trajectory, k: int) -> tuple[float, Station, float]:
-    """The least singular value between the neighbours of the end of a step, this end, and where (u) it is."""
+    """The least singular value between the neighbours of the end of a step, this end, and where
+    (u) it is."""
     there = block.passed[k]
     low, high = (p if p is not None and p.row == there.row else there for p in (_at(block, k - 1), _at(block, k + 1)))
     value, u = _least(block, trajectory, (low, there, high))
@@ -53,7 +54,8 @@ def _at(block: BlockFollower, k: int) -> Station | None:
 
 
 def _least(block: BlockFollower, trajectory: Trajectory, around: tuple[Station, Station, Station]) -> tuple[float, float]:
-    """The least singular value between two ends of steps, not above that of the end between them, and its u."""
+    """The least singular value between two ends of steps, not above that of the end between
+    them, and its u."""
     a, b = around[0].u, around[2].u
     interval = interval_of(block.system, trajectory, around[1].row)
 

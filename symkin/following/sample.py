@@ -104,8 +104,9 @@ def listed_joints(problem: Problem) -> tuple[Coordinate, ...]:
 def make_sample(
     trajectory: Trajectory, problem: Problem, place: PathPoint, before: Sample | None, way: Way | None = None
 ) -> Sample:
-    """One configuration of the path with its checks; its quaternion continues the one before, and what angles of joints that the closure
-    leaves out have turned is counted along the `way` from there."""
+    """One configuration of the path with its checks; its quaternion continues the one before,
+    and what angles of joints that the closure leaves out have turned is counted along the
+    `way` from there."""
     row, u, unknown = place.row, place.u, place.unknown
     known = trajectory.at(row, u)
     values = problem.join_values(unknown, known)
@@ -128,7 +129,8 @@ def make_sample(
 
 
 def _readings(problem: Problem, values: np.ndarray, before: Sample | None, turned: dict[str, float]) -> dict[str, np.ndarray]:
-    """Coordinates of joints that the closure leaves out, as near as possible to those before and what they have turned since."""
+    """Coordinates of joints that the closure leaves out, as near as possible to those before and
+    what they have turned since."""
     read = {name: part[0] for name, part in readings_at(problem.closure, values[None]).items()}
     for c in left_out(problem.closure) if before is not None else ():
         last = before.readings[c.name]  # type: ignore[union-attr]

@@ -1,10 +1,13 @@
-"""Know a branch that has come back to itself after whole turns of the given angles, so that later turns need no steps.
+"""Know a branch that has come back to itself after whole turns of the given angles, so that later
+turns need no steps.
 
-Where all given coordinates that move on an interval are angles of which the rows have the period 2 pi, and a share P of the interval is
-whole turns of all of them, G(z, u) = 0 holds with G(z, u + P) = 0 too, and so with unknown angles moved by whole turns and quaternions
-of either sign. A branch through (z0, 0) and (z0 + s, P), s such a shift, is then z(u + n P) = z(u) + n s for all whole n: it is proved
-everywhere once it is proved up to P, and singular nowhere. A branch that is at another mode after the share is followed on: modes are
-exchanged, and it comes back after some more of them.
+Where all given coordinates that move on an interval are angles of which the rows have the period
+2 pi, and a share P of the interval is whole turns of all of them, G(z, u) = 0 holds with G(z, u
++ P) = 0 too, and so with unknown angles moved by whole turns and quaternions of either sign. A
+branch through (z0, 0) and (z0 + s, P), s such a shift, is then z(u + n P) = z(u) + n s for all
+whole n: it is proved everywhere once it is proved up to P, and singular nowhere. A branch that
+is at another mode after the share is followed on: modes are exchanged, and it comes back after
+some more of them.
 """
 
 from __future__ import annotations
@@ -25,8 +28,9 @@ _TURN = 2 * math.pi
 
 @dataclass(frozen=True, eq=False)
 class ClosedBranch:
-    """A branch of an interval that comes back after the share `period` of it; `shift` is what its unknowns z have gained then, `signs`
-    (-1 for quaternions that have changed theirs) what they are multiplied by."""
+    """A branch of an interval that comes back after the share `period` of it; `shift` is what
+    its unknowns z have gained then, `signs` (-1 for quaternions that have changed theirs)
+    what they are multiplied by."""
 
     period: float
     shift: np.ndarray
@@ -43,8 +47,8 @@ class ClosedBranch:
 
 
 def whole_turns(trajectory: Trajectory, row: int) -> float | None:
-    """The share of an interval after which all moving coordinates have made whole turns; None where others move, or where it is longer
-    than the interval."""
+    """The share of an interval after which all moving coordinates have made whole turns; None
+    where others move, or where it is longer than the interval."""
     change = trajectory.samples[row + 1] - trajectory.samples[row]
     moves: list[float] = []
     kinds = [c.kind for c in trajectory.coordinates for _ in range(c.width)]
@@ -65,7 +69,8 @@ def whole_turns(trajectory: Trajectory, row: int) -> float | None:
 
 
 def closed_branch(system: PathSystem, period: float, start: np.ndarray, end: np.ndarray) -> ClosedBranch:
-    """What unknowns gain from `start` to `end`, if they come back: whole turns of angles, signs of quaternions."""
+    """What unknowns gain from `start` to `end`, if they come back: whole turns of angles, signs
+    of quaternions."""
     shift, signs = np.zeros(len(start)), np.ones(len(start))
     for c, place in zip(system.system.unknowns, system.system.slices, strict=True):
         if c.kind == "angle":

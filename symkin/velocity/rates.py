@@ -1,12 +1,14 @@
 """Rates of any coordinates by those of any others that decide the motion: of' = J by'.
 
-With the closure F(u, k) = 0, u its unknowns and k the coordinates of `by`: F_u u' + F_k k' = 0. Structure groups are solved one
-after another, so that each expression holds no more than a group's own equations, and each by least squares of all its rows without a
-choice of pivots: expressions have no poles but where these rows leave a rate free.
+With the closure F(u, k) = 0, u its unknowns and k the coordinates of `by`: F_u u' + F_k k' = 0.
+Structure groups are solved one after another, so that each expression holds no more than a group's
+own equations, and each by least squares of all its rows without a choice of pivots: expressions
+have no poles but where these rows leave a rate free.
 
-Square groups leave none wherever all rows together leave none, for determinants multiply. Redundant rows may decide more than their own
-group (the third crank of a parallelogram carries it through its dead points), so that such a group is solved together with all groups
-that lead to it.
+Square groups leave none wherever all rows together leave none, for determinants multiply.
+Redundant rows may decide more than their own group (the third crank of a parallelogram carries
+it through its dead points), so that such a group is solved together with all groups that lead to
+it.
 """
 
 from __future__ import annotations
@@ -229,7 +231,8 @@ def _rates_of_unknowns(problem: Problem) -> dict[str, ca.SX]:
 
 @dataclass(frozen=True, eq=False)
 class _Block:
-    """Rows whose unknowns are solved together, and the names of the coordinates that they hold beside these."""
+    """Rows whose unknowns are solved together, and the names of the coordinates that they hold
+    beside these."""
 
     unknowns: tuple[Coordinate, ...]
     rows: ca.SX
@@ -240,7 +243,8 @@ class _Block:
 
 
 def _blocks(problem: Problem) -> list[_Block]:
-    """The structure groups in order; those with redundant rows in one with all that lead to them, which needs no other before."""
+    """The structure groups in order; those with redundant rows in one with all that lead to
+    them, which needs no other before."""
     blocks: list[_Block] = []
     for group in structure_groups(problem):
         known = frozenset(c.name for c in group.known_coordinates)

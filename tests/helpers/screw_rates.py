@@ -1,7 +1,9 @@
-"""Rates of coordinates by others from joint screws: an account of its own beside the closure's rows.
+"""Rates of coordinates by others from joint screws: an account of its own beside the closure's
+rows.
 
-Every link has a twist about the base's origin; each joint says that those of its two links differ by its screws times its rates, each
-rod that its ends keep their distance, each coupling what it says. What all motions have in common is their null space.
+Every link has a twist about the base's origin; each joint says that those of its two links
+differ by its screws times its rates, each rod that its ends keep their distance, each coupling
+what it says. What all motions have in common is their null space.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ _METRES = {"m": 1.0, "mm": 1e-3}
 
 @dataclass
 class _Rows:
-    """Linear equations in named columns; angular velocities and angles are multiplied by the size."""
+    """Linear equations in named columns; angular velocities and angles are multiplied by the
+    size."""
 
     size: float
     columns: dict[tuple[str, int], int] = field(default_factory=dict)
@@ -49,8 +52,9 @@ class _Rows:
 def screw_rates(
     mechanism: Mechanism, poses: Mapping[str, Pose], values: Values, of: Sequence[str], by: Sequence[str]
 ) -> tuple[np.ndarray, float]:
-    """of' = J by' (length unit, rad) and the least singular value by which `by` decide the motion, at displacements of all links and
-    values of all scalar coordinates (length unit, rad); NaN where `of` is not decided. `platform` is the link of the pose."""
+    """of' = J by' (length unit, rad) and the least singular value by which `by` decide the
+    motion, at displacements of all links and values of all scalar coordinates (length unit,
+    rad); NaN where `of` is not decided. `platform` is the link of the pose."""
     graph, metres = as_graph(mechanism), _METRES[mechanism.length_unit]
     size = mechanism.characteristic_length
     rows = _Rows(size)
@@ -80,7 +84,8 @@ def screw_rates(
 
 
 def _with_carriers(graph: Mechanism, poses: Mapping[str, Pose], metres: float) -> dict[str, Pose]:
-    """Displacements of the links that carry a platform of restricted motion too: they do not turn, and go where its origin is."""
+    """Displacements of the links that carry a platform of restricted motion too: they do not
+    turn, and go where its origin is."""
     found = dict(poses)
     for entry in graph.link_joints:
         if not set(entry.links) <= set(found):
