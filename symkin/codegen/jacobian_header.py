@@ -22,6 +22,10 @@ _RANGE = (
     "By least squares of all equations: right at every closed configuration at which the columns' coordinates decide all rates. "
     "Where they do not (a singularity), entries grow without bound towards it and are not finite at it."
 )
+_CHOICE = (
+    "Of redundant constraints some rows are chosen, which are independent at generic configurations. Where just these lose rank, "
+    "entries grow without bound and are not finite, though the configuration may be regular."
+)
 
 
 def meaning(jacobian: AnyJacobian) -> str:
@@ -50,6 +54,8 @@ def header(jacobian: AnyJacobian, names: dict[str, str]) -> list[str]:
         lines.append("Inputs must be those of a configuration that closes all loops.")
     if isinstance(jacobian, RateJacobian):
         lines += textwrap.wrap(_RANGE, 110)
+    elif jacobian.kind == "inverse" and jacobian.expressions.chooses_rows:
+        lines += textwrap.wrap(_CHOICE, 110)
     return [*lines, f"Made by symkin {__version__}; model SHA-256 {mechanism.digest}"]
 
 

@@ -155,6 +155,12 @@ class Expressions:
         others = [k for k in range(int(own.shape[0])) if k not in chosen]
         return rates, ca.sparsify(twist[others, :] + ca.mtimes(own[others, :], rates))
 
+    @property
+    def chooses_rows(self) -> bool:
+        """Whether the inverse one holds some of redundant rows, and fails where just these lose rank."""
+        among_limbs = self.equations.constraints and int(self._limb_rates[1].shape[0]) > self.equations.constraints
+        return bool(among_limbs) or any(part.is_redundant for part in self.equations.limbs)
+
     @cached_property
     def _chosen(self) -> list[int]:
         """Independent ones among the rows that feasible twists make zero."""
