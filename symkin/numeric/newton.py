@@ -19,6 +19,10 @@ class Rows(Protocol):
     @property
     def characteristic_length(self) -> float: ...
 
+    @property
+    def freedom(self) -> int:
+        """Numbers of a tangent step."""
+
     def linearise(self, z: np.ndarray, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F (n, rows) and its derivatives along tangent steps (n, rows, freedom)."""
 

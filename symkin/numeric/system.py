@@ -135,6 +135,17 @@ class System:
             moved[:, place] = (q / np.sqrt(np.sum(q * q, axis=0))).T
         return moved
 
+    def difference(self, z: np.ndarray, there: np.ndarray) -> np.ndarray:
+        """The tangent steps (n, freedom) that `move` takes from points (n, width) to others."""
+        plain, columns, units, turns = self._retraction
+        step = np.empty((len(z), self.freedom))
+        step[:, columns] = (there[:, plain] - z[:, plain]) * units
+        for place, column in turns:
+            a, b = z[:, place], there[:, place]
+            turn = a[:, :1] * b[:, 1:] - b[:, :1] * a[:, 1:] - np.cross(b[:, 1:], a[:, 1:])
+            step[:, column : column + 3] = 2.0 * self.characteristic_length * turn / np.sum(a * b, axis=1, keepdims=True)
+        return step
+
     @cached_property
     def _retraction(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[slice, int]]]:
         """Entries and tangent columns of single numbers, and tangent lengths that make one; (entries, first column) of
