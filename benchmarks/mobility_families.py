@@ -339,7 +339,7 @@ def main() -> int:
     for index in range(options.count):
         machine, placed = drawn(index, options.seed, options.family)
         counts[machine.family] += 1
-        if index % 100 == 99:
+        if index % 50 == 49:
             print(f"{index + 1} machines", flush=True)
         findings = wrong(placed.text(), machine, options.seeds)
         if findings:

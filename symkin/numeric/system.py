@@ -17,6 +17,7 @@ from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.newton import Polished, polish
+from symkin.numeric.tolerances import ROUNDED_COMPONENT
 from symkin.spatial.rotation import multiply, wrapped
 
 
@@ -143,7 +144,10 @@ class System:
         for place, column in turns:
             a, b = z[:, place], there[:, place]
             turn = a[:, :1] * b[:, 1:] - b[:, :1] * a[:, 1:] - np.cross(b[:, 1:], a[:, 1:])
-            step[:, column : column + 3] = 2.0 * self.characteristic_length * turn / np.sum(a * b, axis=1, keepdims=True)
+            cosine = np.sum(a * b, axis=1, keepdims=True)
+            # no step leads to half a turn: a very long one
+            cosine = np.where(np.abs(cosine) > ROUNDED_COMPONENT, cosine, ROUNDED_COMPONENT)
+            step[:, column : column + 3] = 2.0 * self.characteristic_length * turn / cosine
         return step
 
     @cached_property

@@ -75,8 +75,8 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
             break
     if not whole.residual(z, np.zeros(0)) <= CLOSED_CONFIGURATION * whole.characteristic_length:
         return None
-    found = z[len(joints) :]
-    return NearestPose(found, float(np.max(np.abs(_difference(problem, found, pose)), initial=0.0)))
+    off = _to_pose(whole, problem.system.freedom, z, pose)
+    return NearestPose(z[len(joints) :], float(np.max(np.abs(off), initial=0.0)))
 
 
 def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
@@ -120,27 +120,17 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
     left, singular, _ = np.linalg.svd(joints)
     rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
     held = left[:, rank:].T
-    back = -_difference(problem, z[-len(wanted) :], wanted)
+    back = _to_pose(whole, count, z, wanted)
     tie = held @ pose
     x = back - np.linalg.lstsq(tie, held @ rows + tie @ back, rcond=1e-9)[0]
     q = np.linalg.lstsq(joints, -(rows + pose @ x), rcond=_HELD)[0]
     return np.concatenate([q, x])
 
 
-def _difference(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Tangent vector (length unit) from the pose b to the pose a."""
-    size, parts, begin = problem.closure.characteristic_length, [], 0
-    for c in problem.known_coordinates:
-        place = slice(begin, begin + c.width)
-        begin += c.width
-        if c.kind == "quaternion":
-            p, q = a[place], b[place]
-            turn = np.array([p[1] * q[0] - p[0] * q[1], p[2] * q[0] - p[0] * q[2], p[3] * q[0] - p[0] * q[3]])
-            turn = turn - np.cross(p[1:], q[1:])
-            parts.append(2 * size * np.sign(p @ q) * turn)
-        else:
-            parts.append((size if c.is_angular else 1.0) * (a[place] - b[place]))
-    return np.concatenate(parts)
+def _to_pose(whole: System, joints: int, z: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """Tangent vector (length unit) from the pose at z, the last of its coordinates, to another."""
+    there = np.concatenate([z[: -len(pose)], pose])
+    return np.asarray(whole.difference(z[None], there[None])[0, joints:])
 
 
 @lru_cache(maxsize=64)

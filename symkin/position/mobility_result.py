@@ -209,7 +209,8 @@ class Mobility(Result):
             "redundant": self.redundant_at_reference,
             "generic": {
                 "rank": self.generic_rank, "mobility": self.freedoms - self.generic_rank - self.infinitesimal,
-                "redundant": self.redundant_of(self.generic_rank), "closed": self.closed,
+                "infinitesimal": self.infinitesimal, "redundant": self.redundant_of(self.generic_rank),
+                "closed": self.closed,
             },
             "gruebler": self.gruebler,
             "actuated": [c.name for c in mechanism.actuated],

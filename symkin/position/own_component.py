@@ -49,11 +49,13 @@ _HALVINGS = 40
 """Steps of Newton at most to a configuration at which each step halves the distance."""
 _FOLLOWING = 6
 """Steps of Newton by which the other coordinates follow a motion of first order."""
+_FOLLOWED = 1e-16
+"""Of the size: rows that another step of these would not lessen."""
 _BESIDE_SINGULAR = 1e-12
 """Added to the diagonal of a matrix of order one that elimination finds singular."""
 _NOTHING = np.zeros(0)
 """Known values: none."""
-_LOOKED = 4
+_LOOKED = 3
 """Configurations of a branch at which its dimension is found."""
 _TANGENT, _SPANNED = 0.003, 0.1
 """Of the size: distance of configurations whose directions are nearly tangents; and singular value of such unit directions, over
@@ -263,7 +265,10 @@ class _Branching:
         z = self.system.move(begin, self.distance * _unit(self._motion_of(z) + step) @ n.T)
         for _ in range(_FOLLOWING):
             rows, jacobians = self.system.linearise(z, _NOTHING)
-            z = self.system.move(z, -_solved(u1.T @ jacobians @ v1, (rows @ u1)[:, :, None])[:, :, 0] @ v1.T)
+            held = rows @ u1
+            if not np.max(np.abs(held), initial=0.0) > _FOLLOWED * self.characteristic_length:
+                break
+            z = self.system.move(z, -_solved(u1.T @ jacobians @ v1, held[:, :, None])[:, :, 0] @ v1.T)
         return z
 
     def _motion_of(self, z: np.ndarray) -> np.ndarray:
