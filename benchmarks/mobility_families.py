@@ -192,8 +192,8 @@ def rigid_octahedron(rng: np.random.Generator, round_numbers: bool) -> Machine:
 
 
 def equal_rods(rng: np.random.Generator, round_numbers: bool) -> Machine:
-    """Four to seven equal parallel rods: translations on a sphere; a turn about the rods ends at once."""
-    points = _apart(rng, round_numbers, int(rng.integers(4, 8)))
+    """Five to seven equal parallel rods: translations on a sphere; a turn about the rods ends at once."""
+    points = _apart(rng, round_numbers, int(rng.integers(5, 8)))
     rod = np.array([0.3, 0.4, 1.2]) if round_numbers else rng.normal(size=3) + [0.0, 0.0, 2.0]
     return Machine("equal_rods", 2, rods=tuple((p, p + rod) for p in points))
 

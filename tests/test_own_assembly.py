@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,12 @@ def test_configurations_are_closed_apart_and_of_one_rank(name: str) -> None:
     assert len(np.unique(points.round(9), axis=0)) == len(points) > 12
     values = np.linalg.svd(system.linearise(points, np.zeros(0))[1], compute_uv=False)
     assert set((values > 1e-8 * values[:, :1]).sum(axis=1)) <= {own_component(closure, 5).rank.value}  # type: ignore[union-attr]
+
+
+def test_a_result_says_each_note_once() -> None:
+    """Whatever steps of a verb add, in the order in which it is said first."""
+    (mode,) = symkin.modes(parse(three_cranks()), given={"j0": 0.5})
+    assert replace(mode, notes=("first", "second", "first")).notes == ("first", "second")
 
 
 def test_difference_is_the_inverse_of_move() -> None:

@@ -26,8 +26,8 @@ _LENGTHS = (0.06, 0.2, 0.6)
 """Of the size: how far walks go, over all coordinates together (rad, or lengths over the size)."""
 _WALKS, _FEW_WALKS, _MANY_FREEDOMS = 8, 2, 40
 """Walks of each length; of a mechanism of many freedoms, whose single steps take long, fewer."""
-_LONGEST = 0.2
-"""Of the size: the longest step of a walk."""
+_FIRST, _LONGEST = 0.03, 0.2
+"""Of the size: the first step of a walk, shorter than the whole of any, and the longest one."""
 _SIDEWAYS = 0.3
 """Share of a step that the way back to closed loops is at most, else the step left the component and a shorter one is tried."""
 _SHORTENED, _TRIES = 0.25, 4
@@ -38,9 +38,9 @@ _STEPS = 24
 """Steps of a walk at most."""
 _CLOSED_STEP = 1e-12
 """Of the size: rows below which a step's end is closed; rounding leaves 1e-15."""
-_NEAR = 0.05
-"""Of the size: distance from a singular configuration at which its branches are sought. An
-obstacle of sixth order still leaves rows of 1e-8 there."""
+_MEETING = 0.01
+"""Of the size: distance from a singular configuration at which its branches are sought. An obstacle of fifth order still leaves
+rows of 1e-10 there, and where a branch touches another one its rank is clear (1e-6)."""
 _BESIDE = 0.2
 """Of the size: distance at which branches that touch are apart."""
 _SEARCHES, _FEW_SEARCHES = 40, 12
@@ -82,7 +82,7 @@ def regular_component(system: System, start: np.ndarray, seed: int) -> Component
         return Component(start[None], rank)
     lengths = np.repeat(_LENGTHS, _FEW_WALKS if system.freedom > _MANY_FREEDOMS else _WALKS)
     lengths *= walker.rng.uniform(*_SPREAD, len(lengths))
-    first = walker.begun(start, walker.directions(motions, len(lengths)), _LENGTHS[0])
+    first = walker.begun(start, walker.directions(motions, len(lengths)))
     if first is None:
         return Component(start[None], rank, infinitesimal=len(motions))
     ends = walker.closed(walker.walked(start, first, lengths))
@@ -95,7 +95,7 @@ def component_at_singular(system: System, start: np.ndarray, seed: int) -> Compo
     walker = _Walker(system, system.residual(start, _NOTHING), np.random.default_rng(seed))
     motions, rank = walker.motions(start, RANK_TOLERANCE)
     searches = _FEW_SEARCHES if system.freedom > _MANY_FREEDOMS else _SEARCHES
-    near = walker.near(start, motions, searches, _NEAR)
+    near = walker.near(start, motions, searches, _MEETING)
     if not len(near):
         return Component(start[None], rank, infinitesimal=len(motions))
     meeting = {walker.motions(z, SINGULAR_VALUE)[1].value for z in near}
@@ -143,10 +143,10 @@ class _Walker:
     def directions(self, motions: np.ndarray, count: int) -> np.ndarray:
         return _unit(self.rng.normal(size=(count, len(motions))) @ motions)
 
-    def begun(self, start: np.ndarray, directions: np.ndarray, length: float) -> np.ndarray | None:
+    def begun(self, start: np.ndarray, directions: np.ndarray) -> np.ndarray | None:
         """Where one step in each direction ends; None where some of these are no motions."""
         begin = np.tile(start, (len(directions), 1))
-        ends, went = self.stepped(begin, directions, np.full(len(directions), length * self.size))
+        ends, went = self.stepped(begin, directions, np.full(len(directions), _FIRST * self.size))
         return ends if went.all() else None
 
     def walked(self, start: np.ndarray, points: np.ndarray, lengths: np.ndarray) -> np.ndarray:
@@ -208,7 +208,7 @@ class _Walker:
 
     def _followed(self, point: np.ndarray, motions: np.ndarray) -> int:
         count = 4 * len(motions) + 8
-        if not len(motions) or self.begun(point, self.directions(motions, count), _NEAR) is not None:
+        if not len(motions) or self.begun(point, self.directions(motions, count)) is not None:
             return len(motions)
         near = self.near(point, motions, count, _TANGENT)
         near = near[np.array([len(self.motions(z, SINGULAR_VALUE)[0]) == len(motions) for z in near], dtype=bool)]
