@@ -21,7 +21,7 @@ from symkin.homotopy.start_store import start_of
 from symkin.homotopy.structure import start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.levenberg import Progress
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.numeric.root_checks import are_roots
 from symkin.position.given import Given
 from symkin.position.groups import is_linear
 from symkin.position.multistart import batched
@@ -179,9 +179,9 @@ def most_roots(group: Problem) -> int | None:
 
 def _linear(group: Problem, known: np.ndarray) -> GroupRoots:
     system, n = group.system, len(known)
-    points = system.polish_many(np.zeros((n, system.width)), known).points
-    residual = system.residuals(points, known)
-    closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * system.characteristic_length)
+    polished = system.polish_many(np.zeros((n, system.width)), known)
+    points, residual = polished.points, system.residuals(polished.points, known)
+    closed = np.flatnonzero(are_roots(system, polished, residual))
     return GroupRoots(
         points[closed],
         closed,

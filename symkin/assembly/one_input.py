@@ -26,8 +26,6 @@ from symkin.position.solution import PartialProof, Solution
 from symkin.position.solution_list import checked_solutions, make_solution
 from symkin.position.starts import start_values
 
-_NEARLY_CLOSED = 1e-4
-
 
 def modes_of_input(problem: Problem, given: Given, search: Search, progress: Progress | None = None) -> tuple[Modes, bool | None]:
     """The modes, and whether random starts were of use; None where nothing was searched."""
@@ -132,11 +130,6 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
-    if smallest is not None and CLOSURE_TOLERANCE < smallest / problem.closure.characteristic_length < _NEARLY_CLOSED:
-        texts.append(
-            f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
-            'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
-        )
     texts += ground_notes(problem, [s.ground for s in found if s.ground is not None], len(found))
     texts += [b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}" for b in blocks if b.missing is not None]
     counts = [b.complex_count for b in blocks]

@@ -197,6 +197,13 @@ class Mechanism:
         lengths; where all of them coincide, that to the platform origin, or 1."""
         return self._spread(self.places) or 1.0
 
+    @cached_property
+    def farthest(self) -> float:
+        """The largest coordinate of a point of the description at the reference: numbers as large as this are added and cancel."""
+        ends = [end.at_reference(self.reference_pose) for bar in self.bars for end in (bar.start, bar.end)]
+        points = [*(joint.point for joint in self.all_joints), *ends, self.platform_position]
+        return float(np.max(np.abs(np.array(points))))
+
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         """The largest distance between points of joints and rod ends."""
         ends = [end.at_reference(self.reference_pose) for bar in self.bars for end in (bar.start, bar.end)]

@@ -7,7 +7,7 @@ quaternion), all in the length unit, so that columns are comparable and unit qua
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -25,7 +25,8 @@ from symkin.spatial.rotation import multiply, wrapped
 class System:
     """Rows F(z; k) of the unknown coordinates z given known values k, geometry bound.
 
-    `errors` are the full checks of the same constraints in the length unit.
+    `errors` are the full checks of the same constraints in the length unit; `farthest` is the largest coordinate of the points
+    that rows are written with, where that is more than the size: what is far from the origin rounds more.
     """
 
     unknowns: tuple[Coordinate, ...]
@@ -34,6 +35,7 @@ class System:
     rows: ca.SX
     errors: ca.SX
     characteristic_length: float
+    farthest: float = 0.0
 
     @cached_property
     def width(self) -> int:
@@ -200,7 +202,7 @@ def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[Sys
         rows = [i for i, used in enumerate(rows_of) if used & group]
         errors = [i for i, used in enumerate(errors_of) if used & group]
         blocks.append(
-            System(unknowns, unknown, system.known, system.rows[rows, 0], system.errors[errors, 0], system.characteristic_length)
+            replace(system, unknowns=unknowns, unknown=unknown, rows=system.rows[rows, 0], errors=system.errors[errors, 0])
         )
     return tuple(blocks)
 
@@ -209,7 +211,7 @@ def constant_rows(system: System) -> System:
     """The rows that no unknown enters: conditions on the given values alone."""
     rows = [i for i, used in enumerate(incidence_of(system.rows, system)) if not used]
     errors = [i for i, used in enumerate(incidence_of(system.errors, system)) if not used]
-    return System((), ca.SX(0, 1), system.known, system.rows[rows, 0], system.errors[errors, 0], system.characteristic_length)
+    return replace(system, unknowns=(), unknown=ca.SX(0, 1), rows=system.rows[rows, 0], errors=system.errors[errors, 0])
 
 
 def incidence_of(rows: ca.SX, system: System) -> list[set[int]]:

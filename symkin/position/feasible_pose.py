@@ -35,10 +35,11 @@ _STEPS = 40
 @dataclass(frozen=True, eq=False)
 class NearestPose:
     """Pose coordinates that close all loops, near given ones, and their distance: the largest difference of a coordinate, angles
-    times the size."""
+    times the size. `beyond_reach`: the given ones lie off them where joints are stretched, not only where they tie poses."""
 
     values: np.ndarray
     distance: float
+    beyond_reach: bool
 
 
 @lru_cache(maxsize=128)
@@ -48,12 +49,23 @@ def ties_poses(mechanism: Mechanism) -> bool:
     problem = build_problem(mechanism, "inverse")
     if not problem.closure.role("pose") or problem.generic_rank == int(problem.system.rows.shape[0]):
         return False
+    return all(both > joints for both, joints in _ranks(mechanism))
+
+
+def _joint_rank(mechanism: Mechanism) -> int:
+    """Independent motions of the rows by joints, at configurations where these are most."""
+    return max((joints for _, joints in _ranks(mechanism)), default=0)
+
+
+@lru_cache(maxsize=128)
+def _ranks(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
+    """Ranks of the rows by joints and pose, and by joints alone, at some closed configurations."""
+    problem = build_problem(mechanism, "inverse")
     whole, joints = _whole(problem), problem.system.freedom
-    found = []
-    for values in closed_configurations(problem.closure, 2)[:3]:
-        _, jacobian = whole.linearise_one(_take(problem, values), np.zeros(0))
-        found.append(Rank.of(jacobian).value > Rank.of(jacobian[:, :joints]).value)
-    return all(found)
+    jacobians = [
+        whole.linearise_one(_take(problem, values), np.zeros(0))[1] for values in closed_configurations(problem.closure, 2)[:3]
+    ]
+    return tuple((Rank.of(jacobian).value, Rank.of(jacobian[:, :joints]).value) for jacobian in jacobians)
 
 
 def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
@@ -76,7 +88,18 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
     if not whole.residual(z, np.zeros(0)) <= CLOSED_CONFIGURATION * whole.characteristic_length:
         return None
     off = _to_pose(whole, problem.system.freedom, z, pose)
-    return NearestPose(z[len(joints) :], float(np.max(np.abs(off), initial=0.0)))
+    distance = float(np.max(np.abs(off), initial=0.0))
+    return NearestPose(z[len(joints) :], distance, _is_beyond_reach(problem, whole, z, off))
+
+
+def _is_beyond_reach(problem: Problem, whole: System, z: np.ndarray, off: np.ndarray) -> bool:
+    """Whether the way `off` from the nearest pose to the wanted one leads where joints could follow at other configurations."""
+    jacobian, count = whole.linearise_one(z, np.zeros(0))[1], problem.system.freedom
+    left, singular, _ = np.linalg.svd(jacobian[:, :count])
+    rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
+    lost = left[:, rank : _joint_rank(problem.mechanism)].T
+    away = lost @ jacobian[:, count:] @ off
+    return bool(np.max(np.abs(away), initial=0.0) > _CLOSED * whole.characteristic_length)
 
 
 def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:

@@ -268,12 +268,12 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
 
 def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, float, tuple[str, ...]]:
     """Pose coordinates that the joints can take, where they tie them to each other: those of a pose with few digits are moved to
-    the nearest; a distance that is more than rounding, and what is said of it."""
+    the nearest; a distance that is more than that or beyond reach, and what is said of it."""
     nearest = nearest_pose(mechanism, values)
     if nearest is None:
         return values, 0.0, ()
     frame, unit = mechanism.frame_name, mechanism.length_unit
-    if nearest.distance <= PROJECTED * mechanism.characteristic_length:
+    if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
         note = (f"the pose was projected onto those that the {frame} can take, by {nearest.distance:.3g} {unit}",)
         return nearest.values, 0.0, note
     numbers = np.asarray(_pose_numbers(mechanism, nearest.values), dtype=float)

@@ -68,6 +68,7 @@ def _part(
         rows,
         errors,
         closure.characteristic_length,
+        closure.mechanism.farthest,
     )
     return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
 

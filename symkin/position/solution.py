@@ -21,6 +21,7 @@ from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+DOUBLE_NOTE = "double: two solutions or more meet here within rounding"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from symkin.model.mechanism import Mechanism
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution
+from symkin.position.solution import DOUBLE_NOTE, Solution
 
 Columns = dict[str, list[str]]
 """Cells by the title of their column."""
@@ -39,6 +39,8 @@ def solution_table(problem: Problem, solutions: Sequence[Solution], everything: 
     if any(s.within_limits is not None for s in solutions):
         columns["limits"] = ["in" if s.within_limits else "out" for s in solutions]
     columns["condition"] = [f"{s.condition:.3g}" for s in solutions]
+    if any(DOUBLE_NOTE in s.notes for s in solutions):
+        columns["multiplicity"] = ["double" if DOUBLE_NOTE in s.notes else "" for s in solutions]
     if all(s.hits is not None for s in solutions):
         columns["hits"] = [str(s.hits) for s in solutions]
     return Table(list(columns), [list(row) for row in zip(*columns.values(), strict=True)], left)
