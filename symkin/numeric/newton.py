@@ -45,20 +45,22 @@ def polish(system: Rows, z: np.ndarray, known: np.ndarray, steps: int = 8) -> Po
     rounding or a step no longer shrinks them, at most `steps` times. Points where F or J is not finite stay. Where the rows stay
     larger than those of roots, directions that a set of roots leaves free have misled the step, and it is taken without them."""
     found = Polished(z.copy(), *system.linearise(z, known))
-    size = system.characteristic_length
-    _descend(system, found, known, steps, (_ROUNDING * size, ROUNDED_STEP))
-    _descend(system, found, known, steps, (CLOSURE_ROUNDING * size, FREE_DIRECTION))
+    size, every = system.characteristic_length, np.arange(len(z))
+    stuck = _descend(system, found, known, steps, every, (_ROUNDING * size, ROUNDED_STEP))
+    _descend(system, found, known, steps, stuck, (CLOSURE_ROUNDING * size, FREE_DIRECTION))
     return found
 
 
-def _descend(system: Rows, found: Polished, known: np.ndarray, steps: int, bounds: tuple[float, float]) -> None:
-    """Take steps from those of the points whose rows are larger than the first bound, by singular values above the second, a share
-    of the largest."""
+def _descend(
+    system: Rows, found: Polished, known: np.ndarray, steps: int, chosen: np.ndarray, bounds: tuple[float, float]
+) -> np.ndarray:
+    """Take steps from those of the `chosen` points whose rows are larger than the first bound, by singular values above the
+    second, a share of the largest. The points whose last step did not shrink the rows are returned."""
     floor, cut = bounds
     z, rows, jacobians = found.points, found.rows, found.jacobians
     sizes = np.sqrt(np.einsum("ni,ni->n", rows, rows))
     finite = np.isfinite(jacobians).all(axis=(1, 2)) & np.isfinite(sizes)
-    going = np.flatnonzero(finite & (sizes > floor))
+    going, stuck = chosen[finite[chosen] & (sizes[chosen] > floor)], [chosen[:0]]
     for _ in range(steps):
         if not going.size:
             break
@@ -66,6 +68,8 @@ def _descend(system: Rows, found: Polished, known: np.ndarray, steps: int, bound
         trial_rows, trial_jacobians = system.linearise(trial, known[going] if known.ndim == 2 else known)
         trial_sizes = np.sqrt(np.einsum("ni,ni->n", trial_rows, trial_rows))
         better = (trial_sizes < sizes[going]) & np.isfinite(trial_jacobians).all(axis=(1, 2))
+        stuck.append(going[~better])
         going, left = going[better], trial_sizes[better]
         z[going], rows[going], jacobians[going], sizes[going] = trial[better], trial_rows[better], trial_jacobians[better], left
         going = going[left > floor]
+    return np.concatenate(stuck)

@@ -56,6 +56,14 @@ def are_roots(system: System, polished: Polished, residuals: np.ndarray) -> np.n
     return np.asarray(found)
 
 
+def is_root(system: System, point: np.ndarray, known: np.ndarray) -> bool:
+    """Whether one polished point (width,) is a root."""
+    if not system.freedom:
+        return system.residual(point, known) <= CLOSURE_TOLERANCE * system.characteristic_length
+    found = Polished(point[None], *system.linearise(point[None], known))
+    return bool(are_roots(system, found, system.residuals(found.points, known))[0])
+
+
 def _only_redundant_rows(rows: np.ndarray, jacobians: np.ndarray, size: float) -> np.ndarray:
     """Points (n,) at which no motion of the unknowns could lessen the rows, and none is nearly lost."""
     if min(jacobians.shape[1:]) == 0:

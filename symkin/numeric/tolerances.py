@@ -17,8 +17,8 @@ Elsewhere the question is another one, and its constant stands beside it: whethe
 from __future__ import annotations
 
 CLOSURE_TOLERANCE = 1e-9
-"""Of the size: a configuration is a solution when no closure error exceeds this. Doubles leave 1e-15; geometry written with
-ten digits, 1e-10."""
+"""Of the size: a configuration is no solution when a closure error exceeds this. Doubles leave 1e-15; geometry written with
+ten digits, 1e-10. What lies within is judged together with its conditioning (see `root_checks`)."""
 
 CLOSURE_ROUNDING = 2.0**-47
 """Of the size, or of the farthest coordinate where that is more: rows up to this are rounding. 32 units in the last place;
