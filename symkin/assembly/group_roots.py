@@ -1,13 +1,13 @@
 """Real solutions of one structure group at many values of what it reads.
 
-A group whose rows are linear is solved at once. Others have their paths tracked for all values together (see `block_paths`); values
+A group whose rows are linear, or couplings of whole numbers, is solved at once. Others have their paths tracked for all values together (see `block_paths`); values
 that leave something in doubt, and groups without a start, are searched one by one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,7 +21,10 @@ from symkin.homotopy.start_store import start_of
 from symkin.homotopy.structure import start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.levenberg import Progress
+from symkin.numeric.newton import Polished
 from symkin.numeric.root_checks import are_roots
+from symkin.position.canonical import canonical
+from symkin.position.gear_train import GearTrain, gear_train
 from symkin.position.given import Given
 from symkin.position.groups import is_linear
 from symkin.position.multistart import batched
@@ -88,6 +91,9 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
     """The solutions of a group at known values (n, known)."""
     if is_linear(group):
         return _linear(group, known)
+    train = gear_train(group)
+    if train is not None:
+        return _geared(group, train, known)
     solver = group_solver(group, formulas=search.formulas) if search.method == "continuation" else None
     if solver is None:
         return one_by_one(group, known, search, progress)
@@ -170,24 +176,54 @@ def most_roots(group: Problem) -> int | None:
     """The most isolated solutions of a group at one row of values; None where no paths tell."""
     if is_linear(group):
         return 1
+    train = gear_train(group)
+    if train is not None:
+        return len(train.places)
     paths = group_solver(group)
     return None if paths is None else paths.most_roots
 
 
-# --- groups that are linear ----------------------------------------------------------------------------------------
+def solved_at_once(group: Problem) -> bool:
+    """Whether a group needs neither formulas nor paths."""
+    return is_linear(group) or gear_train(group) is not None
+
+
+# --- groups that are linear, or linear but for whole turns ---------------------------------------------------------
 
 
 def _linear(group: Problem, known: np.ndarray) -> GroupRoots:
-    system, n = group.system, len(known)
-    polished = system.polish_many(np.zeros((n, system.width)), known)
-    points, residual = polished.points, system.residuals(polished.points, known)
-    closed = np.flatnonzero(are_roots(system, polished, residual))
+    points = group.system.polish_many(np.zeros((len(known), group.system.width)), known).points
+    return _closed(group, known, points[:, None, :])
+
+
+def _geared(group: Problem, train: GearTrain, known: np.ndarray) -> GroupRoots:
+    points = train.solutions(known)
+    unknowns, slices = group.system.unknowns, group.system.slices
+    places = {c.name: place for c, place in zip(unknowns, slices, strict=True)}
+    flat = canonical(unknowns, places, points.reshape(-1, group.system.width))
+    found = _closed(group, known, flat.reshape(points.shape))
+    return found if len(train.places) == 1 else replace(found, orbits=(_places_note(group, len(train.places)),))
+
+
+def _places_note(group: Problem, count: int) -> str:
+    """What is said of wheels that have several places beside one place of those that drive them."""
+    own, read = (", ".join(c.name for c in part) for part in (group.system.unknowns, group.known_coordinates))
+    return f"{own}: {count} places for one of {read}, whose whole turns are not told apart (ratio of the coupling)"
+
+
+def _closed(group: Problem, known: np.ndarray, points: np.ndarray) -> GroupRoots:
+    """The solutions that close, of all complex ones (n, count, width) at known values (n, known)."""
+    system, (n, count, width) = group.system, points.shape
+    flat, given = points.reshape(-1, width), np.repeat(known, count, axis=0)
+    residual = system.residuals(flat, given)
+    closed = are_roots(system, Polished(flat, *system.linearise(flat, given)), residual).reshape(n, count)
+    residual = residual.reshape(n, count)
     return GroupRoots(
         points[closed],
-        closed,
+        np.nonzero(closed)[0],
         statement=np.zeros(n, dtype=int),
-        complex_count=np.ones(n, dtype=int),
+        complex_count=np.full(n, count, dtype=int),
         unresolved=np.zeros(n, dtype=int),
-        smallest=residual,
+        smallest=residual.min(axis=1),
         continuum=np.zeros(n, dtype=bool),
     )

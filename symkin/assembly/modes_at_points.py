@@ -17,7 +17,7 @@ import numpy as np
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.by_groups import modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
-from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_solver, most_roots
+from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_solver, most_roots, solved_at_once
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, at_places, concatenated, from_modes, joined, nothing, table_of
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.one_input import modes_of_input
@@ -29,7 +29,7 @@ from symkin.numeric.levenberg import Progress
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
 from symkin.position.given_by_name import any_given
-from symkin.position.groups import is_linear, structure_groups
+from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 
 
@@ -104,7 +104,7 @@ class GroupFinder:
 
     @cached_property
     def _solvers(self) -> list[BlockPaths | ClosedBlock]:
-        found = (None if is_linear(group) else group_solver(group) for group in structure_groups(self.problem))
+        found = (None if solved_at_once(group) else group_solver(group) for group in structure_groups(self.problem))
         return [solver for solver in found if solver is not None]
 
     @property

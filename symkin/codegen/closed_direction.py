@@ -350,14 +350,13 @@ def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
     own = total.factors[0, 0]
     factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
     shift = -total.offset / own
-    value, cosine, sine = shift, ca.cos(shift), ca.sin(shift)
-    whole = all(factor == round(factor) for factor in factors.values())
+    value = sum((factor * read[k].value for (_, k), factor in factors.items()), shift)
+    cosine, sine = ca.cos(shift), ca.sin(shift)
     for (_, k), factor in factors.items():
-        n = read[k]
-        value = value + factor * n.value
-        for _ in range(abs(round(factor)) if whole else 0):
-            assert n.cosine is not None  # noqa: S101 - a sum of angles is of angles
-            assert n.sine is not None  # noqa: S101
-            c, s = n.cosine, n.sine if factor > 0 else -n.sine
+        c, s = read[k].cosine, read[k].sine
+        if c is None or s is None or factor != round(factor):
+            return Numbers(value, ca.cos(value), ca.sin(value))
+        s = s if factor > 0 else -s
+        for _ in range(abs(round(factor))):
             cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-    return Numbers(value, cosine, sine) if whole else Numbers(value, ca.cos(value), ca.sin(value))
+    return Numbers(value, cosine, sine)

@@ -83,17 +83,47 @@ class Direction:
     @cached_property
     def circles(self) -> CircleKernel:
         """Newton's iteration of this direction. Formulas read the numbers of known coordinates, which are then its known values too."""
-        return circle_kernel(self.name, self.problem.system, self.known, collected=not self.is_closed)
+        return circle_kernel(self.name, _with_continuous_couplings(self.problem), self.known, collected=not self.is_closed)
 
     @property
     def kernel(self) -> Kernel:
         return self.circles.kernel
 
 
+def _with_advancing_wheels(mechanism: Mechanism) -> Mechanism:
+    """The mechanism whose wheels of unlike ratios advance: from a guess's wheel of several places no driver's place follows, so that
+    the values themselves, whole turns included, must tell it."""
+    unlike = [
+        c.whole_numbers is not None and {1} != {c.whole_numbers[0], *map(abs, c.whole_numbers[1])} for c in mechanism.couplings
+    ]
+    if not any(unlike):
+        return mechanism
+    couplings = [replace(c, advances=some) for c, some in zip(mechanism.couplings, unlike, strict=True)]
+    return replace(mechanism, couplings=couplings)
+
+
+def _with_continuous_couplings(problem: Problem) -> System:
+    """The system with the tangent of half a coupling's gap in place of the sine, which changes its sign where an angle that is known
+    by cosine and sine passes a half turn."""
+    closure, rows = problem.closure, ca.vertsplit(problem.system.rows)
+    kinds = {c.name: c.kind for c in closure.coordinates}
+    couplings = {f"coupling of {c.joint}": c for c in problem.mechanism.couplings if c.advance_reason(kinds) is None}
+    for k, place in enumerate(problem.row_places or ()):
+        coupling = couplings.get(closure.row_sources[place].limb)
+        if coupling is None or coupling.whole_numbers is None:
+            continue
+        own, numbers = coupling.whole_numbers
+        joint, *others = (closure.variables[closure.slices[name]] for name in (coupling.joint, *coupling.names))
+        gap = own * joint - sum((n * v for n, v in zip(numbers, others, strict=True)), ca.SX(own * coupling.constant))
+        rows[k] = 2 * closure.characteristic_length / own * ca.sin(gap) / (1 + ca.cos(gap))
+    return replace(problem.system, rows=ca.vertcat(*rows))
+
+
 def _part(group: Problem) -> Part:
     """How a structure group is solved."""
     system = group.system
     (known, unknown) = (group.known_coordinates, system.unknowns)
+    periodic = any(c.kind == "angle" for c in (*unknown, *known))
     if len(unknown) == 1 and unknown[0].is_angular and int(system.rows.shape[0]) == 1:
         angular = [[c.is_angular for c in part for _ in range(c.width)] for part in (unknown, known)]
         total = sum_of_angles(system.rows, [system.unknown, system.known], angular)
@@ -101,6 +131,10 @@ def _part(group: Problem) -> Part:
             return Part(group, None, total, is_linear=False)
     if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
         return Part(group, None, None, is_linear=True)
+    sources = [group.closure.row_sources[place].relation for place in group.row_places or ()]
+    if periodic and "coupling" in sources:
+        # its row is of half an angle and changes its sign with every turn, and the choice of a formula with it
+        return Part(group, None, None, is_linear=False)
     reference = group.select_values(group.closure.reference, known)
     short = shortened(system, known)
     found = closed_form(short, samples_about(short, reference))
@@ -131,7 +165,7 @@ class JointMap:
     def _whole(self) -> Problem:
         """All loops that hold a given or a found coordinate."""
         given, found = self.options.given, self.options.find
-        problem = build_problem(self.mechanism, "given", given, found)
+        problem = build_problem(_with_advancing_wheels(self.mechanism), "given", given, found)
         return _connected(problem, {*given, *found})
 
     @cached_property

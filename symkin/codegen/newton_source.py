@@ -42,11 +42,11 @@ def tolerance_of(real: Real, size: float) -> float:
 
 
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
-    """Choose tolerances near what the type resolves."""
-    resolution = real.epsilon * kernel.characteristic_length
-    return Tuning(
-        tolerance_of(real, kernel.characteristic_length), 64.0 * resolution, 64.0 * resolution, 8.0 * resolution, kappa**2
-    )
+    """Choose tolerances near what the type resolves. Of rows that are linear a step of the size is taken to leave the tolerance."""
+    size = kernel.characteristic_length
+    resolution, tolerance = real.epsilon * size, tolerance_of(real, size)
+    kappa = max(kappa, tolerance / size**2)
+    return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, 8.0 * resolution, kappa**2)
 
 
 @dataclass(frozen=True, eq=False)
