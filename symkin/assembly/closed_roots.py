@@ -20,9 +20,8 @@ from symkin.numeric.system import System
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
+from symkin.position.roots import NOT_KNOWN
 
-NOT_KNOWN = -1
-"""Complex solutions of a block whose branches must meet further conditions: only real ones are held against them."""
 _SOLVES, _FAILS = 1e-7, 1e-4
 """Closure errors, of the size, of branches that are solutions to rounding, and of branches that are none; between them is doubt."""
 
@@ -93,8 +92,9 @@ class ClosedBlock:
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
-        complex_count = self.formulas.count
+        complex_count: float = self.formulas.count
         if not self.is_determined:
+            # branches must meet further conditions, and only real ones are held against them
             complex_count = NOT_KNOWN
             left = self.block.residuals(chosen, known[owner]) / self.block.characteristic_length
             plain[owner[(left > _SOLVES) & (left < _FAILS)]] = False

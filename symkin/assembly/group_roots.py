@@ -28,26 +28,27 @@ from symkin.position.gear_train import GearTrain, gear_train
 from symkin.position.given import Given
 from symkin.position.groups import is_linear
 from symkin.position.multistart import batched
+from symkin.position.multistart import one_by_one as by_solver
 from symkin.position.problem import Problem
-from symkin.position.roots import Roots
+from symkin.position.roots import NOT_KNOWN, Roots
 
 STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete", "sampled")
 """What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
-NOT_KNOWN = -1
-"""A count that is not known."""
 _DIGITS = 6
 """Decimals to which values are rounded for the order of a group's solutions, so that rounding errors do not decide it."""
 
 
 @dataclass(frozen=True, eq=False)
 class GroupRoots:
-    """Solutions `points` (m, width) of a group at n rows of known values, and the row `owner` (m,) of each, rising. Of each row
+    """Solutions `points` (m, width) of a group at n rows of known values, the row `owner` (m,) of each, rising, and its `hits` (m,),
+    infinite where it was not searched from random starts. Of each row
     (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved paths (`NOT_KNOWN`), the least closure
     error that a search without success has reached (else infinite), whether a set that is not isolated was met; `notes` of single
-    rows; `engine` and `orbits` (notes) of all."""
+    rows, and the `samples` of those searched from random starts; `engine` and `orbits` (notes) of all."""
 
     points: np.ndarray
     owner: np.ndarray
+    hits: np.ndarray
     statement: np.ndarray
     complex_count: np.ndarray
     unresolved: np.ndarray
@@ -56,6 +57,7 @@ class GroupRoots:
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
     engine: str | None = None
     orbits: tuple[str, ...] = ()
+    samples: Mapping[int, Roots] = field(default_factory=dict)
 
     @property
     def counts(self) -> np.ndarray:
@@ -67,24 +69,24 @@ class GroupRoots:
         kept = ~np.isin(self.owner, rows)
         points = np.concatenate([self.points[kept], other.points])
         owner = np.concatenate([self.owner[kept], rows[other.owner]])
+        hits = np.concatenate([self.hits[kept], other.hits])
         order = np.argsort(owner, kind="stable")
         arrays = {}
         for name in ("statement", "complex_count", "unresolved", "smallest", "continuum"):
             arrays[name] = getattr(self, name).copy()
             arrays[name][rows] = getattr(other, name)
         notes = {**self.notes, **{int(rows[i]): texts for i, texts in other.notes.items()}}
+        samples = {**self.samples, **{int(rows[i]): roots for i, roots in other.samples.items()}}
         engines = dict.fromkeys(e for e in (self.engine, other.engine) if e is not None)
         return GroupRoots(
-            points[order], owner[order], **arrays, notes=notes, engine=", ".join(engines) or None, orbits=self.orbits
-        )
+            points[order], owner[order], hits[order], **arrays, notes=notes, engine=", ".join(engines) or None, orbits=self.orbits,
+            samples=samples,
+        )  # fmt: skip
 
     def in_order(self) -> GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not decide."""
         order = np.lexsort((*np.round(self.points.T[::-1], _DIGITS), self.owner))
-        return GroupRoots(
-            self.points[order], self.owner[order], self.statement, self.complex_count, self.unresolved, self.smallest,
-            self.continuum, self.notes, self.engine, self.orbits,
-        )  # fmt: skip
+        return replace(self, points=self.points[order], owner=self.owner[order], hits=self.hits[order])
 
 
 def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
@@ -101,9 +103,10 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
     tracked = GroupRoots(
         found.points,
         found.owner,
+        np.full(len(found.owner), np.inf),
         statement=np.full(len(known), STATEMENTS.index("probability one")),
-        complex_count=found.complex_count,
-        unresolved=np.zeros(len(known), dtype=int),
+        complex_count=found.complex_count.astype(float),
+        unresolved=np.zeros(len(known)),
         smallest=np.full(len(known), np.inf),
         continuum=np.zeros(len(known), dtype=bool),
         engine=solver.engine,
@@ -125,20 +128,24 @@ def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Prog
     return GroupRoots(
         points=np.concatenate([np.zeros((0, group.system.width)), *(r.points for r in roots)]),
         owner=np.repeat(np.arange(len(roots)), [len(r.points) for r in roots]),
+        hits=np.concatenate([np.zeros(0), *(np.full(len(r.points), np.inf) if r.hits is None else r.hits for r in roots)]),
         statement=np.array([STATEMENTS.index(_statement(r)) for r in roots], dtype=int),
-        complex_count=np.array(counts, dtype=int),
-        unresolved=np.array([NOT_KNOWN if r.sampled else r.unresolved for r in roots], dtype=int),
+        complex_count=np.array(counts, dtype=float),
+        unresolved=np.array([NOT_KNOWN if r.sampled else r.unresolved for r in roots], dtype=float),
         smallest=np.array([r.smallest_residual for r in roots]),
         continuum=np.array([r.continuum is not None for r in roots], dtype=bool),
         notes={i: notes for i, (_, notes) in enumerate(searched) if notes},
         engine=", ".join(engines) or None,
+        samples={i: r for i, r in enumerate(roots) if r.hits is not None},
     )
 
 
 def _searched(group: Problem, given: Given, search: Search, progress: Progress | None) -> tuple[Roots, tuple[str, ...]]:
     rng = np.random.default_rng(search.seed)
-    if search.method != "continuation":
+    if search.method != "continuation" and search.solver == "batched":
         return batched(group, group.blocks[0], given, search.starts, rng, progress), ()
+    if search.method != "continuation":
+        return by_solver(group, given, search.starts, rng, search.solver, progress), ()
     (roots,), notes, _ = by_continuation(group, given, search.starts, rng, progress)
     missing = () if roots.missing is None else (f"{', '.join(c.name for c in group.system.unknowns)}: {roots.missing}",)
     return roots, (*notes, *missing)
@@ -221,9 +228,10 @@ def _closed(group: Problem, known: np.ndarray, points: np.ndarray) -> GroupRoots
     return GroupRoots(
         points[closed],
         np.nonzero(closed)[0],
+        np.full(int(closed.sum()), np.inf),
         statement=np.zeros(n, dtype=int),
-        complex_count=np.full(n, count, dtype=int),
-        unresolved=np.zeros(n, dtype=int),
+        complex_count=np.full(n, float(count)),
+        unresolved=np.zeros(n),
         smallest=residual.min(axis=1),
         continuum=np.zeros(n, dtype=bool),
     )

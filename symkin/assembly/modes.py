@@ -122,6 +122,9 @@ def _of_coordinates(
     problem = problem_of(mechanism, givens[0])
     refuse_unless_determined(problem)
     found = modes_by_name(problem, givens, search, choose, progress)
+    feasible = [modes for modes, given in zip(found, givens, strict=True) if given.off_motion == 0.0]
+    if search.method == "continuation" and feasible and all(modes.starts is None for modes in feasible):
+        search.refuse_starts(problem)
     share = (time.perf_counter() - begin) / len(givens)
     return tuple(replace(modes, elapsed_s=share) for modes in found)
 

@@ -15,7 +15,7 @@ from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
 from symkin.assembly.closed_roots import ClosedBlock, closed_block
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, table_of
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, stored_counts, table_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import start_of
@@ -169,8 +169,8 @@ class PlainModes:
             completeness=np.where(proved.all(axis=1), COMPLETENESS.index("proved"), COMPLETENESS.index("probability one")),
             unresolved=np.zeros(len(kept), dtype=int),
             continuum=np.zeros(len(kept), dtype=bool),
-            complex_count=np.prod(
-                np.array([b.complex_count[kept] for b in blocks], dtype=int).reshape(len(blocks), len(kept)), axis=0
+            complex_count=stored_counts(
+                np.prod(np.array([b.complex_count[kept] for b in blocks]).reshape(len(blocks), len(kept)), axis=0)
             ),
         )
 

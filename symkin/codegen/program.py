@@ -29,6 +29,7 @@ from symkin.codegen.worst_case import WorstCase
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.model.names import check_c_name, cmake_target
+from symkin.model.oddities import degrees_question
 from symkin.text import c_comment
 
 Kind = RodPlatform | LimbPlatform | SerialArm | JointMap
@@ -118,9 +119,11 @@ def _header_values(kind: Kind, main: NewtonCode, worst: list[str], digest: str) 
     struct = options.geometry == "struct"
     relative = options.home_relative
     counts = ", ".join(f"{count} {what}" for what, count in main.operations.items())
+    question = degrees_question(mechanism)
     about = [
         *_range_lines(kind), "",
         "Joint values in this order; lengths in " + mechanism.length_unit + ", angles in radians.",
+        *([] if question is None else ["", *wrap(c_comment(f"Note: {question}"), 95), ""]),
         *(["Joint values and positions are changes from home, orientations turns from home's, in base axes: "
            f"{name}_home is the pose of zeros."] if relative else []),
         "Calls keep no state, allocate nothing and end after a bounded number of steps. Results are written with",

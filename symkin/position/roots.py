@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import isnan, lgamma, log, nan, prod
 
 import numpy as np
 
@@ -22,6 +24,8 @@ _TO_A_SIDE = 1e-4
 """Of the size: steps aside from a nearly singular root to where Newton's method leads to the one on that side."""
 _NEAR_SINGULAR = 1e-3
 """Of the size: distance within which singular roots may be one, if the rows between them vanish too."""
+NOT_KNOWN = nan
+"""A count that is not known, in arrays of counts: no product and no sum with it is a number."""
 _CONTINUUM_SAMPLE = 5
 
 
@@ -53,7 +57,8 @@ class Roots:
     From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots, `unresolved` paths. In
     both: the least error reached where there is no root, members of a continuum that were met, and what is proved.
     `engine`: what has tracked the paths. `complex_sets`: paths ended on a set of complex roots that are not isolated.
-    `missing`: why there are fewer complex roots than generic ones.
+    `missing`: why there are fewer complex roots than generic ones. `late`: hits of the second half of the starts, and how many of
+    them are at roots that the first half has not hit.
     """
 
     system: System
@@ -69,6 +74,7 @@ class Roots:
     complex_sets: bool = False
     engine: str | None = None
     missing: str | None = None
+    late: tuple[int, int] = (0, 0)
 
     @property
     def unseen(self) -> float:
@@ -83,6 +89,36 @@ class Roots:
         """Good-Turing: the share of hits that are single, the probability that the next hit is a new root."""
         total = 0 if self.hits is None else int(np.sum(self.hits))
         return float(np.sum(self.hits == 1)) / total if total else 1.0
+
+    def unseen_share(self, doubt: float) -> float:
+        """An upper bound of the share of hits at roots that are not hit yet, which holds but for a probability `doubt`: Clopper and
+        Pearson's of the second half of the starts, whose hits are new with the probability that the first half left."""
+        return binomial_bound(*self.late, doubt)
+
+
+def binomial_bound(trials: int, seen: int, doubt: float) -> float:
+    """The largest probability at which as few as `seen` of `trials` have a probability of `doubt` (Clopper, Pearson 1934)."""
+    if seen >= trials:
+        return 1.0
+    choices = [lgamma(trials + 1) - lgamma(k + 1) - lgamma(trials - k + 1) for k in range(seen + 1)]
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        p = 0.5 * (low + high)
+        terms = (c + k * log(p) + (trials - k) * log(1.0 - p) for k, c in enumerate(choices))
+        low, high = (p, high) if sum(np.exp(term) for term in terms) > doubt else (low, p)
+    return high
+
+
+def product_of_counts(counts: Iterable[float]) -> int | None:
+    """The product of counts; None where one is not known."""
+    known = list(counts)
+    return None if any(isnan(c) for c in known) else prod(int(c) for c in known)
+
+
+def sum_of_counts(counts: Iterable[float]) -> int | None:
+    """The sum of counts; None where one is not known."""
+    known = list(counts)
+    return None if any(isnan(c) for c in known) else sum(int(c) for c in known)
 
 
 def features(system: System, points: np.ndarray) -> np.ndarray:
@@ -120,13 +156,26 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     continuum are set apart; once they outnumber the isolated ones, a few of them stand for the rest."""
     ends = system.wrap(system.fold(ends))
     first, labels = merge(features(system, ends), 1e-5 * system.characteristic_length)
-    hits = np.bincount(labels[labels >= 0], minlength=len(first))
+    ends_at, hits = labels, np.bincount(labels[labels >= 0], minlength=len(first))
     order = np.argsort(-hits, kind="stable")
     found = polished_roots(system, ends[first[order]], known, most_of_continuum=_CONTINUUM_SAMPLE)
     first, labels = unite(system, found.points, known, continuum_met=found.continuum is not None)
     counts = np.where(found.origin < 0, 0, hits[order][found.origin])
     totals = np.bincount(labels[labels >= 0], weights=counts[labels >= 0], minlength=len(first)).astype(int)
-    return Roots(system, found.points[first], np.maximum(totals, 1), found.smallest_residual, starts, found.continuum)
+    own = (found.origin >= 0) & (labels >= 0)
+    root_of = np.full(len(hits) + 1, -1)
+    root_of[order[found.origin[own]]] = labels[own]
+    late = _late_hits(root_of[ends_at])
+    return Roots(
+        system, found.points[first], np.maximum(totals, 1), found.smallest_residual, starts, found.continuum, late=late
+    )
+
+
+def _late_hits(at: np.ndarray) -> tuple[int, int]:
+    """Hits in the second half of the starts, and those of roots that the first half has not met; `at` are roots by starts, -1 of none."""
+    at = at[at >= 0]
+    half = len(at) // 2
+    return len(at) - half, int(np.sum(~np.isin(at[half:], at[:half])))
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,8 +24,8 @@ from symkin.spatial.pose import Pose
 class SolutionList(Sequence[Solution]):
     """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position` (m, 3), `quaternion` (m, 4),
     `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried),
-    `radius` (m,), `ground` (m,) the partial proofs of those that are not certified, `double` (m,) which of them two or more meet
-    in; `notes` are those of all."""
+     `radius` (m,), `ground` (m,) the partial proofs of those that are not certified, `double` (m,) which of them two or more meet
+     in, `hits` (m,) of random starts (-1: none were counted); `notes` are those of all."""
 
     closure: Closure
     values: np.ndarray
@@ -39,6 +39,7 @@ class SolutionList(Sequence[Solution]):
     notes: tuple[str, ...]
     ground: np.ndarray | None = None
     double: np.ndarray | None = None
+    hits: np.ndarray | None = None
     _made: dict[int, Solution] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -77,6 +78,7 @@ class SolutionList(Sequence[Solution]):
             certified=certified,
             radius=float(self.radius[i]) if certified else None,
             ground=None if self.ground is None else self.ground[i],
+            hits=None if self.hits is None or self.hits[i] < 0 else int(self.hits[i]),
             notes=(*self.notes, *self._own_notes(i)),
         )
 

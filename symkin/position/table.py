@@ -27,15 +27,17 @@ class Table:
     left_out: str = ""
 
 
-def solution_table(problem: Problem, solutions: Sequence[Solution], everything: bool = False) -> Table:
-    """The solutions of one problem: pose and actuated joints, or what else tells them apart; `everything`: all coordinates and
+def solution_table(
+    problem: Problem, solutions: Sequence[Solution], everything: bool = False, numbers: Sequence[int] | None = None
+) -> Table:
+    """The solutions of one problem, with their `numbers` where they are some of a list: pose and actuated joints, or what else tells them apart; `everything`: all coordinates and
     named points. Empty where there is no solution."""
     if not solutions:
         return Table([], [])
     shown, points, passive = _coordinate_columns(problem, solutions)
     kept = points | passive if everything else _needed(shown, points, passive)
     left = "" if everything else _left_out([t for t in points if t not in kept], [t for t in passive if t not in kept])
-    columns = {"#": [str(k + 1) for k in range(len(solutions))], **shown, **kept}
+    columns = {"#": [str(k) for k in numbers or range(1, len(solutions) + 1)], **shown, **kept}
     if any(s.within_limits is not None for s in solutions):
         columns["limits"] = ["in" if s.within_limits else "out" for s in solutions]
     columns["condition"] = [f"{s.condition:.3g}" for s in solutions]
