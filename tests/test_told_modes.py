@@ -7,26 +7,10 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.samples import Z
-from symkin import Joint, Limb, Mechanism
+from helpers.samples import rus
 from symkin.assembly.mode_groups import _labels
 from symkin.following.meeting_modes import Meeting
 from symkin.plots.modes_plot import shown_numbers
-
-
-def rus(limbs: int) -> Mechanism:
-    """Limbs of a motor, a U joint and an S joint: two places of the motor and two of the U joint for each at a pose."""
-    made = []
-    for k in range(limbs):
-        turn = 2.0 * np.pi * k / limbs
-        out, across = np.array([np.cos(turn), np.sin(turn), 0.0]), np.array([-np.sin(turn), np.cos(turn), 0.0])
-        joints = [
-            Joint(f"m{k}", "R", 180.0 * out, out, actuated=True),
-            Joint(f"u{k}", "U", 180.0 * out + 70.0 * across, out, axis2=Z),
-            Joint(f"s{k}", "S", 110.0 * out + [0.0, 0.0, 260.0]),
-        ]
-        made.append(Limb(f"limb{k}", joints))
-    return Mechanism("rus", made, platform_position=(0.0, 0.0, 260.0), length_unit="mm")
 
 
 @pytest.mark.parametrize("limbs", [2, 4])
@@ -59,6 +43,13 @@ def test_a_picture_of_many_modes_shows_different_machines(tmp_path: Path):
     figure = found.plot(tmp_path / "modes.png")
     words = " ".join(text.get_text() for text in figure.findobj(lambda a: hasattr(a, "get_text")))
     assert "16 sets of actuated joints" in words
+
+
+def test_no_modes_are_no_poses():
+    for machine, pose in ((rus(2), [0, 0, 2000.0, 1, 0, 0, 0]), (symkin.load("delta"), [0, 0, -900.0, 1, 0, 0, 0])):
+        found = symkin.modes(machine, pose=pose)
+        assert (len(found), found.poses, found.representatives, found.to_dict()["poses"]) == (0, 0, [], 0)
+        assert "no real solution" in str(found)
 
 
 def test_equal_rows_have_one_label():

@@ -22,9 +22,11 @@ _PROJECTIONS = 3
 def groups_of(problem: Problem, modes: Sequence[Solution], *, joints: bool) -> np.ndarray:
     """The group (n,) of each mode, numbered in the order of their first modes: those of one pose, with `joints` also of one set of
     actuated joints. Each is its own where neither was found."""
+    if not len(modes):
+        return np.zeros(0, dtype=int)
     size = problem.closure.characteristic_length
     given = {c.name for c in problem.known_coordinates}
-    found = [c for c in problem.mechanism.actuated if joints and c.name not in given and modes and c.name in modes[0].values]
+    found = [c for c in problem.mechanism.actuated if joints and c.name not in given and c.name in modes[0].values]
     columns = [np.zeros((len(modes), 0))]
     if problem.mechanism.platform_link is not None:
         columns += [np.array([mode.position for mode in modes]), size * np.array([mode.rotation.ravel() for mode in modes])]
