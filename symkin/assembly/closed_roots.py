@@ -1,7 +1,8 @@
 """Real roots of one block of a problem at many instances, by formulas, with what is in doubt left to paths.
 
-Where each equation of the formulas is far from a double root and from leaving its unknown undecided, their branches are all solutions
-that there are. Every one is polished and checked on all rows as the ends of paths are.
+Formulas are used where they account for all solutions: generically every branch, complex ones included, closes on all rows, and they are
+as many as paths find. Where each equation of the formulas is far from a double root and from leaving its unknown undecided, and each
+real branch closes on all rows to rounding, their branches are then all solutions that there are; every other input is left to paths.
 """
 
 from __future__ import annotations
@@ -11,19 +12,25 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.block_proofs import BlockProver, block_prover
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
 from symkin.computed_once import cached_property, lru_cache
-from symkin.elimination.closed_form import Solutions, closed_form, samples_about
+from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
 from symkin.homotopy.systems import system_of
+from symkin.homotopy.values import coordinate_scale
 from symkin.numeric.system import System
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
 
-_SOLVES, _FAILS = 1e-7, 1e-4
-"""Closure errors, of the size, of branches that are solutions to rounding, and of branches that are none; between them is doubt."""
+_SOLVES = 1e-7
+"""Closure error, of the size, of branches that are solutions to rounding, with some digits lost."""
+_SPREAD = 0.3
+"""How far generic known values lie from the regular ones at which formulas are compared with paths: in radians, and in sizes."""
+_INSTANCES = 2
+"""Generic known values at which all branches must close."""
 
 
 class Formulas(Protocol):
@@ -75,32 +82,33 @@ class ClosedBlock:
         """Whether no row is more than the unknowns need."""
         return int(self.block.rows.shape[0]) <= self.block.freedom
 
-    @cached_property
-    def is_determined(self) -> bool:
-        """Whether each real branch is a solution: where there are more rows than unknowns, known values must meet conditions, and
-        some branches may not."""
-        if self._is_square:
+    def accounts_for(self, paths: BlockPaths | None) -> bool:
+        """Whether each complex solution of a generic instance is one of the formulas' branches: they are as many as paths find, and all
+        of them close. Where no paths tell, since known values must meet conditions, all of them close at the regular configuration."""
+        if not isinstance(self.formulas, ClosedForm):
+            # those of an arm are derived for its family of axes, complex branches included
             return True
-        found = self.formulas.solutions(self.regular[None])
-        values = found.values[0][found.real[0]]
-        return bool(
-            found.clear[0] and np.all(self.block.residuals(values, self.regular) <= _SOLVES * self.block.characteristic_length)
-        )
+        if paths is None:
+            return _all_close(self.formulas, self.regular[None])
+        return self.formulas.count == paths.most_roots and _all_close(self.formulas, self._generic_known)
+
+    @property
+    def _generic_known(self) -> np.ndarray:
+        """Random known values (instances, known)."""
+        scale = coordinate_scale(self.problem, self.problem.known_coordinates)
+        away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
+        return np.asarray(self.regular + scale * away)
 
     def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
         """Roots at instances known (n, values)."""
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
-        complex_count: float = self.formulas.count
-        if not self.is_determined:
-            # branches must meet further conditions, and only real ones are held against them
-            complex_count = NOT_KNOWN
-            left = self.block.residuals(chosen, known[owner]) / self.block.characteristic_length
-            plain[owner[(left > _SOLVES) & (left < _FAILS)]] = False
-            chosen, owner = chosen[left <= _SOLVES], owner[left <= _SOLVES]
+        errors = self.block.residuals(chosen, known[owner])
+        plain[owner[~(errors <= _SOLVES * self.block.characteristic_length)]] = False
+        chosen, owner = chosen[plain[owner]], owner[plain[owner]]
         candidates = Candidates(chosen, owner, np.full(len(owner), -1))
-        found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), complex_count))
+        found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), self.formulas.count))
         # a branch that solves all steps and fails the check leaves a doubt
         plain[np.bincount(owner, minlength=len(known)) != found.counts] = False
         return with_proofs(found, self.prover, None, known, kept, required=self._certifies) if certify else found
@@ -115,6 +123,15 @@ class ClosedBlock:
         return bool(len(found.owner) and proofs.certified.all())
 
 
+def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
+    """Whether all branches close for known values (n, known), over the complex numbers."""
+    try:
+        errors = formulas.complex_errors(known)
+    except NotImplementedError:
+        return False
+    return bool(np.all(errors <= _SOLVES))
+
+
 @lru_cache(maxsize=256)
 def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     """One of a problem's blocks with the formulas that solve it; None where there are none."""
@@ -124,5 +141,5 @@ def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     if problem.is_explicit or (problem.kind == "given" and is_linear(problem)):
         return None
     near = problem.reference_known
-    found = closed_form(block, samples_about(block, near))
+    found = closed_form(block, samples_about(block, near, problem.known_coordinates))
     return None if found is None else ClosedBlock(problem, block, found, near)

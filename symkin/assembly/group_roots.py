@@ -99,8 +99,19 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
     solver = group_solver(group, formulas=search.formulas) if search.method == "continuation" else None
     if solver is None:
         return one_by_one(group, known, search, progress)
+    found, doubtful = _all_together(solver, known)
+    if doubtful.size and solver.method == "closed" and (paths := group_paths(group)) is not None:
+        tracked, left = _all_together(paths, known[doubtful])
+        found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
+    if not doubtful.size:
+        return found
+    return found.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
+
+
+def _all_together(solver: BlockPaths | ClosedBlock, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
+    """The solutions at known values (n, known) by formulas or paths, and which rows are left in doubt."""
     found = solver.roots(known, certify=False)
-    tracked = GroupRoots(
+    return GroupRoots(
         found.points,
         found.owner,
         np.full(len(found.owner), np.inf),
@@ -111,11 +122,7 @@ def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Pro
         continuum=np.zeros(len(known), dtype=bool),
         engine=solver.engine,
         orbits=solver.notes,
-    )
-    doubtful = np.flatnonzero(~found.plain)
-    if not doubtful.size:
-        return tracked
-    return tracked.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
+    ), np.flatnonzero(~found.plain)
 
 
 def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
@@ -158,9 +165,15 @@ def _statement(roots: Roots) -> Completeness:
 
 
 def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | ClosedBlock | None:
-    """The formulas of a group, if they are wanted and there are some, else what tracks its paths; None where it has neither."""
+    """The formulas of a group, if they are wanted and account for all its solutions, else what tracks its paths; None where it has
+    neither."""
     closed = closed_block(group, 0) if formulas else None
-    return group_paths(group) if closed is None else closed
+    return closed if closed is not None and _accounts(closed) else group_paths(group)
+
+
+@lru_cache(maxsize=256)
+def _accounts(closed: ClosedBlock) -> bool:
+    return closed.accounts_for(group_paths(closed.problem))
 
 
 @lru_cache(maxsize=256)

@@ -219,9 +219,9 @@ def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas:
         return PlainModes(problem, ())
     parts: list[BlockPaths | ClosedBlock] = []
     for number in range(len(problem.blocks)):
-        solver: BlockPaths | ClosedBlock | None = closed_block(problem, number) if formulas else None
-        if solver is None and not unsuitable(problem) and not redundant_distances(problem):
-            solver = _paths(problem, number, progress, str(cache_folder()))
+        closed = closed_block(problem, number) if formulas else None
+        paths = _paths(problem, number, progress, str(cache_folder()))
+        solver = closed if closed is not None and closed.accounts_for(paths) else paths
         if solver is None:
             return PlainModes(problem, ())
         parts.append(solver)
@@ -231,6 +231,8 @@ def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas:
 @lru_cache(maxsize=256)
 def _paths(problem: Problem, number: int, progress: Progress | None, _folder: str) -> BlockPaths | None:
     """One of a problem's blocks with its paths, whose start is read from the cache folder once in a process; None where it has none."""
+    if unsuitable(problem) or redundant_distances(problem):
+        return None
     block = problem.blocks[number]
     system = system_of(problem, block)
     start, _ = start_of(problem, system, block, progress)

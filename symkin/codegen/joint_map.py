@@ -137,7 +137,7 @@ def _part(group: Problem) -> Part:
         return Part(group, None, None, is_linear=False)
     reference = group.select_values(group.closure.reference, known)
     short = shortened(system, known)
-    found = closed_form(short, samples_about(short, reference))
+    found = closed_form(short, samples_about(short, reference, known))
     return Part(group, None if found is None or found.has_conditions else found, None, is_linear=False)
 
 

@@ -294,7 +294,8 @@ def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Probl
         return True
     if any(c.kind == "quaternion" for c in inverse.known_coordinates):
         return False
-    return formulas.closes(samples_about(formulas.system, inverse.select_values(sample.values, inverse.known_coordinates)))
+    pose = inverse.known_coordinates
+    return formulas.closes(samples_about(formulas.system, inverse.select_values(sample.values, pose), pose))
 
 
 def _angular(pose: Sequence[Coordinate]) -> list[bool]:
