@@ -112,22 +112,26 @@ def _size(op: int, value: Any, operands: Sequence[_Sized]) -> Any:
 
 def sized_numbers(expressions: ca.SX, symbols: ca.SX, values: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Numbers (samples, n) of some expressions (n,) of symbols (m,), and their sizes, from those (samples, m) of the symbols."""
+    function = _function(expressions, symbols)
     with np.errstate(all="ignore"):
-        found = _walked(expressions, symbols, list(values.T), list(sizes.T))
-    numbers, terms = np.empty((len(values), len(found))), np.empty((len(values), len(found)))
-    for k, (number, size) in enumerate(found):
-        numbers[:, k], terms[:, k] = number, size
-    return numbers, terms
+        found = _walked(function, list(values.T), list(sizes.T))
+    terms = np.empty((len(values), len(found)))
+    for k, (_, size) in enumerate(found):
+        terms[:, k] = size
+    return np.broadcast_to(np.asarray(function(values.T)).T, terms.shape), terms
 
 
 def term_sizes(expressions: ca.SX, symbols: ca.SX, sizes: ca.SX) -> ca.SX:
     """Sizes of some expressions (n,) of symbols (m,), as expressions of these and of their own sizes."""
-    found = _walked(expressions, symbols, symbols.elements(), sizes.elements())
+    found = _walked(_function(expressions, symbols), symbols.elements(), sizes.elements())
     return ca.vertcat(ca.SX(0, 1), *(size for _, size in found))
 
 
-def _walked(expressions: ca.SX, symbols: ca.SX, values: Sequence[Any], sizes: Sequence[Any]) -> list[_Sized]:
-    function = ca.Function("sized", [symbols], [ca.densify(expressions)])
+def _function(expressions: ca.SX, symbols: ca.SX) -> ca.Function:
+    return ca.Function("sized", [symbols], [ca.densify(expressions)])
+
+
+def _walked(function: ca.Function, values: Sequence[Any], sizes: Sequence[Any]) -> list[_Sized]:
     evaluator = _Sizes(values, sizes)
     walk(function, evaluator)
-    return [evaluator.found[k] for k in range(int(expressions.numel()))]
+    return [evaluator.found[k] for k in range(int(function.nnz_out(0)))]
