@@ -17,6 +17,7 @@ from symkin.assembly.block_proofs import BlockProver, block_prover
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
 from symkin.computed_once import cached_property, lru_cache
 from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
+from symkin.elimination.complex_branches import complex_errors
 from symkin.homotopy.systems import system_of
 from symkin.homotopy.values import coordinate_scale
 from symkin.numeric.system import System
@@ -25,8 +26,8 @@ from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
 from symkin.position.roots import NOT_KNOWN
 
-_SOLVES = 1e-7
-"""Closure error, of the size, of branches that are solutions to rounding, with some digits lost."""
+_SOLVES, _FAILS = 1e-7, 1e-4
+"""Closure errors, of the size, of branches that are solutions to rounding, with some digits lost, and of branches that are none."""
 _SPREAD = 0.3
 """How far generic known values lie from the regular ones at which formulas are compared with paths: in radians, and in sizes."""
 _INSTANCES = 2
@@ -82,6 +83,16 @@ class ClosedBlock:
         """Whether no row is more than the unknowns need."""
         return int(self.block.rows.shape[0]) <= self.block.freedom
 
+    @cached_property
+    def is_determined(self) -> bool:
+        """Whether each real branch is a solution. Arms of fewer than six joints have branches that some of their poses' conditions
+        refuse, and that are none then; formulas that elimination has found have none of these (`accounts_for`)."""
+        if self._is_square or isinstance(self.formulas, ClosedForm):
+            return True
+        found = self.formulas.solutions(self.regular[None])
+        errors = self.block.residuals(found.values[0][found.real[0]], self.regular)
+        return bool(found.clear[0] and np.all(errors <= _SOLVES * self.block.characteristic_length))
+
     def accounts_for(self, paths: BlockPaths | None) -> bool:
         """Whether each complex solution of a generic instance is one of the formulas' branches: they are as many as paths find, and all
         of them close. Where no paths tell, since known values must meet conditions, all of them close at the regular configuration."""
@@ -104,11 +115,15 @@ class ClosedBlock:
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
-        errors = self.block.residuals(chosen, known[owner])
-        plain[owner[~(errors <= _SOLVES * self.block.characteristic_length)]] = False
-        chosen, owner = chosen[plain[owner]], owner[plain[owner]]
+        errors = self.block.residuals(chosen, known[owner]) / self.block.characteristic_length
+        fails = np.zeros(len(errors), dtype=bool) if self.is_determined else errors >= _FAILS
+        plain[owner[~fails & ~(errors <= _SOLVES)]] = False
+        kept = plain[owner] & ~fails
+        chosen, owner = chosen[kept], owner[kept]
         candidates = Candidates(chosen, owner, np.full(len(owner), -1))
-        found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), self.formulas.count))
+        # of an arm whose branches must meet further conditions only real ones are held against them
+        count: float = self.formulas.count if self.is_determined else NOT_KNOWN
+        found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), count))
         # a branch that solves all steps and fails the check leaves a doubt
         plain[np.bincount(owner, minlength=len(known)) != found.counts] = False
         return with_proofs(found, self.prover, None, known, kept, required=self._certifies) if certify else found
@@ -126,7 +141,7 @@ class ClosedBlock:
 def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
     """Whether all branches close for known values (n, known), over the complex numbers."""
     try:
-        errors = formulas.complex_errors(known)
+        errors = complex_errors(formulas, known)
     except NotImplementedError:
         return False
     return bool(np.all(errors <= _SOLVES))

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import casadi as ca
 import numpy as np
 
-from symkin.closure.numpy_code import vectorise
 from symkin.computed_once import cached_property
 from symkin.elimination.eliminating import combine_lengths, cut_by_line, defer_defined, subtract_quadratics, turn_angle
 from symkin.elimination.polynomial import Ring
@@ -103,43 +102,17 @@ class ClosedForm:
     def _mapped(self) -> Mapped:
         """Values, discriminants, divisors and the sizes of the terms of these two, for signs and known values."""
         width, choices = self.system.width, int(self.signs.shape[0])
-        whole = self._at_roots(ca.vertcat(self.values, self.discriminants, self.divisors), lambda d: ca.sqrt(ca.fmax(d, 0.0)))
+        whole = self.at_roots(ca.vertcat(self.values, self.discriminants, self.divisors), lambda d: ca.sqrt(ca.fmax(d, 0.0)))
         inputs = ca.vertcat(self.signs, self.system.known)
         sizes = term_sizes(whole[width:], inputs, ca.fabs(inputs))
         parts = [whole[:width], whole[width : width + choices], whole[width + choices :], sizes]
         return Mapped.of([self.signs, self.system.known], parts)
 
-    def _at_roots(self, whole: ca.SX, root: Callable[[ca.SX], ca.SX]) -> ca.SX:
+    def at_roots(self, whole: ca.SX, root: Callable[[ca.SX], ca.SX]) -> ca.SX:
         """Expressions with the `root` of each discriminant put in."""
         for k in reversed(range(int(self.roots.shape[0]))):
             whole = ca.substitute(whole, self.roots[k], root(self.discriminants[k]))
         return whole
-
-    def complex_errors(self, known: np.ndarray) -> np.ndarray:
-        """By how much all values, complex ones included, for known values (n, known) leave the rows open: (n, count) in sizes. Raises
-        NotImplementedError for rows that have no complex form."""
-        system, n = self.system, len(known) * self.count
-        signs, k = np.tile(self.choices, (len(known), 1)).T, np.repeat(known, self.count, axis=0).T
-        with np.errstate(all="ignore"):
-            parts = np.zeros((n, 2 * system.width, 1), dtype=complex)
-            self._complex[0](signs.astype(complex), k.astype(complex), parts)
-            first, second = parts[:, : system.width, 0].T, parts[:, system.width :, 0].T
-            angular = np.array([c.is_angular for c in system.unknowns])[:, None]
-            rows = np.zeros((n, int(system.rows.shape[0]), 1), dtype=complex)
-            self._complex[1](np.where(angular, -1j * np.log(first + 1j * second), first), k.astype(complex), rows)
-            circles = np.abs(np.where(angular, first**2 + second**2 - 1.0, 0.0))
-            unit = np.where(angular, np.abs(first) + np.abs(second), np.abs(first) / system.characteristic_length)
-            # rows are of second degree and less, and rounding grows with what they add
-            reach = np.maximum(1.0, np.max(unit, axis=0)) ** 2
-            largest = np.maximum(np.max(np.abs(rows[:, :, 0]), axis=1) / system.characteristic_length, np.max(circles, axis=0))
-        found = (largest / reach).reshape(len(known), self.count)
-        return np.where(np.isfinite(found), found, np.inf)
-
-    @cached_property
-    def _complex(self) -> tuple[Callable[..., None], Callable[..., None]]:
-        parts = ca.densify(self._at_roots(ca.vertcat(self.first, self.second), ca.sqrt))
-        rows = ca.Function("rows", [self.system.unknown, self.system.known], [ca.densify(self.system.rows)], {"cse": True})
-        return vectorise(ca.Function("parts", [self.signs, self.system.known], [parts], {"cse": True})), vectorise(rows)
 
     @cached_property
     def _signs(self) -> ca.Function:

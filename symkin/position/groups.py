@@ -104,15 +104,13 @@ def _coordinates_in(rows: ca.SX, closure: Closure) -> set[str]:
 
 
 def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
-    """Which rows hold which numbers of the closure's variables (rows, variables)."""
+    """Which rows hold which numbers of the closure's variables (rows, variables); lengths are compared in sizes, as angles are."""
     rng = np.random.default_rng(0)
     values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
-    # derivatives by angles are lengths: those by lengths become so too, so that a small machine has the rows of a large one
-    unit = np.array(
-        [closure.characteristic_length if c.kind == "length" else 1.0 for c in closure.coordinates for _ in range(c.width)]
-    )
-    sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * unit
+    lengths = np.array([c.kind == "length" for c in closure.coordinates for _ in range(c.width)], dtype=bool)
+    units = np.where(lengths, closure.characteristic_length, 1.0)
+    sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units
     return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
 
 
