@@ -14,7 +14,7 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.group_proofs import with_certificates
-from symkin.assembly.group_roots import STATEMENTS, GroupRoots, group_roots, one_by_one
+from symkin.assembly.group_roots import STATEMENTS, GroupRoots, engines_together, group_roots, one_by_one
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.modes_result import Completeness, Group, Modes, sampling
 from symkin.assembly.proofs import ground_notes
@@ -125,7 +125,7 @@ class _Account:
 
     @property
     def engine(self) -> str | None:
-        return ", ".join(dict.fromkeys(self.engines)) or None
+        return engines_together(self.engines)
 
     @property
     def whole(self) -> np.ndarray:

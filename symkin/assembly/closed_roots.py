@@ -86,25 +86,20 @@ class ClosedBlock:
     @cached_property
     def is_determined(self) -> bool:
         """Whether each real branch is a solution. Arms of fewer than six joints have branches that some of their poses' conditions
-        refuse, and that are none then; formulas that elimination has found have none of these (`accounts_for`)."""
+        refuse, and that are none then; formulas that elimination has found have none of these (`accounts_for_all`)."""
         if self._is_square or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])
         errors = self.block.residuals(found.values[0][found.real[0]], self.regular)
         return bool(found.clear[0] and np.all(errors <= _SOLVES * self.block.characteristic_length))
 
-    def accounts_for(self, paths: BlockPaths | None) -> bool:
-        """Whether each complex solution of a generic instance is one of the formulas' branches: they are as many as paths find, and all
-        of them close. Where no paths tell, since known values must meet conditions, all of them close at the regular configuration."""
-        if not isinstance(self.formulas, ClosedForm):
-            # those of an arm are derived for its family of axes, complex branches included
-            return True
-        if paths is None:
-            return _all_close(self.formulas, self.regular[None])
-        return self.formulas.count == paths.most_roots and _all_close(self.formulas, self._generic_known)
+    @property
+    def is_of_arm(self) -> bool:
+        """Whether the formulas are those of an arm, which are derived for its family of axes, complex branches included."""
+        return not isinstance(self.formulas, ClosedForm)
 
     @property
-    def _generic_known(self) -> np.ndarray:
+    def generic_known(self) -> np.ndarray:
         """Random known values (instances, known)."""
         scale = coordinate_scale(self.problem, self.problem.known_coordinates)
         away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
@@ -145,6 +140,17 @@ def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
     except NotImplementedError:
         return False
     return bool(np.all(errors <= _SOLVES))
+
+
+@lru_cache(maxsize=256)
+def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
+    """Whether each complex solution of a generic instance is one of the formulas' branches: they are as many as paths find, and all
+    of them close. Where no paths tell, since known values must meet conditions, all of them close at the regular configuration."""
+    if not isinstance(closed.formulas, ClosedForm):
+        return True
+    if paths is None:
+        return _all_close(closed.formulas, closed.regular[None])
+    return closed.formulas.count == paths.most_roots and _all_close(closed.formulas, closed.generic_known)
 
 
 @lru_cache(maxsize=256)

@@ -6,13 +6,13 @@ that leave something in doubt, and groups without a start, are searched one by o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.closed_roots import ClosedBlock, closed_block
+from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
@@ -77,11 +77,10 @@ class GroupRoots:
             arrays[name][rows] = getattr(other, name)
         notes = {**self.notes, **{int(rows[i]): texts for i, texts in other.notes.items()}}
         samples = {**self.samples, **{int(rows[i]): roots for i, roots in other.samples.items()}}
-        engines = dict.fromkeys(e for e in (self.engine, other.engine) if e is not None)
+        engine = engines_together([self.engine, other.engine])
         return GroupRoots(
-            points[order], owner[order], hits[order], **arrays, notes=notes, engine=", ".join(engines) or None, orbits=self.orbits,
-            samples=samples,
-        )  # fmt: skip
+            points[order], owner[order], hits[order], **arrays, notes=notes, engine=engine, orbits=self.orbits, samples=samples
+        )
 
     def in_order(self) -> GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not decide."""
@@ -131,7 +130,6 @@ def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Prog
     searched = [_searched(group, Given("given", numbers, {}), search, progress) for numbers in known]
     roots = [found for found, _ in searched]
     counts = [NOT_KNOWN if r.complex_count is None else r.complex_count for r in roots]
-    engines = dict.fromkeys(r.engine for r in roots if r.engine is not None)
     return GroupRoots(
         points=np.concatenate([np.zeros((0, group.system.width)), *(r.points for r in roots)]),
         owner=np.repeat(np.arange(len(roots)), [len(r.points) for r in roots]),
@@ -142,9 +140,14 @@ def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Prog
         smallest=np.array([r.smallest_residual for r in roots]),
         continuum=np.array([r.continuum is not None for r in roots], dtype=bool),
         notes={i: notes for i, (_, notes) in enumerate(searched) if notes},
-        engine=", ".join(engines) or None,
+        engine=engines_together([r.engine for r in roots]),
         samples={i: r for i, r in enumerate(roots) if r.hits is not None},
     )
+
+
+def engines_together(engines: Iterable[str | None]) -> str | None:
+    """Names of engines, each once."""
+    return ", ".join(dict.fromkeys(name for e in engines if e is not None for name in e.split(", "))) or None
 
 
 def _searched(group: Problem, given: Given, search: Search, progress: Progress | None) -> tuple[Roots, tuple[str, ...]]:
@@ -167,13 +170,8 @@ def _statement(roots: Roots) -> Completeness:
 def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | ClosedBlock | None:
     """The formulas of a group, if they are wanted and account for all its solutions, else what tracks its paths; None where it has
     neither."""
-    closed = closed_block(group, 0) if formulas else None
-    return closed if closed is not None and _accounts(closed) else group_paths(group)
-
-
-@lru_cache(maxsize=256)
-def _accounts(closed: ClosedBlock) -> bool:
-    return closed.accounts_for(group_paths(closed.problem))
+    closed, paths = closed_block(group, 0) if formulas else None, group_paths(group)
+    return closed if closed is not None and accounts_for_all(closed, paths) else paths
 
 
 @lru_cache(maxsize=256)

@@ -13,7 +13,7 @@ import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
-from symkin.assembly.closed_roots import ClosedBlock, closed_block
+from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.mode_order import order_of_modes
 from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, stored_counts, table_of
 from symkin.computed_once import cached_property, lru_cache
@@ -219,13 +219,20 @@ def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas:
         return PlainModes(problem, ())
     parts: list[BlockPaths | ClosedBlock] = []
     for number in range(len(problem.blocks)):
-        closed = closed_block(problem, number) if formulas else None
-        paths = _paths(problem, number, progress, str(cache_folder()))
-        solver = closed if closed is not None and closed.accounts_for(paths) else paths
+        solver = _solver(problem, number, progress, formulas=formulas)
         if solver is None:
             return PlainModes(problem, ())
         parts.append(solver)
     return _prepared(problem, tuple(parts))
+
+
+def _solver(problem: Problem, number: int, progress: Progress | None, *, formulas: bool) -> BlockPaths | ClosedBlock | None:
+    """The formulas of one of a problem's blocks, if they are wanted and account for all solutions, else its paths."""
+    closed = closed_block(problem, number) if formulas else None
+    if closed is not None and closed.is_of_arm:
+        return closed
+    paths = _paths(problem, number, progress, str(cache_folder()))
+    return closed if closed is not None and accounts_for_all(closed, paths) else paths
 
 
 @lru_cache(maxsize=256)
