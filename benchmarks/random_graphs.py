@@ -68,15 +68,15 @@ class Drawing:
         return "\n".join(self.tables)
 
     def _couple(self) -> None:
-        """The first joint turns with the second, as a pair of gears."""
-        if all('type = "R"' in table for table in self.tables[1:3]):
+        """The last joint turns with the first, as a pair of gears."""
+        if all('type = "R"' in table for table in (self.tables[1], self.tables[-1])):
             ratio = float(self.rng.choice([1, -1, 2, -2, 0.5, 3]))
-            self.tables.append(f'[[coupling]]\njoint = "j1"\nof = {{ j2 = {ratio} }}\n')
+            self.tables.append(f'[[coupling]]\njoint = "j{self.joints}"\nof = {{ j1 = {ratio} }}\n')
 
     def _loop(self, *, first: bool) -> None:
         """A chain between two links: with as many freedoms as the family has, so that it moves nothing, or one more."""
         need = 6 if self.family in ("spatial", "rods") else 3
-        total = need + int(first or self.rng.random() < 0.3)
+        total = need + int(first or self.name == "coupled" or self.rng.random() < 0.3)
         ends = [str(v) for v in self.rng.choice(self.links, 2, replace=len(self.links) < 2)]
         if self.family == "rods" and not first and self.rng.random() < 0.7:
             if ends[0] != ends[1]:

@@ -119,3 +119,21 @@ def test_formulas_are_used_where_paths_find_as_many(turned: bool) -> None:
             assert paths is not None
             assert solver is not None
             assert (solver.method, solver.most_roots) == ("closed", paths.most_roots)
+
+
+def test_structure_groups_do_not_depend_on_the_unit_of_length() -> None:
+    """A slide that is nearly along x moves a point up by a hundredth of its stroke: in any unit that is no zero."""
+    slope = [float(np.cos(0.0129)), float(np.sin(0.0129)), 0.0]
+    z = [0, 0, 1]
+    rows = [
+        ("j1", "R", "base", "link1", [-15, -3, 0], z), ("j2", "R", "link1", "link2", [2, 0, 0], z),
+        ("j3", "P", "link2", "link3", [-15, -25, 0], [-0.97, 0.245, 0]), ("j4", "R", "link3", "base", [23, 8, 0], z),
+        ("j5", "P", "link2", "link4", [14, -20, 0], slope), ("j6", "R", "link4", "link5", [9, -24, 0], z),
+        ("j7", "R", "link5", "link6", [14, -26, 0], z), ("j8", "R", "link6", "link3", [6, 24, 0], z),
+    ]  # fmt: skip
+
+    def groups(factor: float) -> list[list[str]]:
+        problem = build_problem(scaled(loops(*rows), factor), "given", ("j7", "j2"))
+        return [[c.name for c in group.system.unknowns] for group in structure_groups(problem)]
+
+    assert groups(1e-6) == groups(1.0) == groups(1e6)
