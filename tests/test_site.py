@@ -54,5 +54,5 @@ def test_a_command_that_draws_nothing_is_named_with_its_words(tmp_path: Path, mo
 
     page = tmp_path / "page.md"
     page.write_text("```console\n$ symkin modes no_such_machine --plot seen.png\n```\n", encoding="utf-8")
-    with pytest.raises(RuntimeError, match="page: symkin modes no_such_machine .* drew nothing .*'no_such_machine' is unknown"):
+    with pytest.raises(RuntimeError, match=r"page: symkin modes no_such_machine .* drew nothing .*'no_such_machine' is unknown"):
         draw_pictures([page], tmp_path / "pictures")
