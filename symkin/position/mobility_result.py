@@ -113,6 +113,12 @@ class Mobility(Result):
             found.append(f"the rank is not clear, the singular values beside the cut differ by only {self.rank.gap:.3g}")
         if self.misfit is not None:
             return tuple(found)
+        if len(self._beyond_motion):
+            screws = ", ".join("(" + ", ".join(f"{v + 0.0:.5g}" for v in twist) + ")" for twist in self._beyond_motion)
+            found.append(
+                f"the platform's motion is declared {self.closure.mechanism.motion}, and its joints let it move otherwise too (twists, angular "
+                f"velocity first: {screws})"
+            )
         if self.digits is None:
             found += self._beside
         mobility = self.mobility if self.digits is None else self.freedoms - self.digits.rank
@@ -152,6 +158,23 @@ class Mobility(Result):
 
     def _mobilities(self, ranks: tuple[int, ...]) -> str:
         return " and ".join(str(self.freedoms - rank) for rank in ranks)
+
+    @property
+    def _beyond_motion(self) -> np.ndarray:
+        """Of the twists that the joints leave the platform those that the motion declared of it does not have, as rows."""
+        mechanism, twists = self.closure.mechanism, self.platform_twists
+        if mechanism.motion == "spatial" or not len(twists):
+            return np.zeros((0, 6))
+        size = self.closure.characteristic_length
+        turns, speeds = twists[:, :3], twists[:, 3:] / size
+        if mechanism.motion == "spherical":
+            outside = speeds + np.cross(turns, np.asarray(mechanism.reference_pose.position) / size)
+        elif mechanism.motion == "translation":
+            outside = turns
+        else:
+            outside = np.hstack([turns[:, :2], speeds[:, 2:] if mechanism.motion == "planar" else speeds[:, :0]])
+        largest = np.linalg.norm(np.hstack([turns, speeds]), axis=1)
+        return np.asarray(twists[np.linalg.norm(outside, axis=1) > RANK_TOLERANCE * largest])
 
     @property
     def _closing(self) -> tuple[str, ...]:

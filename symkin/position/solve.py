@@ -15,7 +15,7 @@ from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.root_checks import POLISHING, is_root
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.closed import ClosedForm
-from symkin.position.given import Given, Joints, given_from
+from symkin.position.given import Given, Joints, given_from, motion_note
 from symkin.position.given_by_name import Values, named_given, plain_case
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import (
@@ -93,6 +93,9 @@ def solve(
         result = _solved(mechanism, known, start, chosen)
     if result.status == "infeasible":
         note = reach_note(result.problem, known)
+        result = result if note is None else replace(result, notes=(*result.notes, note))
+    if result.solution is not None and mechanism.is_graph and mechanism.platform_link is not None:
+        note = motion_note(mechanism, [result.solution.pose])
         result = result if note is None else replace(result, notes=(*result.notes, note))
     if check and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from symkin.model.mechanism import Mechanism
+from symkin.position.given import leaves_motion
 from symkin.position.problem import Problem
 from symkin.position.solution import DOUBLE_NOTE, Solution
 
@@ -90,12 +91,19 @@ def _pose_columns(solutions: Sequence[Solution]) -> Columns:
         f"{axis} [{mechanism.length_unit}]": [_length(mechanism, s.position[i]) for s in solutions]
         for i, axis in enumerate("xyz")
     }
+    poses = [s.pose for s in solutions] if mechanism.is_graph else []
+    if leaves_motion(mechanism, poses):
+        return columns | _turn_columns(solutions)
     if mechanism.motion in ("schoenflies", "planar"):
-        values = [mechanism.angle_out(s.values["pose.gamma"]) for s in solutions]
+        values = [mechanism.angle_out(s.gamma) for s in solutions]
         return columns | {f"gamma [{mechanism.angle_unit}]": [_fixed(v, 3) for v in values]}
     if mechanism.motion == "translation":
         return columns
-    return columns | {name: [_fixed(s.quaternion[i], 5) for s in solutions] for i, name in enumerate(("qw", "qx", "qy", "qz"))}
+    return columns | _turn_columns(solutions)
+
+
+def _turn_columns(solutions: Sequence[Solution]) -> Columns:
+    return {name: [_fixed(s.quaternion[i], 5) for s in solutions] for i, name in enumerate(("qw", "qx", "qy", "qz"))}
 
 
 def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[Columns, Columns]:
