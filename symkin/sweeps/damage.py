@@ -15,7 +15,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.sweeps.chunk_files import digest_of
 from symkin.sweeps.interrupts import interrupts_held
-from symkin.sweeps.layout import consolidate, create_digest, expected_coordinates
+from symkin.sweeps.layout import consolidate, create_digest, expected_coordinates, wrongly_described
 from symkin.sweeps.store import Store, refused_writing
 
 _SOMETIMES_NAN = ("distance_type_1", "distance_type_2")
@@ -61,13 +61,13 @@ def _mend_coordinates(store: Store) -> None:
 
 
 def _check_descriptions(store: Store) -> None:
-    """Raises InputError where the description of an array is lost or cannot be read."""
-    for name in (*(v.name for v in store.plan.variables), "done", *expected_coordinates(store.plan)):
-        if _readable(store.group.__getitem__, name) is None:
-            raise InputError(
-                f"{store.folder}: {name}/zarr.json, the description of an array, is lost or damaged, and its numbers cannot be told; "
-                "restore it, or sweep into another folder"
-            )
+    """Raises InputError where the description of an array is lost, cannot be read or is that of another one."""
+    name = wrongly_described(store.group, store.plan)
+    if name is not None:
+        raise InputError(
+            f"{store.folder}: {name}/zarr.json, the description of an array, is lost or damaged, and its numbers cannot be told; "
+            "restore it, or sweep into another folder"
+        )
 
 
 def _forget(store: Store, index: int) -> None:
