@@ -133,7 +133,7 @@ def read_attributes(folder: Path) -> dict[str, Any] | None:
     if not folder.is_dir():
         raise InputError(f"{folder}: is a file; the name of a folder is needed")
     try:
-        if not _others(folder):
+        if not others_in(folder):
             return None
         attributes = _attributes(folder)
         if attributes is None:
@@ -146,9 +146,9 @@ def read_attributes(folder: Path) -> dict[str, Any] | None:
     return attributes
 
 
-def _others(folder: Path) -> bool:
-    """Whether a folder holds anything but what runs that begin a sweep make in it first."""
-    return any(not (path.name.startswith(f".{folder.name}.") and path.suffix == _PART) for path in folder.iterdir())
+def others_in(folder: Path) -> list[Path]:
+    """What a folder holds, but what runs that begin a sweep make in it first."""
+    return [path for path in folder.iterdir() if not (path.name.startswith(f".{folder.name}.") and path.suffix == _PART)]
 
 
 def _attributes(folder: Path) -> dict[str, Any] | None:
@@ -239,7 +239,7 @@ def _rename(beside: Path, folder: Path) -> None:
 
 def _move_up(beside: Path, folder: Path) -> None:
     """Move what is in a folder within another one up into that, unless something has come there meanwhile."""
-    if _others(folder):
+    if others_in(folder):
         shutil.rmtree(beside, ignore_errors=True)
         return
     for child in sorted(beside.iterdir(), key=lambda path: path.name == "zarr.json"):
