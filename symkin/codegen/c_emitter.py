@@ -155,6 +155,7 @@ class Emitter:
     _text: dict[int, str] = field(default_factory=dict)
     _inverse: dict[int, str] = field(default_factory=dict)
     _comments: int = 0
+    _taken: int = 0
 
     @cached_property
     def _graph(self) -> _Graph:
@@ -188,6 +189,11 @@ class Emitter:
         """Nonzero number of each structural entry of the first output."""
         triplets = zip(*self.function.sparsity_out(0).get_triplet(), strict=True)
         return {place: k for k, place in enumerate(triplets)}
+
+    def take(self) -> list[str]:
+        """The statements that were made since the last time."""
+        new, self._taken = self.lines[self._taken :], len(self.lines)
+        return new
 
     def comment(self, text: str) -> None:
         """Add a line of comment; names of temporaries do not count it."""
@@ -264,3 +270,13 @@ def indexed(name: str, count: int, first: int = 0) -> list[str]:
 def indent(lines: Sequence[str], depth: int = 1) -> str:
     """Join lines, indented by four spaces a level."""
     return "\n".join("    " * depth + line if line else "" for line in lines)
+
+
+def indented_by_braces(lines: Sequence[str]) -> list[str]:
+    """Indent lines by the braces that are open before them."""
+    depth, found = 0, []
+    for line in lines:
+        depth -= line.startswith("}")
+        found.append("    " * depth + line)
+        depth += line.endswith("{")
+    return found

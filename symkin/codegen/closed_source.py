@@ -17,7 +17,7 @@ from symkin.closed.geometry import across
 from symkin.closed.plan import Plan
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_emitter import Emitter, Real, indent, indented_by_braces, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.turns import angle_of_direction, rough_sine
@@ -151,7 +151,7 @@ class ClosedCode:
         text = "\n".join(emitter.lines)
         if self.real.name == "float":
             text = text.replace("atan2f(", f"{self.values['p']}_angle(")
-        return _indented(text.split("\n"))
+        return indented_by_braces(text.split("\n"))
 
     def _open_conditions(self, strength: str, discriminant: int, opened: list[str]) -> None:
         """What must hold before a step's solutions are formed, and what is said where it does not: nothing decides the joint, two
@@ -261,13 +261,3 @@ class ClosedCode:
 
 def _is_number(text: str) -> bool:
     return text[0].isdigit()
-
-
-def _indented(lines: list[str]) -> list[str]:
-    """Lines indented by the braces that are open before them."""
-    depth, found = 0, []
-    for line in lines:
-        depth -= line.startswith("}")
-        found.append("    " * depth + line)
-        depth += line.endswith("{")
-    return found

@@ -11,6 +11,7 @@ from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
+from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.limb_rates import LimbRates
@@ -18,7 +19,7 @@ from symkin.codegen.limb_source import limb_text, rates_text
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
-from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.newton_source import NewtonCode, tracked_error
 from symkin.codegen.platform_rates import closure_twist, decides_twist, rates_functions, square_twist
 from symkin.codegen.pose_coordinates import pose_coordinates_text, pose_text
 from symkin.codegen.pose_target import core_target
@@ -28,6 +29,8 @@ from symkin.text import c_comment
 
 _FIRST_TURN = 0.5
 """Turn of the actuated joints that is tried first (rad): most longer ones are refused."""
+_TRACKED = 4.0
+"""How many times the error that one step of tracking may predict rows of a guess may be off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +122,26 @@ class LimbPlatformSource:
             "np": max(1, sum(c.width for c in made.passive)),
             "farthest": literal(farthest(made.closure.characteristic_length, made.mechanism.platform_position)),
             "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
+            "within": f", {self.real.type} within" if self._checks_rows else "", "feasible": self._within(self._feasible),
         }  # fmt: skip
+
+    @property
+    def _checks_rows(self) -> bool:
+        """Whether the formulas of a limb leave rows over."""
+        return any(block.is_checked for block in self.made.blocks)
+
+    @property
+    def _feasible(self) -> float:
+        return feasible_error(self.real.epsilon, self.made.closure.characteristic_length)
+
+    @property
+    def _guess_error(self) -> float:
+        """Largest closure error of a guess, which may be what one step of tracking has left."""
+        return max(self._feasible, _TRACKED * tracked_error(self.code.tuning))
+
+    def _within(self, error: float) -> str:
+        """An argument of NAME_solve_limbs: how far rows may be off."""
+        return f", {self.real.literal(rounded(error))}" if self._checks_rows else ""
 
     @cached_property
     def values(self) -> dict[str, object]:
@@ -145,7 +167,7 @@ class LimbPlatformSource:
         return [
             f"{real.type} c[{nc}];", f"{real.type} passive[{self._common['np']}] = {{ {real.literal(0.0)} }};",
             f"status = {p}_pose_coordinates({self._ga}guess, c);",
-            f"if (status == {self._ok}) {{", f"    status = {p}_solve_limbs({self._ga}c, w->at, passive);",
+            f"if (status == {self._ok}) {{", f"    status = {p}_solve_limbs({self._ga}c, w->at, passive{self._within(self._guess_error)});",
             *("    " + line for line in copy("w->x", "passive", passive) if passive),
             *([f"    {p}_turn_into_limits(w->at, joints);"] if any(self.made.limited_angles) else []),
             *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
@@ -173,7 +195,7 @@ class LimbPlatformSource:
             if block.formulas is not None:
                 copies = [f"    {array}[{there}] = x[{here}];" for array, there, here in self._rates.places(block)]
                 lines += [f"if (status == {self._ok}) {{", f"    {self.real.type} x[{block.system.width}];",
-                          f"    status = {k}_joints(c, x);", *copies, "}"]  # fmt: skip
+                          f"    status = {k}_joints(c, x{', within' if block.is_checked else ''});", *copies, "}"]  # fmt: skip
                 continue
             copies = [f"    {array}[{there}] = w.x[{here}];" for array, there, here in self._rates.places(block)]
             lines += [f"if (status == {self._ok}) {{", f"    {k}_work w;", f"    status = {k}_follow_pose({self._ga}&w, c);",
@@ -196,7 +218,7 @@ class LimbPlatformSource:
         real, geometry = self.real, self.made.geometry
         function = ca.Function("conditions", [conditions.known, geometry.symbols], [conditions.rows], {"cse": True})
         emitter = Emitter(function, [indexed("c", int(conditions.known.shape[0])), geometry.names], real, prefix="v")
-        limit = real.literal(max(1e-6, 64 * real.epsilon) * conditions.characteristic_length)
+        limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
         tests = [f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})" for i in range(int(conditions.rows.shape[0]))]
         return [
             "/* what the pose alone must satisfy */", *emitter.lines,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -39,6 +40,11 @@ class Tuning:
 def tolerance_of(real: Real, size: float) -> float:
     """Error of an answer (length unit) that is near what the type resolves of lengths of the size."""
     return real.epsilon * size * (1.0 if real.name == "float" else 1e4)
+
+
+def tracked_error(tuning: Tuning) -> float:
+    """The error of one step from which another one comes below the tolerance: an error e leaves kappa e^2 after one more."""
+    return math.sqrt(tuning.tolerance) / tuning.kappa2**0.25
 
 
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:

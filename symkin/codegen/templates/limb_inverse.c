@@ -6,7 +6,7 @@
     @{real} passive[@{np}] = { @{zero} };
     @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
-        status = @{p}_solve_limbs(@{ga}c, q, passive);
+        status = @{p}_solve_limbs(@{ga}c, q, passive@{feasible});
         if (status != @{P}_OK) {
             status = @{P}_OUT_OF_RANGE;
         } else {
