@@ -16,6 +16,7 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts, numbers_of, of_circle
+from symkin.codegen.formula_guards import unimplied
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
 from symkin.computed_once import cached_property
@@ -112,6 +113,12 @@ class ClosedDirection:
         else:
             slope = ca.jacobian(system.rows, system.unknown)
             value = by_numbers(ca.solve(slope, -ca.substitute(system.rows, system.unknown, 0)), [(system.known, read)])
+            # at its zeros the unknowns are infinite
+            determinant = snapped_expression(
+                by_numbers(ca.det(slope), [(system.known, read)]), [self.known, self.signs, self.roots]
+            )
+            if not determinant.is_constant():
+                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), determinant, None))
             for k, c in enumerate(system.unknowns):
                 circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
                 numbers[c.name] = [Numbers(value[k], *circle)]
@@ -136,17 +143,32 @@ class ClosedDirection:
     def conditions(self) -> list[_Condition]:
         """Discriminants, and the divisors that none of them implies: A^2 + B^2 is no less than A^2 + B^2 - C^2."""
         _, everything = self._solved
-        roots = [c for c in everything if c.root is not None]
-        kept = []
+        of_roots = np.array([c.root is not None for c in everything], bool)
         values = self._numbers_of_conditions(everything)
-        for j, one in enumerate(everything):
-            implied = one.root is None and any(
-                np.all(values[:, j] > 0.0) and np.all(values[:, j] >= values[:, everything.index(r)] * (1.0 - 1e-9))
-                for r in roots
+        free = set(np.flatnonzero(~of_roots)[unimplied(values[:, ~of_roots], values[:, of_roots])].tolist())
+        return [one for j, one in enumerate(everything) if of_roots[j] or j in free]
+
+    @cached_property
+    def divisors(self) -> list[int]:
+        """Numbers of the conditions that are divided by: they may be of either sign, which they keep."""
+        return [j for j, one in enumerate(self.conditions) if one.root is None]
+
+    def sizes_of_divisors(self, array: str) -> list[str]:
+        """Statements that leave the sizes of the divisors in an array of conditions."""
+        return [f"{array}[{j}] = {self.real.call('fabs')}({array}[{j}]);" for j in self.divisors]
+
+    @property
+    def _begin_sides(self) -> list[str]:
+        """Statements of the divisors' signs where a line begins, on which side they have to stay."""
+        zero, one = self.real.literal(0.0), self.real.literal(1.0)
+        return [
+            line
+            for j in self.divisors
+            for line in (
+                f"const {self.real.type} side{j} = (begin[{j}] < {zero}) ? -{one} : {one};",
+                f"begin[{j}] *= side{j};",
             )
-            if not implied:
-                kept.append(one)
-        return kept
+        ]
 
     def _numbers_of_conditions(self, conditions: list[_Condition]) -> np.ndarray:
         function = self._bound(ca.vertcat(ca.SX(0, 1), *(c.value for c in conditions)))
@@ -208,6 +230,7 @@ class ClosedDirection:
         scales = np.array([1.0 if c.is_angular else self.made.size for c in self.direction.known])
         found = []
         all_values = self._numbers_of_conditions(self.conditions) / self.usual
+        all_values[:, self.divisors] = np.abs(all_values[:, self.divisors])
         for j, one in enumerate(self.conditions):
             expression = self._put_in(one.value, values) / self.usual[j]
             hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
@@ -237,6 +260,8 @@ class ClosedDirection:
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "near_one": literal(0.999),
             "least_part": literal(1.0 / 1024.0),
+            "sides": indent(self._begin_sides),
+            "sides_of_end": indent([f"end[{j}] *= side{j};" for j in self.divisors], 2),
             "home_signs": ", ".join(literal(float(s)) for s in self._signs_known) or literal(1.0),
         }
 

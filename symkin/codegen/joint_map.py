@@ -16,6 +16,7 @@ import numpy as np
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.circle_kernel import CircleKernel, circle_kernel, shortened
 from symkin.codegen.circles import AngleSum, numbers_at, sum_of_angles
+from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
 from symkin.codegen.samples import Configuration, followed
@@ -36,6 +37,8 @@ _MOST_TRIES = 8
 """Tries a sample."""
 _SPREAD, _TURN = 0.1, 0.4
 """How far the given coordinates of samples are from the reference: in sizes, and in radians."""
+_DRAWS = 10
+"""Sets of known values about the reference at which divisors are compared with those there."""
 _CLOSED = 1e-6
 """Closure error at the reference, in sizes, above which the loops are open there."""
 
@@ -138,7 +141,11 @@ def _part(group: Problem) -> Part:
     reference = group.select_values(group.closure.reference, known)
     short = shortened(system, known)
     found = closed_form(short, samples_about(short, reference, known))
-    return Part(group, None if found is None or found.has_conditions else found, None, is_linear=False)
+    if found is None or found.has_conditions:
+        return Part(group, None, None, is_linear=False)
+    signs = found.signs_at(group.select_values(group.closure.reference, unknown), reference)
+    near = np.vstack([samples_about(short, reference, known, seed) for seed in range(_DRAWS)])
+    return Part(group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -233,7 +233,7 @@ class JointMapSource:
                 f"static const {kind} sign[{names['signs']}] = {{ {names['home_signs']} }};",
                 f"{kind} k[{names['nk']}];", f"{kind} x[{names['ns']}];", f"{kind} d[{names['conditions']}];",
                 *self.numbers.circles("values", direction.known, "k", range(int(str(names["nk"])))),
-                f"{k}_formulas(k, sign, x, d);",
+                f"{k}_formulas(k, sign, x, d);", *closed.sizes_of_divisors("d"),
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", f"    if (!(d[i] > {names['resolved']})) {{",
                 f"        status = {self.name.upper()}_OUT_OF_RANGE;", "    }", "}",
                 *self.numbers.into_y("k", direction.known), *self.numbers.into_y("x", direction.unknown), *self._other_lines(direction, "x"),
@@ -379,7 +379,7 @@ class JointMapSource:
             step = [
                 f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
                 f"{kind} sign[{names['signs']}];", f"{kind} d[{names['conditions']}];", f"{kind} least = {literal(1.0)};", place,
-                f"{k}_signs(w.k, w.x, sign, d);", f"{k}_formulas(w.k, sign, w.x, d);",
+                f"{k}_signs(w.k, w.x, sign, d);", f"{k}_formulas(w.k, sign, w.x, d);", *closed.sizes_of_divisors("d"),
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", "    least = (d[i] < least) ? d[i] : least;", "}",
                 f"status = (least > {literal(_NOT_DECIDED)}) ? {k}_finish(&w, 1U, least, &usual, info) : {prefix}_SINGULAR;",
             ]  # fmt: skip

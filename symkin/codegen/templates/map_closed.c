@@ -26,12 +26,14 @@ static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{p
     unsigned int count = 0U;
 @{way}
     @{k}_signs(w->k, w->x, sign, begin);
+@{sides}
     while ((count < (unsigned int)config->max_iterations) && (status == @{P}_MAX_ITERATIONS)) {
         const @{real} aim = (done + part < @{near_one}) ? (done + part) : @{one};
         bool held = true;
         ++count;
         @{k}_set_target(w, to, aim);
         @{k}_formulas(w->k, sign, w->x, end);
+@{sides_of_end}
         least = @{one};
         for (int i = 0; i < @{conditions}; ++i) {
             const @{real} smaller = (begin[i] < end[i]) ? begin[i] : end[i];
