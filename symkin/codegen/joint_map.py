@@ -19,6 +19,7 @@ from symkin.codegen.circles import AngleSum, numbers_at, sum_of_angles
 from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
+from symkin.codegen.passive_limits import PassiveLimit, passive_limits
 from symkin.codegen.samples import Configuration, followed
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
@@ -204,6 +205,13 @@ class JointMap:
     def passive(self) -> tuple[Coordinate, ...]:
         """Coordinates that are neither given nor found."""
         return tuple(c for c in self.direct.unknown if c.name not in self.options.find)
+
+    @cached_property
+    def passive_limits(self) -> list[PassiveLimit]:
+        """Limits of joints that are neither given nor found and that move with them."""
+        closure = self._whole.closure
+        moving = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in self.coordinates))
+        return passive_limits(closure, (*self.given, *self.found), self.real, moving)
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.joint_map import JointMap, map_configurations
+from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.samples import Configuration
 from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
 from symkin.computed_once import cached_property
@@ -18,6 +19,8 @@ _SPREAD, _TURN = 0.06, 0.3
 _NEAR = 2e-4
 """How far every other guess is from its answer: in radians, and in sizes."""
 _DIGITS = 13
+_PARTS = (1.0, 0.25, 0.0625)
+"""Shares of the way from the reference that are tried where limits of passive joints leave few configurations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,7 @@ class MapVectors:
         """Configurations whose given values are numbers of the type."""
         made, direct = self.made, self.made.direct.problem
         found = []
-        for case in map_configurations(made, COUNT, 20, _SPREAD, _TURN):
+        for case in self._configurations:
             given = rounded_to(self._real, np.round(case.known, _DIGITS))
             values = case.values.copy()
             values[direct.known_places] = given
@@ -44,6 +47,17 @@ class MapVectors:
         if not found:
             raise InputError(f"{made.name}: no regular configuration was found near the reference to test generated code with")
         return found
+
+    @property
+    def _configurations(self) -> list[Configuration]:
+        """Configurations about the reference; where passive joints have limits, within these, and nearer ones if they are few."""
+        made, found = self.made, list[Configuration]()
+        for part in _PARTS:
+            cases = map_configurations(made, COUNT, 20, _SPREAD * part, _TURN * part)
+            found += [case for case in cases if keeps_limits(made.passive_limits, made.direct.problem.closure, case.values)]
+            if not made.passive_limits or len(found) >= COUNT:
+                break
+        return found[:COUNT]
 
     def _of(self, values: np.ndarray, which: str) -> np.ndarray:
         coordinates = self.made.given if which == "joints" else self.made.found

@@ -24,6 +24,7 @@ from symkin.codegen.limbwise import Held
 from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
+from symkin.codegen.passive_limits import PassiveLimit, passive_limits
 from symkin.codegen.pose_core import PoseCore, pose_core
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
@@ -123,8 +124,8 @@ class LimbPlatform:
     @cached_property
     def core(self) -> PoseCore | None:
         """The direct problem over the pose alone, where all passive joints are taken out of the limbs' rows and a limb's branch is told by
-        the pose and its actuated joint."""
-        if self.geometry.at_run_time or not self.samples or self.direct_formulas is not None:
+        the pose and its actuated joint. Passive joints with limits are not taken out."""
+        if self.geometry.at_run_time or not self.samples or self.direct_formulas is not None or self.passive_limits:
             return None
         known = self.inverse.known_coordinates
         poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples[:_COMPARED]])
@@ -153,6 +154,11 @@ class LimbPlatform:
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
         return direct_formulas(self.direct, [block.system for block in self._closure_blocks], self.samples, self.held)
+
+    @cached_property
+    def passive_limits(self) -> list[PassiveLimit]:
+        """Limits of joints that are not actuated."""
+        return passive_limits(self.closure, self.actuated, self.real)
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.samples import Configuration, configurations
@@ -32,6 +33,8 @@ _CLEAR = 4096.0
 256. Of an arm whose axes are off by NEARLY it is as much as these."""
 _ASIDE = 1e-3
 """Distance of vectors from limits, as a share of the range: code refuses what is too near to one to be decided."""
+_PARTS = (1.0, 0.25, 0.0625)
+"""Shares of the usual way from home that are tried where limits of passive joints leave few configurations."""
 COUNT = 24
 JACOBIANS = 4
 
@@ -116,7 +119,7 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
     home = kind.home_values
     lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
-    cases = configurations(direct, home, COUNT, 20, spread=0.06, turn=0.15)
+    cases = _cases(kind, direct)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
     for number, case in enumerate(cases):
@@ -135,6 +138,18 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
             jacobians.append(_tidy(rates(closure, values), size).ravel())
     here = rounded_to(real, _tidy(kind.stated(pose_of(closure, home)), seven))
     return rows, jacobians, here, kind.singular_starts
+
+
+def _cases(kind: RodPlatform | LimbPlatform, direct: Problem) -> list[Configuration]:
+    """Configurations about home; where joints that are not actuated have limits, within these, and nearer ones if they are few."""
+    limits = [] if isinstance(kind, RodPlatform) else kind.passive_limits
+    found: list[Configuration] = []
+    for part in _PARTS:
+        cases = configurations(direct, kind.home_values, COUNT, 20, spread=0.06 * part, turn=0.15 * part)
+        found += [case for case in cases if keeps_limits(limits, direct.closure, case.values)]
+        if not limits or len(found) >= COUNT:
+            break
+    return found[:COUNT]
 
 
 def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:

@@ -13,6 +13,7 @@
 @{within_middle}
             status = @{p}_check_limits(@{ga}q);
         }
+@{inverse_passive}
         if (status == @{P}_OK) {
 @{copy_joints}
         }
