@@ -270,7 +270,7 @@ class LimbPlatformSource:
         names = {
             c.name: text
             for role, array in arrays.items()
-            for c, text in zip(closure.role(role), _indexed_by_width(array, closure.role(role)), strict=True)  # type: ignore[arg-type]
+            for c, text in zip(closure.role(role), _indexed_by_width(array, closure.role(role)), strict=True)
         }
         variables = [text for c in closure.coordinates for text in names[c.name]]
         lines = limit_lines(made.passive_limits, variables, made.geometry, self.real, f"{self.name.upper()}_OUT_OF_RANGE")

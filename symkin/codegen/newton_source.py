@@ -44,7 +44,7 @@ def tolerance_of(real: Real, size: float) -> float:
 
 def tracked_error(tuning: Tuning) -> float:
     """The error of one step from which another one comes below the tolerance: an error e leaves kappa e^2 after one more."""
-    return math.sqrt(tuning.tolerance) / tuning.kappa2**0.25
+    return math.sqrt(tuning.tolerance) / math.sqrt(math.sqrt(tuning.kappa2))
 
 
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:

@@ -86,7 +86,7 @@ def find_compilers(named: str, path: str) -> Iterator[Compiler]:
     any of its kind. Raises CompilerError where there is none."""
     if sys.platform == "win32":
         raise CompilerError("not used on Windows, where compilers misplace wide vectors on the stack")
-    command, error, found = _command(named, path), None, False
+    command, error, found = compiler_command(named, path), None, False
     for flags in ((*FLAGS, NATIVE), FLAGS):
         try:
             yield _asked(command, flags)
@@ -106,7 +106,8 @@ def _asked(command: tuple[str, ...], flags: tuple[str, ...]) -> Compiler:
     return Compiler(command, flags, macros)
 
 
-def _command(named: str, path: str) -> tuple[str, ...]:
+def compiler_command(named: str, path: str) -> tuple[str, ...]:
+    """The command that `named` is, else cc, gcc or clang on a path. Raises CompilerError where there is none."""
     if named.strip():
         try:
             return tuple(shlex.split(named))
