@@ -264,10 +264,19 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
         f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
         f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
+        f"#define {name.upper()}_VECTOR_INFEASIBLE {len(vectors.infeasible)}",
+        f"#define {name.upper()}_VECTOR_PAST {len(vectors.past)}",
         f"#define {name.upper()}_VECTOR_FAR {int(_is_too_far(program, far, vectors))}", "",
     ]  # fmt: skip
     for label, table in tables:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)
+    if len(vectors.infeasible):
+        lines += _table(f"{kind} {name}_vector_infeasible", vectors.infeasible, real)
+    if len(vectors.past):
+        lines += _table(f"{kind} {name}_vector_past", vectors.past, real)
+        lines.append(
+            f"static const int {name}_vector_blamed[{len(vectors.blamed)}] = {{ {', '.join(map(str, vectors.blamed))} }};"
+        )
     if len(vectors.singular):
         lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
     if not isinstance(program.kind, SerialArm):

@@ -9,6 +9,7 @@ import numpy as np
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.joint_map import JointMap, map_configurations
 from symkin.codegen.passive_limits import keeps_limits
+from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
 from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
 from symkin.computed_once import cached_property
@@ -91,6 +92,16 @@ class MapVectors:
         return self._of(values, "joints")
 
     @cached_property
+    def refused(self) -> dict[str, np.ndarray]:
+        """Values (n, coordinates) that code refuses, by name: those that no configuration has, and those beyond limits."""
+        made, home, found = self.made, self.made.reference, dict[str, np.ndarray]()
+        for what, coordinates, direction in (("joints", made.given, made.direct), ("found", made.found, made.inverse)):
+            infeasible = np.round(infeasible_values(made, direction, self.cases), 9)
+            found[f"infeasible_{what}"] = rounded_to(self._real, infeasible).reshape(-1, len(coordinates))
+            found[f"past_{what}"] = joints_past(coordinates, self._of(home, what))[0]
+        return found
+
+    @cached_property
     def jacobians(self) -> np.ndarray:
         """Jacobians (count, n * n) of the first cases."""
         return np.array([np.round(map_jacobian(self.made, case.values), 9).ravel() + 0.0 for case in self.cases[:JACOBIANS]])
@@ -119,6 +130,14 @@ class MapVectors:
         for label, table in [*self.tables.items(), ("jacobians", self.jacobians)]:
             rows = [f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table]
             lines += [f"static const {kind} {name}_vector_{label}[{table.shape[0]}][{table.shape[1]}] = {{", *rows, "};", ""]
+        for label, table in self.refused.items():
+            # an array of C has at least one row
+            rows = [
+                f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }},"
+                for row in (table if len(table) else np.zeros((1, table.shape[1])))
+            ]
+            lines += [f"#define {prefix}_VECTOR_{label.upper()} {len(table)}",
+                      f"static const {kind} {name}_vector_{label}[{len(rows)}][{table.shape[1]}] = {{", *rows, "};", ""]  # fmt: skip
         for label, which in (("home_joints", "joints"), ("home_found", "found")):
             row = self._of(self.made.reference, which)
             lines.append(

@@ -89,14 +89,14 @@ _ASIDE = 1e-2
 """How far from its limits, as a share of the range, a configuration of a test has a passive joint."""
 
 
-def keeps_limits(limits: Sequence[PassiveLimit], closure: Closure, values: np.ndarray) -> bool:
-    """Whether a configuration, all variables of the closure, is clearly within limits."""
+def keeps_limits(limits: Sequence[PassiveLimit], closure: Closure, values: np.ndarray, side: float = 1.0) -> bool:
+    """Whether a configuration, all variables of the closure, is clearly within limits; of side -1, whether it is not clearly beyond."""
     for limit in limits:
         assert limit.coordinate.limits is not None  # noqa: S101 - that is why it is here
         low, high = limit.coordinate.limits
         read = ca.Function("read", [closure.variables], [closure.bound(ca.vertcat(*limit.parts))])
         parts = np.asarray(read(values)).ravel()
-        middle, half = 0.5 * (low + high), (0.5 - _ASIDE) * (high - low)
+        middle, half = 0.5 * (low + high), (0.5 - side * _ASIDE) * (high - low)
         way = parts[0] - middle if len(parts) == 1 else np.angle(complex(*parts) * np.exp(-1j * middle))
         if not abs(float(way)) <= half:
             return False

@@ -13,6 +13,7 @@ from symkin.codegen.c_emitter import Real
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.refused_vectors import infeasible_poses, joints_past
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.samples import Configuration, configurations
 from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
@@ -43,7 +44,8 @@ JACOBIANS = 4
 class Vectors:
     """Arrays by name: one row a case. `joints` and `guesses` make the direct problem's (or inverse's) cases, `poses` its
     answers (or targets), `bounds` the error allowed of each case (length unit, angles times the size). `singular` holds
-    a start at which the matrix is singular, if one is known."""
+    a start at which the matrix is singular, if one is known. `infeasible` are poses that the mechanism cannot take, `past` joint values of
+    which the joint that is `blamed` is beyond a limit."""
 
     joints: np.ndarray
     guesses: np.ndarray
@@ -53,6 +55,9 @@ class Vectors:
     bounds: np.ndarray
     home: np.ndarray
     singular: np.ndarray
+    infeasible: np.ndarray
+    past: np.ndarray
+    blamed: tuple[int, ...]
 
 
 _Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]
@@ -72,7 +77,15 @@ def build_vectors(kind: RodPlatform | LimbPlatform | SerialArm) -> Vectors:
             "geometry by `symkin show`, the joints' limits and the pose of [platform]"
         )
     joints, guesses, poses, inverse, bounds = (np.array(column) for column in zip(*rows, strict=True))
+    infeasible = infeasible_poses(kind, _cases(kind, kind.direct)) if isinstance(kind, LimbPlatform) else np.zeros((0, 7))
+    zero = 0.0 if isinstance(kind, SerialArm) else kind.zero
+    past, blamed = joints_past(kind.mechanism.actuated, joints[0], zero)
     return Vectors(
+        infeasible=np.array([_tidy(row, _pose_scales(kind.mechanism.characteristic_length)) for row in infeasible]).reshape(
+            -1, 7
+        ),
+        past=past,
+        blamed=tuple(blamed),
         joints=joints,
         guesses=guesses,
         poses=poses,
