@@ -29,23 +29,27 @@ class PassiveLimit:
     coordinate: Coordinate
     parts: tuple[ca.SX, ...]
 
+    def _half(self, real: Real, size: float) -> float:
+        low, high = range_of(self.coordinate, real, size)
+        return 0.5 * (high - low)
+
     def compared(self, real: Real, size: float) -> list[ca.SX]:
-        """What C compares: the length, or cosine and sine of the way from the middle."""
+        """What C compares: the length, or cosine and, if it is needed, sine of the way from the middle."""
         if len(self.parts) == 1:
             return list(self.parts)
-        low, high = range_of(self.coordinate, real, size)
-        middle, (c, s) = 0.5 * (low + high), self.parts
-        return [c * np.cos(middle) + s * np.sin(middle), s * np.cos(middle) - c * np.sin(middle)]
+        middle, (c, s) = 0.5 * sum(range_of(self.coordinate, real, size)), self.parts
+        cosine, sine = c * np.cos(middle) + s * np.sin(middle), s * np.cos(middle) - c * np.sin(middle)
+        return [cosine] if abs(self._half(real, size) - 0.5 * np.pi) <= 0.25 * np.pi else [cosine, sine]
 
     def test(self, texts: Sequence[str], real: Real, size: float) -> str:
         """C condition that the coordinate is within its limits."""
-        low, high = range_of(self.coordinate, real, size)
+        (low, high), half = range_of(self.coordinate, real, size), self._half(real, size)
         literal, fabs = real.literal, real.call("fabs")
-        if len(texts) == 1:
+        if len(self.parts) == 1:
             return f"({texts[0]} >= {literal(low)}) && ({texts[0]} <= {literal(high)})"
-        half, (cosine, sine) = 0.5 * (high - low), texts
-        if abs(half - 0.5 * np.pi) <= 0.25 * np.pi:
-            return f"{cosine} >= {literal(float(np.cos(half)))}"
+        if len(texts) == 1:
+            return f"{texts[0]} >= {literal(float(np.cos(half)))}"
+        cosine, sine = texts
         beyond, join = ("<=", "&&") if half < 0.5 * np.pi else (">=", "||")
         return f"({cosine} > {literal(0.0)}) {join} ({fabs}({sine}) {beyond} {literal(float(np.sin(half)))})"
 

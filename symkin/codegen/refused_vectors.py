@@ -92,15 +92,17 @@ def _beyond_passive(kind: LimbPlatform) -> list[np.ndarray]:
     return [c.values for c in cases if not keeps_limits(kind.passive_limits, direct.closure, c.values, -1.0)][:MOST]
 
 
-def joints_past(coordinates: Sequence[Coordinate], at: np.ndarray, zero: float = 0.0) -> tuple[np.ndarray, list[int]]:
+def joints_past(
+    coordinates: Sequence[Coordinate], at: np.ndarray, zero: float | np.ndarray = 0.0
+) -> tuple[np.ndarray, list[int]]:
     """Joint values (n, joints), each with one joint beyond a limit, and which: `at` are values within limits, less `zero`."""
-    rows, blamed = [], []
+    rows, blamed, zeros = [], [], np.broadcast_to(zero, at.shape)
     for i, c in enumerate(coordinates):
         for end, side in enumerate((-1.0, 1.0)) if c.limits is not None else ():
             assert c.limits is not None  # noqa: S101 - as the line above says
             low, high = c.limits
             row = at.copy()
-            row[i] = c.limits[end] + side * max(_PAST * (high - low), 1e-3 * max(abs(low), abs(high))) - zero
+            row[i] = c.limits[end] + side * max(_PAST * (high - low), 1e-3 * max(abs(low), abs(high))) - zeros[i]
             rows.append(row)
             blamed.append(i)
     return np.array(rows[: 2 * MOST]).reshape(-1, len(coordinates)), blamed[: 2 * MOST]
