@@ -211,32 +211,27 @@ def _each(system: System) -> list[tuple[str, str]]:
     return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
 
 
-def _decided(arm: SerialArm) -> list[bool]:
+def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
     """For each sample of an arm whether the steps of its closed form decide their joints firmly there, as at most samples, and reach the
     pose as vectors have it. The pose of an arm of fewer than six joints is beside those that it can take by rounding, and a joint that
     is decided weakly passes that on."""
-    if arm.plan is None or len(arm.actuated) >= 6:
+    if branches is None or len(arm.actuated) >= 6:
         return [True] * len(arm.samples)
-    plan, _ = arm.plan
     size = arm.mechanism.characteristic_length
-    symbol = ca.SX.sym("pose", 7)
-    branches = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
-    strength = ca.Function("strengths", [symbol], [branches[0].strengths])
-    joints = ca.Function("joints", [symbol], [branch.joints for branch in branches])
-    found = np.array([np.asarray(strength(_canonical(pose))).ravel() for _, pose in arm.samples])
+    found = np.array([np.asarray(branches(_canonical(pose))[2]).ravel() for _, pose in arm.samples])
     firm = np.all(~(found < _FIRM * np.nanmedian(found, axis=0)), axis=1)
     gaps, rng = [], np.random.default_rng(22)
     for _, pose in arm.samples:
         target = rounded_to(arm.real, _tidy(_canonical(pose), _pose_scales(size)))
         # the code's own roundings are as large as those of such poses beside it
         beside = target + arm.real.epsilon * _ROUNDINGS * np.array(_pose_scales(size)) * rng.uniform(-1, 1, (_BESIDE, 7))
-        gaps.append(max(_reached(arm, joints, near) for near in (target, *beside)))
+        gaps.append(max(_reached(arm, branches, near) for near in (target, *beside)))
     return (firm & (np.array(gaps) < _REACHED * closed_misfit(arm.real, size))).tolist()  # type: ignore[no-any-return]
 
 
-def _reached(arm: SerialArm, joints: ca.Function, target: np.ndarray) -> float:
+def _reached(arm: SerialArm, branches: ca.Function, target: np.ndarray) -> float:
     """How far the nearest branch of a closed form is from a pose."""
-    ends = [np.asarray(values).ravel() for values in joints.call([target])]
+    ends = np.asarray(branches(target)[0]).T
     size = arm.mechanism.characteristic_length
     return min((_pose_gap(arm.forward_at(q), target, size) for q in ends if np.all(np.isfinite(q))), default=np.inf)
 
@@ -254,15 +249,15 @@ def _serial(arm: SerialArm) -> _Found:
     rng = np.random.default_rng(21)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
-    margin = _margin(arm)
-    for (q, _), firm in zip(arm.samples, _decided(arm), strict=True):
+    branches = _branches(arm)
+    for (q, _), firm in zip(arm.samples, _decided(arm, branches), strict=True):
         given = rounded_to(real, q)
         pose = _canonical(arm.forward_at(given))
         target = rounded_to(real, _tidy(pose, _pose_scales(size)))
         condition = system.condition(given, target)
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
         guess = rounded_to(real, _within(np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6), arm.actuated))
-        end = _followed(arm, guess, unit, margin)
+        end = _followed(arm, guess, unit, branches)
         if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not firm:
             continue
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
@@ -294,27 +289,28 @@ def _scales(arm: SerialArm) -> np.ndarray:
     return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.characteristic_length for c in arm.actuated])
 
 
-def _margin(arm: SerialArm) -> ca.Function | None:
-    """Joint values, and the least square by which a step decides there, of all branches at a pose, a column each; None without a closed
-    form."""
+def _branches(arm: SerialArm) -> ca.Function | None:
+    """At a pose the joint values of all branches of the closed form, a column each; the least square by which a step of each decides; the
+    strengths of the first one's steps. None without a closed form."""
     if arm.plan is None:
         return None
     plan, _ = arm.plan
     symbol = ca.SX.sym("pose", 7)
-    branches = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
-    columns = [ca.vertcat(b.joints, ca.mmin(ca.vertcat(b.strengths, b.discriminants))) for b in branches]
-    return ca.Function("margins", [symbol], [ca.horzcat(*columns)])
+    made = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
+    least = [ca.mmin(ca.vertcat(branch.strengths, branch.discriminants)) for branch in made]
+    outputs = [ca.horzcat(*(branch.joints for branch in made)), ca.horzcat(*least), made[0].strengths]
+    return ca.Function("branches", [symbol], outputs)
 
 
-def _is_apart(margin: ca.Function, q: np.ndarray, pose: np.ndarray, least: float) -> bool:
+def _is_apart(branches: ca.Function, q: np.ndarray, pose: np.ndarray, least: float) -> bool:
     """Whether the branch that the joints are of is clear of others and of singular ones."""
-    columns = np.asarray(margin(pose))
-    gaps = np.abs(np.angle(np.exp(1j * (columns[:-1] - q[:, None])))).max(axis=0)
+    joints, squares, _ = (np.asarray(part) for part in branches(pose))
+    gaps = np.abs(np.angle(np.exp(1j * (joints - q[:, None])))).max(axis=0)
     nearest = int(np.argmin(np.where(np.isfinite(gaps), gaps, np.inf)))
-    return bool(columns[-1, nearest] > least)
+    return bool(squares[0, nearest] > least)
 
 
-def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, margin: ca.Function | None) -> np.ndarray | None:
+def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: ca.Function | None) -> np.ndarray | None:
     """The joints after the line of poses from the guess's to the target, in small steps; None where one is long, leaves limits, or is
     too near to another branch for a closed form's check of lines."""
     least = NEARLY if arm.plan is not None and arm.plan[1] else _CLEAR * arm.real.epsilon
@@ -327,7 +323,7 @@ def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, margin: ca.
         moved = arm.inverse.system.polish(q, pose, 6)
         if np.max(np.abs(moved - q) / _scales(arm)) > 0.1 or np.any(moved != _within(moved, arm.actuated)):
             return None
-        if margin is not None and not _is_apart(margin, moved, pose, least):
+        if branches is not None and not _is_apart(branches, moved, pose, least):
             return None
         q = moved
     return q
