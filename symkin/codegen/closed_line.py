@@ -25,6 +25,7 @@ from symkin.codegen.closed_source import ClosedCode
 from symkin.codegen.newton_kernel import rounded
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
+from symkin.text import c_comment
 
 WAY = 2.0
 """By how much the second derivative of a square may be larger than at constant speed of the joints that the step reads."""
@@ -169,7 +170,7 @@ class ClosedLine:
         lines = []
         for k, (row, i) in enumerate(zip(WAY * self.bends, self.code.guarded, strict=True)):
             lines += [
-                f"/* {self.plan.steps[i].reason} */",
+                f"/* {c_comment(self.plan.steps[i].reason)} */",
                 f"const {self.real.type} bend{k} = {self.sum_of(row)};",
                 f"const {self.real.type} lesser{k} = (a[{k}] < b[{k}]) ? a[{k}] : b[{k}];",
                 f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] + b[{k}]) + {self.real.literal(4.0)} * lesser{k});",

@@ -23,6 +23,7 @@ from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.turns import angle_of_direction, rough_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
+from symkin.text import c_comment
 
 _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
@@ -242,7 +243,7 @@ class ClosedCode:
         """The declarations, with the names of the choices."""
         prefix, names = self.values["P"], self.plan.branches
         flags = [
-            f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {self._joint_of(i)} */"
+            f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {c_comment(self._joint_of(i))} */"
             for i, name in enumerate(names)
         ]
         nearly = "" if self.newton is None else _NEARLY_CLOSED

@@ -20,7 +20,7 @@ from symkin.text import c_comment
 _SURE = 25.0
 """Square of how much shorter than the second step a third one is that needs no fourth, though |J_0^-1| |s_0| is above the size: there
 curvatures of 1 / size leave the theorem silent, and three steps can contract towards a point where the rows have no root."""
-_ROWS = 8.0
+_ROWS = 64.0
 """Roundings of the size by which rows are off."""
 _COMMENT_WIDTH = 118
 """Characters of a comment line."""
@@ -180,7 +180,7 @@ class NewtonCode:
         for row in range(kernel.m):
             if kernel.m > 1:
                 about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
-                emitter.comment(c_comment(f"row {row + 1}: {about}" if about else f"row {row + 1}"))
+                emitter.comment(f"row {row + 1}: {about}" if about else f"row {row + 1}")
             text = emitter.value(0, row)
             emitter.lines.append(f"w->f[{row}] = {text};")
             for shared in range(count * row // kernel.m, count * (row + 1) // kernel.m):

@@ -89,7 +89,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     lines = [
         "/* Pose coordinates of a pose. */",
         f"static {values['p']}_status {values['p']}_pose_coordinates({values['gp']}const {values['p']}_pose *pose, {real.type} c[{count}])",
-        "{", *([f"{values['use']}"] if values["use"] else []), f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_normalise_pose(pose, x);",
+        "{", f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_normalise_pose({values['ga']}pose, x);",
         f"    if (status == {values['P']}_OK) {{", indent(body, 2), "    }", "    return status;", "}", "", "",
     ]  # fmt: skip
     return "\n".join(lines)

@@ -103,6 +103,7 @@ static @{real} @{p}_length_of(const @{real} e[6])
 @{p}_status @{p}_twist(@{gp}const @{real} joints[@{nq}], const @{real} rates[@{nq}], @{real} twist[6])
 {
     @{real} jacobian[@{nj}];
+    @{real} found[6];
     const @{p}_status status = @{p}_check_speeds(rates, @{nq}, @{p}_jacobian(@{ga}joints, jacobian));
     if (status == @{P}_OK) {
         for (int i = 0; i < 6; ++i) {
@@ -110,7 +111,11 @@ static @{real} @{p}_length_of(const @{real} e[6])
             for (int j = 0; j < @{nq}; ++j) {
                 sum += jacobian[@{nq} * i + j] * rates[j];
             }
-            twist[i] = sum;
+            found[i] = sum;
+        }
+        /* rates and twist may be the same array */
+        for (int i = 0; i < 6; ++i) {
+            twist[i] = found[i];
         }
     }
     return status;
@@ -190,7 +195,7 @@ static @{real} @{p}_pose_error(@{gp}const @{real} q[@{nq}], const @{real} to[7],
     static const @{real} per_turn[@{nq}] = { @{per_turns} };
     @{real} to[7];
     @{real} jacobian[@{nj}];
-    @{p}_status status = @{p}_normalise_pose(pose, to);
+    @{p}_status status = @{p}_normalise_pose(@{ga}pose, to);
     const @{p}_status started = @{p}_jacobian(@{ga}joints, jacobian);
     @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     if ((started != @{P}_OK) && (status != @{P}_NONFINITE)) {
