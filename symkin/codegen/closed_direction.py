@@ -18,6 +18,7 @@ from symkin.codegen.c_templates import fill
 from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts, numbers_of, of_circle
 from symkin.codegen.formula_guards import unimplied
 from symkin.codegen.joint_map import Direction, JointMap, Part
+from symkin.codegen.line_bounds import Span, bend_of
 from symkin.codegen.newton_kernel import rounded
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
@@ -32,6 +33,10 @@ _BEND = 1.5
 _SEEN = 0.02
 """Share of their usual sizes that the conditions before a bent one have at the samples."""
 _POINTS = 400
+_STEPS = 60
+"""Steps by which the largest samples are followed uphill."""
+_MOST_GIVEN = 3
+"""Known values of which waves are summed: their samples grow by a power with each."""
 _FAR = 1.0
 """How far from the reference bends are sampled: in half turns, and in sizes."""
 
@@ -223,9 +228,14 @@ class ClosedDirection:
         values = np.array([np.asarray(function(s.values[places])).ravel() for s in self.made.samples])
         return np.array([rounded(float(v)) for v in np.median(values, axis=0)])
 
-    @cached_property
+    @property
     def bends(self) -> np.ndarray:
         """An eighth of the largest second derivative of each condition over its usual size, lengths over the machine's."""
+        return np.array([bend for bend, _ in self._bends])
+
+    @cached_property
+    def _bends(self) -> list[tuple[float, str]]:
+        """The same, and how each was found."""
         values = ca.SX.sym("v", len(self.direction.known))
         scales = np.array([1.0 if c.is_angular else self.made.size for c in self.direction.known])
         found = []
@@ -233,14 +243,26 @@ class ClosedDirection:
         all_values[:, self.divisors] = np.abs(all_values[:, self.divisors])
         for j, one in enumerate(self.conditions):
             expression = self._put_in(one.value, values) / self.usual[j]
-            hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
-            sizes = []
-            for point, numbers in zip(self._points, all_values, strict=True):
-                if np.all(numbers[:j] > _SEEN):
-                    scaled = np.asarray(hessian(point)) * np.outer(scales, scales)
-                    sizes.append(float(np.linalg.norm(scaled, 2)))
-            found.append(rounded(_BEND / 8.0 * max(sizes, default=1.0)))
-        return np.array(found)
+            bend, ground = self._proved_bend(ca.Function("g", [values], [expression]), scales), "proved"
+            if bend is None:
+                points = self._points[np.all(all_values[:, :j] > _SEEN, axis=1)]
+                hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
+                bend, ground = _BEND * _largest_norm(hessian, points, scales), "sampled"
+            found.append((rounded(bend / 8.0), ground))
+        return found
+
+    def _proved_bend(self, condition: ca.Function, scales: np.ndarray) -> float | None:
+        """The bound of a condition that is a sum of waves in bounded known values; None of another one."""
+        spans = []
+        for c in self.direction.known:
+            if not c.is_angular and c.limits is None:
+                return None
+            low, high = c.limits or (0.0, 0.0)
+            spans.append(Span(True) if c.is_angular else Span(False, 0.5 * (low + high), 0.5 * (high - low)))
+        if len(spans) > _MOST_GIVEN:
+            return None
+        bend = bend_of(lambda given: np.asarray(condition(given.T)).ravel(), spans)
+        return None if bend is None else float(np.max(bend.weights * scales**2))
 
     # --- text ------------------------------------------------------------------------------------------------------
 
@@ -257,6 +279,7 @@ class ClosedDirection:
             "signs": max(1, int(self.signs.shape[0])),
             "conditions": count,
             "bends": ", ".join(literal(float(b)) for b in self.bends) or literal(0.0),
+            "bend_grounds": ", ".join(ground for _, ground in self._bends) or "no condition",
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "near_one": literal(0.999),
             "least_part": literal(1.0 / 1024.0),
@@ -385,3 +408,23 @@ def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
         for _ in range(abs(round(factor))):
             cosine, sine = cosine * c - sine * s, sine * c + cosine * s
     return Numbers(value, cosine, sine)
+
+
+def _largest_norm(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> float:
+    """The largest norm of a matrix over points (n, width), the eight largest followed uphill by random steps that shrink; 1 of none."""
+    if not len(points):
+        return 1.0
+
+    def norms(at: np.ndarray) -> np.ndarray:
+        found = np.array([np.asarray(hessian(point)) for point in at]) * np.outer(scales, scales)
+        return np.asarray(np.nan_to_num(np.linalg.norm(found, 2, axis=(1, 2))))
+
+    rng, sizes = np.random.default_rng(8), norms(points)
+    chosen = np.argsort(sizes)[-8:]
+    at, best = points[chosen], sizes[chosen]
+    for k in range(_STEPS):
+        tried = at + 0.5 * 0.9**k * rng.uniform(-1, 1, at.shape) * scales
+        tried_sizes = norms(tried)
+        better = tried_sizes > best
+        at, best = np.where(better[:, None], tried, at), np.where(better, tried_sizes, best)
+    return float(best.max())

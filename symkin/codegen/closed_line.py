@@ -55,11 +55,10 @@ class LimitCheck:
 
 @dataclass(frozen=True, eq=False)
 class ClosedLine:
-    """The line check of one arm's closed form; `rounding` bounds the error of an answer's pose, as a length."""
+    """The line check of one arm's closed form."""
 
     code: ClosedCode
     motion: ArmMotion
-    rounding: float
 
     @property
     def plan(self) -> Plan:
@@ -201,7 +200,7 @@ class ClosedLine:
             "turns": 2 * len(self.plan.arm), "read": indent(self._read_lines),
             "bends": indent(self._bend_lines), "longest2": self.longest2, "per_lengths": self.per_lengths,
             "per_size2": literal(size**-2), "size2": literal(size**2), "least": literal(_LEAST * self.real.epsilon),
-            "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "answer_rounding": literal(self.rounding), "huge": self.code.values["huge"],
+            "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "huge": self.code.values["huge"],
         }  # fmt: skip
         return limits.text + fill("closed_line.c", names | limits.names)
 

@@ -46,7 +46,7 @@ class _Written:
 
 @dataclass(frozen=True, eq=False)
 class ClosedCode:
-    """The closed form of one arm; `newton`: where the plan is that of an arm whose axes are nearly these, the method that has to
+    """The closed form of one arm; `misfit`: the largest error of an answer's pose, as a length; `newton`: where the plan is that of an arm whose axes are nearly these, the method that has to
     finish."""
 
     plan: Plan
@@ -225,15 +225,14 @@ class ClosedCode:
     @property
     def text(self) -> str:
         """All functions of the closed form."""
-        first = f"{self.values['p']}_turn_near(" if self.newton is None else f"{self.values['p']}_settle(x, "
         sine = fill("closed_trigonometry.c", self.names) if any("_sine(" in line for line in self._near_lines) else ""
         angle = angle_of_direction(self.real, self.names) if any("_angle(" in line for line in self.body) else ""
-        return angle + sine + fill("closed.c", self.names | {"finish": self._finish, "settle": first})
+        return angle + sine + fill("closed.c", self.names | {"finish": self._finish})
 
     @property
     def _finish(self) -> str:
         if self.newton is None:
-            return ""
+            return fill("closed_hold.c", self.names | {"answer_rounding": self.real.literal(self.misfit)})
         literal, size = self.real.literal, self.plan.arm.size
         own = {"most_steps": _FINISH_STEPS, "longest2": literal((_FINISH_REACH * size) ** 2)}
         return fill("closed_finish.c", self.newton.factoring | self.names | own)

@@ -172,7 +172,7 @@ class LimbPlatformSource:
     @property
     def _guess_error(self) -> float:
         """Largest closure error of a guess, which may be what one step of tracking has left."""
-        return max(self._feasible, _TRACKED * tracked_error(self.code.tuning))
+        return max(self._feasible, _TRACKED * tracked_error(self.code.tuning, self.made.closure.characteristic_length))
 
     def _within(self, error: float) -> str:
         """An argument of NAME_solve_limbs: how far rows may be off."""

@@ -42,9 +42,11 @@ def tolerance_of(real: Real, size: float) -> float:
     return real.epsilon * size * (1.0 if real.name == "float" else 1e4)
 
 
-def tracked_error(tuning: Tuning) -> float:
-    """The error of one step from which another one comes below the tolerance: an error e leaves kappa e^2 after one more."""
-    return math.sqrt(tuning.tolerance) / math.sqrt(math.sqrt(tuning.kappa2))
+def tracked_error(tuning: Tuning, size: float) -> float:
+    """The error of one step, up to the size, from which another one comes below the tolerance: an error e leaves kappa e^2 after
+    one more, nothing where the rows are linear."""
+    kappa = math.sqrt(tuning.kappa2)
+    return min(math.sqrt(tuning.tolerance) / math.sqrt(kappa), size) if kappa else size
 
 
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
