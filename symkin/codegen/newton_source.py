@@ -146,7 +146,8 @@ class NewtonCode:
     @property
     def driver(self) -> str:
         """Newton's method along the line of known values."""
-        return fill("newton.c", self._values)
+        side = fill("side.c", self._values) if self._has_side else ""
+        return side + fill("newton.c", self._values)
 
     @property
     def text(self) -> str:
@@ -240,6 +241,11 @@ class NewtonCode:
         }  # fmt: skip
 
     @property
+    def _has_side(self) -> bool:
+        """Whether there are more rows than unknowns, so that factors have no determinant of their own."""
+        return self.kernel.m > self.kernel.n
+
+    @property
     def _members(self) -> dict[str, object]:
         """Members of the work space that not every kernel has, and what its arrays hold."""
         kernel, kind = self.kernel, self.real.type
@@ -263,6 +269,12 @@ class NewtonCode:
                 )
             ),
             "r": "" if kernel.is_square else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
+            "sides": f"    {kind} q[{kernel.m * kernel.n}]; /* Q at the part of the line that is done */\n"
+            "    int8_t side; /* sign of the determinant there, 0 before the line has begun */"
+            if self._has_side
+            else "",
+            "no_side": "    w->side = 0;" if self._has_side else "",
+            "side": indent(["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"], 3) if self._has_side else "",
             "factors": factors,
             "members": "\n".join(f"    {line}" for line in self.members),
         }

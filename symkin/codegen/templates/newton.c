@@ -36,6 +36,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
+@{no_side}
 @{turn}
 @{begin_target}
 @{save0}
@@ -60,6 +61,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
 @{at_done}
             int turn = @{first_factor};
 @{second_factor}
+@{side}
 @{at_aim}
             kept = (taken == 0U);
             if (turn == 0) {
