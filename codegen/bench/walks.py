@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from closes import BENCH, Machine, asked, built, drawn, named
+from closes import Machine, asked, built, drawn, named
 from continuation import Walker
 from lines import REGULAR, Lines
 from symkin.codegen.c_emitter import Real
@@ -131,9 +131,16 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
     if not isinstance(kind, JointMap):
         lines = Lines(machine.mechanism, options)
         start = lines.home(1)
-        return [Direction(machine, real, library, library.ask_all, lines.problem, State(start.unknowns, start.known, start.guesses), None)]
+        return [
+            Direction(
+                machine, real, library, library.ask_all, lines.problem, State(start.unknowns, start.known, start.guesses), None
+            )
+        ]
     found = []
-    for way, function, wanted in ((kind.direct, library.ask_all, machine.find), (kind.inverse, library.ask_inverse, machine.given)):
+    for way, function, wanted in (
+        (kind.direct, library.ask_all, machine.find),
+        (kind.inverse, library.ask_inverse, machine.given),
+    ):
         problem, reference = way.problem, kind.reference
         unknowns, known = (problem.select_values(reference, c) for c in (way.unknown, way.known))
         names = [c.name for c in way.unknown]
@@ -153,7 +160,11 @@ def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Genera
     for k, c in enumerate(coordinates):
         unit = 1.0 if c.is_angular else direction.size
         reach = _REACH * unit * (1.0 if c.is_angular else 0.4)
-        low, high = (home[k] - reach, home[k] + reach) if c.limits is None else (max(c.limits[0], home[k] - reach), min(c.limits[1], home[k] + reach))
+        low, high = (
+            (home[k] - reach, home[k] + reach)
+            if c.limits is None
+            else (max(c.limits[0], home[k] - reach), min(c.limits[1], home[k] + reach))
+        )
         waves = sum(
             rng.uniform(-1, 1, paths) * np.sin(2 * np.pi * (w * time + rng.uniform(0, 1, paths))) for w in range(1, _WAVES + 1)
         )
@@ -162,8 +173,7 @@ def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Genera
     found = np.stack(goals, axis=-1)
     if not arm:
         return found
-    kind = direction._lines.kind
-    assert isinstance(kind, SerialArm)
+    kind: SerialArm = direction._lines.kind  # type: ignore[assignment]
     return np.array([[kind.forward_at(q) for q in row] for row in found])
 
 
@@ -201,7 +211,12 @@ def walked(direction: Direction, paths: int, steps: int, rng: np.random.Generato
                         f"walked {reached[k].tolist()}, shortest {ends.shortest[k]:.2g}, condition {conditions[k]:.2g}"
                     )
         good = ok & ~wrong
-        at = State(*(np.where(good[:, None], new, old) for new, old in zip((ends.unknowns, end, found), (at.unknowns, at.known, at.guesses), strict=True)))
+        at = State(
+            *(
+                np.where(good[:, None], new, old)
+                for new, old in zip((ends.unknowns, end, found), (at.unknowns, at.known, at.guesses), strict=True)
+            )
+        )
     return tally
 
 
@@ -218,7 +233,9 @@ def main() -> int:
     chosen = parser.parse_args()
     total = Tally()
     with tempfile.TemporaryDirectory() as scratch:
-        machines = [Machine(load(n), *(tuple(v.split(",")) if v else () for v in (chosen.given, chosen.find))) for n in chosen.names]
+        machines = [
+            Machine(load(n), *(tuple(v.split(",")) if v else () for v in (chosen.given, chosen.find))) for n in chosen.names
+        ]
         if not machines:
             machines = [*named(), *(m for m, _ in zip(drawn(chosen.seed, Path(scratch)), range(chosen.random), strict=False))]
         for machine in machines:
@@ -233,10 +250,16 @@ def main() -> int:
                     tally = walked(direction, chosen.paths, chosen.steps, np.random.default_rng(chosen.seed))
                     print(
                         f"{machine.mechanism.name:24} {real:6} {'' if len(found) == 1 else way:7} steps {tally.steps:8,} OK {tally.ok:8,} "
-                        f"wrong {tally.wrong} stuck {tally.stuck} moved {tally.moved}", *(f"\n    {e}" for e in tally.examples or []), flush=True,
+                        f"wrong {tally.wrong} stuck {tally.stuck} moved {tally.moved}",
+                        *(f"\n    {e}" for e in tally.examples or []),
+                        flush=True,
                     )
-                    total = replace(total, **{n: getattr(total, n) + getattr(tally, n) for n in ("steps", "ok", "wrong", "stuck", "moved")})
-    print(f"{total.steps:,} steps, {total.ok:,} OK: {total.wrong} wrong, {total.stuck} stuck, {total.moved} that do not stand still")
+                    total = replace(
+                        total, **{n: getattr(total, n) + getattr(tally, n) for n in ("steps", "ok", "wrong", "stuck", "moved")}
+                    )
+    print(
+        f"{total.steps:,} steps, {total.ok:,} OK: {total.wrong} wrong, {total.stuck} stuck, {total.moved} that do not stand still"
+    )
     return 1 if total.failures else 0
 
 

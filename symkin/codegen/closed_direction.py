@@ -19,7 +19,7 @@ from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts,
 from symkin.codegen.formula_guards import unimplied
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.line_bounds import Span, bend_of
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.newton_kernel import rounded, rounded_up
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
@@ -248,7 +248,7 @@ class ClosedDirection:
                 points = self._points[np.all(all_values[:, :j] > _SEEN, axis=1)]
                 hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
                 bend, ground = _BEND * _largest_norm(hessian, points, scales), "sampled"
-            found.append((rounded(bend / 8.0), ground))
+            found.append((rounded_up(bend / 8.0), ground))
         return found
 
     def _proved_bend(self, condition: ca.Function, scales: np.ndarray) -> float | None:

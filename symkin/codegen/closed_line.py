@@ -22,7 +22,7 @@ from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.c_emitter import Emitter, Real, indent
 from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_source import ClosedCode
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.newton_kernel import rounded_up
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
 from symkin.text import c_comment
@@ -190,7 +190,7 @@ class ClosedLine:
     def sum_of(self, row: np.ndarray) -> str:
         """C text of weights times the squares of the ways."""
         squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
-        terms = [f"{self.real.literal(rounded(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING]
+        terms = [f"{self.real.literal(rounded_up(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING]
         return " + ".join(terms) or self.real.literal(0.0)
 
     def text(self, limits: LimitCheck) -> str:

@@ -212,7 +212,9 @@ the config allows. Angles go on from part to part by less than 1.5 rad, so that 
 in thousands of points. Where joints have limits, a joint is at its limit $l$ where the equation of its step holds for $l$: the value of that equation
 there is a function like $D$, and must keep its sign by the same bound; where the step's other solution is at $l$, its branch tells. A line on which
 a joint leaves its limits is `OUT_OF_RANGE`. `info->iterations` counts points of the line, `info->min_pivot` is the least
-$\sqrt{D}$ at the answer, and `info->residual` the bound that rounding leaves to the answer's pose."""
+$\sqrt{D}$ at the answer. The tool's pose of every answer is held against the given one: `info->residual` is their difference. Beside a fold,
+where the formulas lose digits, one step of Newton's method gives them back; what then is further off than four tolerances
+and 64 roundings of the size is `SINGULAR`. `NAME_inverse_nearest`, `NAME_inverse_branch` and `NAME_inverse_all` hold their answers against the pose in the same way."""
 _NEARLY_CLOSED = """The axes of this arm are only nearly as the steps ask. They give the joints of the ideal arm, and a few steps of Newton's
 method, which must end within the tolerance, those of this one: near a double root of the steps solutions may be missing."""
 _NOT_CLOSED = """## Closed form
