@@ -22,6 +22,8 @@ _SURE = 25.0
 curvatures of 1 / size leave the theorem silent, and three steps can contract towards a point where the rows have no root."""
 _ROWS = 64.0
 """Roundings of the size by which rows are off."""
+_LINE = 256.0
+"""Roundings of the size in the rows below which a line is none: then the state stays where it was, its rows held against the goal."""
 _COMMENT_WIDTH = 118
 """Characters of a comment line."""
 
@@ -337,20 +339,31 @@ class NewtonCode:
         """Below which squared length a step is rounding: what the rows' rounding makes of it where pivots are small, unless they are so
         small that the rounding could reach a singularity. Of rods, whose matrix is well scaled, a constant."""
         literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
-        if self.retarget:
-            return {"still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh"}
-        epsilon = self.real.epsilon
-        rounding, least, most = (
-            (_ROWS * epsilon * self.kernel.characteristic_length) ** 2,
-            (64.0 / _ROWS) ** 2,
-            1.0 / (8.0 * _ROWS * epsilon),
-        )
-        test = f"(w->spread > {literal(least)}) && (w->spread < {literal(rounded(most))})"
-        return {
-            "still2": "still2", "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
-            # what follows a step that is rounding or nothing tells no ratio of steps
-            "moved": " && (before > still2)", "by_kappa": f"(fresh || !(before > {literal(0.0)}))",
-            "noise": indent([f"still2 = ({test}) ? ({literal(rounding)} * w->spread) : {floor};"], 3),
+        epsilon, state = self.real.epsilon, int(self.kernel.state.shape[0])
+        rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
+        test = f"(w->spread > {literal((64.0 / _ROWS) ** 2)}) && (w->spread < {literal(rounded(1.0 / (8.0 * _ROWS * epsilon)))})"
+        # what follows a step that is rounding or nothing tells no ratio of steps
+        line = literal((_LINE * epsilon * self.kernel.characteristic_length) ** 2)
+        common = {"row_noise2": line, "moved": " && (before > still2)", "by_kappa": f"(fresh || !(before > {literal(0.0)}))"}
+        if not self.retarget:
+            return common | {
+                "still2": "still2",
+                "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
+                "noise": indent([f"still2 = ({test}) ? ({rounding} * w->spread) : {floor};"], 3),
+                "accept": indent(["bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));"], 2),
+                "or_noise": "",
+                "stay": indent(copy_loop("w->x", "w->x0", state), 3),
+            }
+        # asked only where a step is not shorter than it has to be, so that the usual way costs nothing
+        accept = [
+            f"const bool noise = !(size <= limit) && (taken > 0U) && {test}",
+            f"    && (size <= {rounding} * w->spread); /* what rounding makes of the rows */",
+            f"bool accepted = (size <= limit) || noise || ((taken > 0U) && (size <= {floor}));",
+        ]
+        put_back = [f"(void){self.name}_normalise_pose({self._ga}w->guess, w->x);", f"{self.k}_set_target({self._ga}w, to);"]
+        return common | {
+            "still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh", "accept": indent(accept, 2),
+            "or_noise": " || noise", "stay": indent(put_back, 3),
         }  # fmt: skip
 
     @property
