@@ -127,7 +127,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken == 1U) && (aim >= @{one}) && (done <= @{zero}) && (before <= @{row_noise2} * w->spread)) {
+        } else if ((taken > 0U) && (aim >= @{one}) && (done <= @{zero}) && (before <= @{row_noise2} * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where it was */
 @{stay}
             @{k}_rows(@{ga}w);
