@@ -112,7 +112,9 @@ branch rests on random goals compared with fine continuation.@@
 
 The predicted error of a step $s$ is $\kappa |s|^2$, $\kappa = |s_1| / |s_0|^2$; when it is below the tolerance the rows are
 evaluated once more and must vanish to the tolerance plus 8 roundings of the size; where they do not, one more step with new factors
-is taken, and 64 are allowed, which the rows of an ill-conditioned answer may leave."""
+is taken, and 64 are allowed, which the rows of an ill-conditioned answer may leave.
+Steps that 64 roundings of the rows can make are rounding and not judged by the one before, unless the rounding could reach a singularity;
+a whole line whose steps 256 roundings can make is none: the state stays where it was, if its rows close in the same way."""
 _SIGN = r", or the sign of $\det J$ (free with the pivots) changes"
 _DEAD_CENTRE = r"""
 
