@@ -3,7 +3,7 @@
  * keep: these factors are those of the part that is done. */
 static int @{k}_side(@{k}_work *w, bool keep)
 {
-    @{real} d[@{n}][@{n}];
+    @{real} d[@{n}][@{n}] = { { @{zero} } };
     int side = (w->side == 0) ? 1 : (int)w->side;
     for (int i = 0; (i < @{n}) && (w->side != 0); ++i) {
         for (int j = 0; j < @{n}; ++j) {
