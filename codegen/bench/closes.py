@@ -16,7 +16,7 @@ import sys
 import tempfile
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +45,13 @@ MAPS = (
     ("stephenson_six_bar", "crank", "output"), ("goldberg", "input", "output"), ("pantograph_five_bar", "arm1,arm2", "wrist1,plate_pivot"),
     ("excavator_bucket", "boom_cylinder,stick_cylinder,bucket_cylinder", "boom,stick,bucket"),
 )  # fmt: skip
+LOOPS = {
+    "four_bar": (("crank", "crank_pin"), ("follower", "follower_pin")),
+    "bennett": (("input", "crank_pin"), ("output", "rocker_pin")),
+    "sarrus": (("foot_x", "elbow_x", "head_x"), ("foot_y", "elbow_y", "head_y")),
+    "goldberg": (("input", "q_pin"), ("output", "p4_pin", "w_pin")),
+}
+"""Loops of a graph that are written as two limbs: which joints each has, from the base on."""
 HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
 CLOSES = {"float": 4e-5, "double": 4e-6}
 """Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which add up in rows written otherwise."""
@@ -279,12 +286,31 @@ def _graph_gap(g: plain_graph.Graph, x: np.ndarray, fixed: dict[int, float], fir
 # --- machines -----------------------------------------------------------------------------------------------------------
 
 
+def as_limbs(name: str, limbs: tuple[tuple[str, ...], ...]) -> Mechanism:
+    """A shipped loop of a graph as limbs that meet at a platform."""
+    data = tomllib.loads(mechanism_to_toml(symkin.load(name)))
+    joints = {joint["name"]: {k: v for k, v in joint.items() if k != "links"} for joint in data["joint"]}
+    kept = {key: data[key] for key in ("format", "length_unit", "angle_unit")} | {"name": f"{name}_limbs"}
+    at = joints[limbs[0][-1]]["point"]
+    tables = [{"name": f"limb{i}", "joint": [joints[j] for j in chain]} for i, chain in enumerate(limbs)]
+    with tempfile.TemporaryDirectory() as scratch:
+        file = Path(scratch) / "m.toml"
+        file.write_text(to_toml(kept | {"platform": {"position": at}, "limb": tables}))
+        return symkin.load(file)
+
+
 def named() -> Iterator[Machine]:
     """Shipped machines and those of bench/machines."""
     for name in (*PLATFORMS, *ARMS):
         yield Machine(symkin.load(name), home=HOMES.get(name))
     for file in sorted((BENCH / "machines").glob("*.toml")):
-        yield Machine(symkin.load(file))
+        made = symkin.load(file)
+        yield Machine(made)
+        if made.motion != "spatial":
+            # the same without its motion: its pose is then of six numbers, of which its limbs leave some
+            yield Machine(replace(made, name=f"{made.name}_six", motion="spatial"))
+    for name, limbs in LOOPS.items():
+        yield Machine(as_limbs(name, limbs))
     for name, given, find in MAPS:
         yield Machine(symkin.load(name), tuple(given.split(",")), tuple(find.split(",")))
 
