@@ -1035,7 +1035,7 @@ static bool delta_line_keeps(delta_direct_work *w, const delta_real change[3])
     const delta_real b0 = w->guard[0] - 0.0325f;
     const delta_real lesser0 = (a0 < b0) ? a0 : b0;
     const delta_real sum0 = change[0] + change[1] + change[2];
-    const delta_real bend0 = 7140.0f * sum0;
+    const delta_real bend0 = 7150.0f * sum0;
     const delta_real most0 = a0 + b0 + lesser0 + lesser0;
     if (!((lesser0 > 0.0f) && (bend0 < most0))) {
         w->over = (kept && (lesser0 > 0.0f)) ? (bend0 / most0) : w->over;
@@ -1400,6 +1400,7 @@ static delta_status delta_check_speeds(const delta_real speeds[], int count, del
 delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delta_real rates[3])
 {
     delta_real jacobian[3 * 6];
+    delta_real found[3];
     const delta_status status = delta_check_speeds(twist, 6, delta_jacobian(pose, jacobian));
     if (status == DELTA_OK) {
         for (int i = 0; i < 3; ++i) {
@@ -1407,7 +1408,11 @@ delta_status delta_rates(const delta_pose *pose, const delta_real twist[6], delt
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * twist[j];
             }
-            rates[i] = sum;
+            found[i] = sum;
+        }
+        /* twist and rates may be the same array */
+        for (int i = 0; i < 3; ++i) {
+            rates[i] = found[i];
         }
     }
     return status;

@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 719 add, 710 mul, 15 div, 35 sqrt, 34 atan2
- *   inverse_branch: 383 add, 542 mul, 15 div, 35 sqrt, 34 atan2
- *   inverse_nearest: 414 add, 570 mul, 15 div, 35 sqrt, 34 atan2
+ *   inverse_all: 8527 add, 10510 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 1359 add, 1767 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1390 add, 1795 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 55 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 39855 add, 59798 mul, 2104 div, 3508 sqrt, 6 sin, 6 cos, 3400 atan2
+ *   inverse: 100 iterations, 40831 add, 61023 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
  *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1223 add, 1616 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 15229 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 10000 instructions, 616 stack, 2968 code
- *   inverse_branch: 1580 instructions, 672 stack, 3048 code
- *   inverse_nearest: 2190 instructions, 736 stack, 3268 code
- *   direct: 1665 instructions, 944 stack, 1224 code
- *   inverse: 176060 instructions, 1408 stack, 6832 code
- *   jacobian: 1770 instructions, 1040 stack, 1696 code
- *   twist: 2150 instructions, 1336 stack, 1824 code
- *   rates: 10060 instructions, 1440 stack, 3184 code
- *   feed: 10185 instructions, 1504 stack, 3284 code
- *   track: 13065 instructions, 1584 stack, 4676 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

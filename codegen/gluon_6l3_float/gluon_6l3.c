@@ -296,6 +296,127 @@ static GLUON_6L3_SHARED void gluon_6l3_forward(const gluon_6l3_real q[6], gluon_
     gluon_6l3_pose_of_turns(u, x);
 }
 
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static gluon_6l3_real gluon_6l3_length_of(const gluon_6l3_real e[6])
+{
+    gluon_6l3_real sum = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrtf(sum) * GLUON_6L3_SIZE;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static gluon_6l3_real gluon_6l3_pose_error(const gluon_6l3_real q[6], const gluon_6l3_real to[7],
+    gluon_6l3_real e[6])
+{
+    gluon_6l3_real x[7];
+    gluon_6l3_forward(q, x);
+    const gluon_6l3_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const gluon_6l3_real twice = (w < 0.0f) ? -2.0f : 2.0f;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0018542771f;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return gluon_6l3_length_of(e);
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
+    const gluon_6l3_real e[6], gluon_6l3_real y[6])
+{
+    static const gluon_6l3_real row_scale[6] = { 0.0018542771f, 0.0018542771f, 0.0018542771f, 1.0f,
+        1.0f, 1.0f };
+    static const gluon_6l3_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    gluon_6l3_real a[6][6];
+    gluon_6l3_real g[6][6];
+    gluon_6l3_real r[6];
+    gluon_6l3_real smallest = 0.0f;
+    gluon_6l3_real mean = 0.0f;
+    gluon_6l3_real raised = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.16666667f;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
+        uint8_t order[6];
+        /* the normal equations */
+        for (int i = 0; i < 6; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = e[i];
+            for (int j = 0; j < 6; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0f;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[i][k] * a[j][k];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 6) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const gluon_6l3_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 6; ++j) {
+                const gluon_6l3_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 6; ++i) {
+                const gluon_6l3_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 9.536743e-07f * mean;
+            for (int i = c + 1; (i < 6) && whole; ++i) {
+                const gluon_6l3_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 6; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[5][5] / mean) : 0.0f;
+            raised = mean * (0.0004f - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 5; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 6; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            y[i] = 0.0f;
+        }
+        for (int i = 0; (i < 6) && whole; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                y[j] += a[order[i]][j] * r[i];
+            }
+        }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
 /* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
  * least error for atan up to 1. */
 static gluon_6l3_real gluon_6l3_angle(gluon_6l3_real s, gluon_6l3_real c)
@@ -657,6 +778,42 @@ static gluon_6l3_status gluon_6l3_turn_near(const gluon_6l3_real about[6], gluon
     return status;
 }
 
+/* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a
+ * step of Newton's method gives back. */
+static gluon_6l3_status gluon_6l3_hold(const gluon_6l3_real x[7], gluon_6l3_real joints[6],
+    gluon_6l3_real *residual)
+{
+    gluon_6l3_real e[6];
+    gluon_6l3_status status = GLUON_6L3_OK;
+    *residual = gluon_6l3_pose_error(joints, x, e);
+    if (!(*residual <= 0.00218582f)) {
+        gluon_6l3_real jacobian[6 * 6];
+        gluon_6l3_real step[6];
+        status = gluon_6l3_jacobian(joints, jacobian);
+        if (status == GLUON_6L3_OK) {
+            (void)gluon_6l3_damped(jacobian, e, step);
+            for (int i = 0; i < 6; ++i) {
+                joints[i] += step[i];
+            }
+            *residual = gluon_6l3_pose_error(joints, x, e);
+            status = (*residual <= 0.00218582f) ? GLUON_6L3_OK : GLUON_6L3_SINGULAR;
+        }
+    }
+    return status;
+}
+
+/* Brings the joint values of a branch to where they are wanted: whole turns, their ranges, and the
+ * tool's pose held against x. */
+static gluon_6l3_status gluon_6l3_settle(const gluon_6l3_real x[7], const gluon_6l3_real about[6],
+    gluon_6l3_real joints[6])
+{
+    gluon_6l3_real residual;
+    gluon_6l3_status status = gluon_6l3_turn_near(about, joints);
+    if (status == GLUON_6L3_OK) {
+        status = gluon_6l3_hold(x, joints, &residual);
+    }
+    return status;
+}
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose,
     const gluon_6l3_real near[6], unsigned int wanted, const gluon_6l3_real about[6],
@@ -669,7 +826,7 @@ static gluon_6l3_status gluon_6l3_one_branch(const gluon_6l3_pose *pose,
     gluon_6l3_status status = gluon_6l3_normalise_pose(pose, x);
     if (status == GLUON_6L3_OK) {
         if (gluon_6l3_branches(x, near, wanted, found, &undecided, margin) == 1) {
-            status = gluon_6l3_turn_near(about, found[0]);
+            status = gluon_6l3_settle(x, about, found[0]);
         } else {
             status = undecided ? GLUON_6L3_SINGULAR : GLUON_6L3_OUT_OF_RANGE;
         }
@@ -695,7 +852,7 @@ int gluon_6l3_inverse_all(const gluon_6l3_pose *pose, gluon_6l3_real joints[8][6
     if (status == GLUON_6L3_OK) {
         const int all = gluon_6l3_branches(x, near, 63U, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
-            if (gluon_6l3_turn_near(middle, joints[k]) == GLUON_6L3_OK) {
+            if (gluon_6l3_settle(x, middle, joints[k]) == GLUON_6L3_OK) {
                 for (int i = 0; i < 6; ++i) {
                     joints[count][i] = joints[k][i];
                 }
@@ -941,7 +1098,7 @@ static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluo
     (void)turn;
     (void)moved;
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
-    const gluon_6l3_real bend0 = 5.41f * place + 0.721f * turn;
+    const gluon_6l3_real bend0 = 5.42f * place + 0.722f * turn;
     const gluon_6l3_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
     const gluon_6l3_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
     largest = (share0 > largest) ? share0 : largest;
@@ -956,14 +1113,14 @@ static gluon_6l3_real gluon_6l3_line_share(const gluon_6l3_real a[6], const gluo
     const gluon_6l3_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
     largest = (share2 > largest) ? share2 : largest;
     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-    const gluon_6l3_real bend3 = 1.44f * place + 0.92f * turn + 0.512f * moved[4]
-        + 0.539f * moved[5];
+    const gluon_6l3_real bend3 = 1.45f * place + 0.921f * turn + 0.512f * moved[4]
+        + 0.54f * moved[5];
     const gluon_6l3_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
     const gluon_6l3_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
     largest = (share3 > largest) ? share3 : largest;
     /* q2 turns a point of the axis of q4 to where it must be */
-    const gluon_6l3_real bend4 = 11.0f * place + 3.88f * turn + 4.15f * moved[0]
-        + 1.84f * moved[4] + 2.67f * moved[5];
+    const gluon_6l3_real bend4 = 11.0f * place + 3.89f * turn + 4.16f * moved[0]
+        + 1.85f * moved[4] + 2.67f * moved[5];
     const gluon_6l3_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
     const gluon_6l3_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
     largest = (share4 > largest) ? share4 : largest;
@@ -1068,8 +1225,12 @@ static gluon_6l3_status gluon_6l3_inverse_along(const gluon_6l3_real to[7],
     for (int k = 0; k < 6; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    gluon_6l3_write_info(info, count, (status == GLUON_6L3_OK) ? 0.00218582f : HUGE_VALF,
-        way2 * 290837.72f, (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
+    gluon_6l3_real residual = HUGE_VALF;
+    if (status == GLUON_6L3_OK) {
+        status = gluon_6l3_hold(to, joints, &residual);
+    }
+    gluon_6l3_write_info(info, count, residual, way2 * 290837.72f,
+        (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }
 
@@ -1419,114 +1580,12 @@ static gluon_6l3_status gluon_6l3_check_speeds(const gluon_6l3_real speeds[], in
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
- * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
- * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
- * Returns that pivot over the mean. */
-static gluon_6l3_real gluon_6l3_damped(const gluon_6l3_real jacobian[36],
-    const gluon_6l3_real e[6], gluon_6l3_real y[6])
-{
-    static const gluon_6l3_real row_scale[6] = { 0.0018542771f, 0.0018542771f, 0.0018542771f, 1.0f,
-        1.0f, 1.0f };
-    static const gluon_6l3_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
-    gluon_6l3_real a[6][6];
-    gluon_6l3_real g[6][6];
-    gluon_6l3_real r[6];
-    gluon_6l3_real smallest = 0.0f;
-    gluon_6l3_real mean = 0.0f;
-    gluon_6l3_real raised = 0.0f;
-    for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < 6; ++j) {
-            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * 0.16666667f;
-        }
-    }
-    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
-        uint8_t order[6];
-        /* the normal equations */
-        for (int i = 0; i < 6; ++i) {
-            order[i] = (uint8_t)i;
-            r[i] = e[i];
-            for (int j = 0; j < 6; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0f;
-                for (int k = 0; k < 6; ++k) {
-                    g[i][j] += a[i][k] * a[j][k];
-                }
-            }
-        }
-        /* factors, the largest diagonal entry first, with the right side beside them */
-        bool whole = true;
-        for (int c = 0; (c < 6) && whole; ++c) {
-            int best = c;
-            for (int i = c + 1; i < 6; ++i) {
-                best = (g[i][i] > g[best][best]) ? i : best;
-            }
-            const uint8_t name = order[c];
-            const gluon_6l3_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < 6; ++j) {
-                const gluon_6l3_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < 6; ++i) {
-                const gluon_6l3_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
-            }
-            whole = g[c][c] > 9.536743e-07f * mean;
-            for (int i = c + 1; (i < 6) && whole; ++i) {
-                const gluon_6l3_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < 6; ++j) {
-                    g[i][j] -= factor * g[c][j];
-                }
-                r[i] -= factor * r[c];
-            }
-        }
-        if (round == 0) {
-            smallest = whole ? (g[5][5] / mean) : 0.0f;
-            raised = mean * (0.0004f - smallest);
-        }
-        /* back substitution; without a whole set of factors the next round follows */
-        for (int i = 5; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < 6; ++j) {
-                r[i] -= g[i][j] * r[j];
-            }
-            r[i] /= g[i][i];
-        }
-        for (int i = 0; i < 6; ++i) {
-            y[i] = 0.0f;
-        }
-        for (int i = 0; (i < 6) && whole; ++i) {
-            for (int j = 0; j < 6; ++j) {
-                y[j] += a[order[i]][j] * r[i];
-            }
-        }
-    }
-    for (int i = 0; i < 6; ++i) {
-        y[i] *= column_scale[i];
-    }
-    return smallest;
-}
-
-/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
-static gluon_6l3_real gluon_6l3_length_of(const gluon_6l3_real e[6])
-{
-    gluon_6l3_real sum = 0.0f;
-    for (int i = 0; i < 6; ++i) {
-        sum += e[i] * e[i];
-    }
-    return sqrtf(sum) * GLUON_6L3_SIZE;
-}
-
 /* The twist of joint rates: the Jacobian times the rates. */
 gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3_real rates[6],
     gluon_6l3_real twist[6])
 {
     gluon_6l3_real jacobian[36];
+    gluon_6l3_real found[6];
     const gluon_6l3_status status = gluon_6l3_check_speeds(rates, 6, gluon_6l3_jacobian(joints,
         jacobian));
     if (status == GLUON_6L3_OK) {
@@ -1535,7 +1594,11 @@ gluon_6l3_status gluon_6l3_twist(const gluon_6l3_real joints[6], const gluon_6l3
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * rates[j];
             }
-            twist[i] = sum;
+            found[i] = sum;
+        }
+        /* rates and twist may be the same array */
+        for (int i = 0; i < 6; ++i) {
+            twist[i] = found[i];
         }
     }
     return status;
@@ -1595,24 +1658,6 @@ gluon_6l3_status gluon_6l3_feed(const gluon_6l3_real joints[6], const gluon_6l3_
         *feed = most;
     }
     return status;
-}
-
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
- * of the turn's quaternion. Returns its length. */
-static gluon_6l3_real gluon_6l3_pose_error(const gluon_6l3_real q[6], const gluon_6l3_real to[7],
-    gluon_6l3_real e[6])
-{
-    gluon_6l3_real x[7];
-    gluon_6l3_forward(q, x);
-    const gluon_6l3_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
-    const gluon_6l3_real twice = (w < 0.0f) ? -2.0f : 2.0f;
-    for (int i = 0; i < 3; ++i) {
-        e[i] = (to[i] - x[i]) * 0.0018542771f;
-    }
-    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
-    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
-    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
-    return gluon_6l3_length_of(e);
 }
 
 /* One damped step towards a pose, shortened where the error would grow. */

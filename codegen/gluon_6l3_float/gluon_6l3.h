@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 1025 add, 1016 mul, 83 div, 35 sqrt
- *   inverse_branch: 689 add, 848 mul, 83 div, 35 sqrt
- *   inverse_nearest: 720 add, 876 mul, 83 div, 35 sqrt
+ *   inverse_all: 10561 add, 12688 mul, 435 div, 51 sqrt
+ *   inverse_branch: 1881 add, 2307 mul, 127 div, 37 sqrt
+ *   inverse_nearest: 1912 add, 2335 mul, 127 div, 37 sqrt
  *   direct: 127 add, 170 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 70527 add, 90476 mul, 8904 div, 3508 sqrt
+ *   inverse: 100 iterations, 71719 add, 91935 mul, 8948 div, 3510 sqrt
  *   jacobian: 166 add, 209 mul
  *   twist: 208 add, 245 mul
  *   rates: 956 add, 1132 mul, 47 div, 5 sqrt
  *   feed: 962 add, 1138 mul, 53 div, 5 sqrt
  *   track: 1655 add, 2084 mul, 49 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17833 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 6000 instructions, 272 stack, 2752 code
- *   inverse_branch: 1035 instructions, 296 stack, 2820 code
- *   inverse_nearest: 1655 instructions, 328 stack, 3012 code
- *   direct: 750 instructions, 120 stack, 1332 code
- *   inverse: 125130 instructions, 520 stack, 6496 code
- *   jacobian: 840 instructions, 128 stack, 1724 code
- *   twist: 1220 instructions, 272 stack, 1852 code
- *   rates: 9910 instructions, 616 stack, 3192 code
- *   feed: 10025 instructions, 656 stack, 3296 code
- *   track: 11555 instructions, 696 stack, 4656 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

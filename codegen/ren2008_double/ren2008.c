@@ -786,7 +786,11 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.442245867805243e-28));
+        const bool noise = !(size <= limit) && (taken > 0U) && (w->spread > 1.0)
+            && (w->spread < 17600000000000.0)
+            && (size <= 1.442245867805243e-28 * w->spread); /* what rounding makes of the rows */
+        bool accepted = (size <= limit) || noise || ((taken > 0U)
+            && (size <= 1.442245867805243e-28));
         if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -801,7 +805,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2))
-                    || (size <= 1.442245867805243e-28);
+                    || (size <= 1.442245867805243e-28) || noise;
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
@@ -831,6 +835,17 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
                 taken = 0U;
                 fresh = true;
             }
+        } else if ((taken > 0U) && (aim >= 1.0) && (done <= 0.0)
+            && (before <= 2.307593388488389e-27 * w->spread)) {
+            /* the whole line is rounding, which small pivots have made long: the state stays where
+             * it was */
+            (void)ren2008_normalise_pose(w->guess, w->x);
+            ren2008_direct_set_target(w, to);
+            ren2008_direct_rows(w);
+            residual = ren2008_direct_residual(w);
+            status = (residual <= config->tolerance + 1.2009354136693793e-14)
+                ? REN2008_OK : REN2008_WRONG_BRANCH;
+            break;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
@@ -1401,6 +1416,7 @@ ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[
     ren2008_real rates[6])
 {
     ren2008_real jacobian[6 * 6];
+    ren2008_real found[6];
     const ren2008_status status = ren2008_check_speeds(twist, 6, ren2008_jacobian(pose, jacobian));
     if (status == REN2008_OK) {
         for (int i = 0; i < 6; ++i) {
@@ -1408,7 +1424,11 @@ ren2008_status ren2008_rates(const ren2008_pose *pose, const ren2008_real twist[
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * twist[j];
             }
-            rates[i] = sum;
+            found[i] = sum;
+        }
+        /* twist and rates may be the same array */
+        for (int i = 0; i < 6; ++i) {
+            rates[i] = found[i];
         }
     }
     return status;

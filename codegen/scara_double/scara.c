@@ -182,6 +182,126 @@ static SCARA_SHARED void scara_forward(const scara_real q[4], scara_real x[7])
     scara_pose_of_turns(u, x);
 }
 
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static scara_real scara_length_of(const scara_real e[6])
+{
+    scara_real sum = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrt(sum) * SCARA_SIZE;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static scara_real scara_pose_error(const scara_real q[4], const scara_real to[7], scara_real e[6])
+{
+    scara_real x[7];
+    scara_forward(q, x);
+    const scara_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const scara_real twice = (w < 0.0) ? -2.0 : 2.0;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0025;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return scara_length_of(e);
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 4 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static scara_real scara_damped(const scara_real jacobian[24], const scara_real e[6],
+    scara_real y[4])
+{
+    static const scara_real row_scale[6] = { 0.0025, 0.0025, 0.0025, 1.0, 1.0, 1.0 };
+    static const scara_real column_scale[4] = { 1.0, 1.0, 1.0, 400.0 };
+    scara_real a[6][4];
+    scara_real g[4][4];
+    scara_real r[4];
+    scara_real smallest = 0.0;
+    scara_real mean = 0.0;
+    scara_real raised = 0.0;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 4; ++j) {
+            a[i][j] = jacobian[4 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.25;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
+        uint8_t order[4];
+        /* the normal equations */
+        for (int i = 0; i < 4; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = 0.0;
+            for (int j = 0; j < 6; ++j) {
+                r[i] += a[j][i] * e[j];
+            }
+            for (int j = 0; j < 4; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[k][i] * a[k][j];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 4) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 4; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const scara_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 4; ++j) {
+                const scara_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 4; ++i) {
+                const scara_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 1.7763568394002505e-15 * mean;
+            for (int i = c + 1; (i < 4) && whole; ++i) {
+                const scara_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 4; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[3][3] / mean) : 0.0;
+            raised = mean * (0.0004 - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 3; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 4; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 4; ++i) {
+            y[i] = 0.0;
+        }
+        for (int i = 0; (i < 4) && whole; ++i) {
+            y[order[i]] = r[i];
+        }
+    }
+    for (int i = 0; i < 4; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
 /* Sine of a guess's angle to 1e-6, by which the nearest solution is told; 0 for angles of too many
  * turns. */
 static scara_real scara_sine(scara_real angle)
@@ -408,6 +528,41 @@ static scara_status scara_turn_near(const scara_real about[4], scara_real joints
     return status;
 }
 
+/* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a
+ * step of Newton's method gives back. */
+static scara_status scara_hold(const scara_real x[7], scara_real joints[4], scara_real *residual)
+{
+    scara_real e[6];
+    scara_status status = SCARA_OK;
+    *residual = scara_pose_error(joints, x, e);
+    if (!(*residual <= 1.7791990103432909e-09)) {
+        scara_real jacobian[6 * 4];
+        scara_real step[4];
+        status = scara_jacobian(joints, jacobian);
+        if (status == SCARA_OK) {
+            (void)scara_damped(jacobian, e, step);
+            for (int i = 0; i < 4; ++i) {
+                joints[i] += step[i];
+            }
+            *residual = scara_pose_error(joints, x, e);
+            status = (*residual <= 1.7791990103432909e-09) ? SCARA_OK : SCARA_SINGULAR;
+        }
+    }
+    return status;
+}
+
+/* Brings the joint values of a branch to where they are wanted: whole turns, their ranges, and the
+ * tool's pose held against x. */
+static scara_status scara_settle(const scara_real x[7], const scara_real about[4],
+    scara_real joints[4])
+{
+    scara_real residual;
+    scara_status status = scara_turn_near(about, joints);
+    if (status == SCARA_OK) {
+        status = scara_hold(x, joints, &residual);
+    }
+    return status;
+}
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static scara_status scara_one_branch(const scara_pose *pose, const scara_real near[2],
     unsigned int wanted, const scara_real about[4], scara_real joints[4])
@@ -419,7 +574,7 @@ static scara_status scara_one_branch(const scara_pose *pose, const scara_real ne
     scara_status status = scara_normalise_pose(pose, x);
     if (status == SCARA_OK) {
         if (scara_branches(x, near, wanted, found, &undecided, margin) == 1) {
-            status = scara_turn_near(about, found[0]);
+            status = scara_settle(x, about, found[0]);
         } else {
             status = undecided ? SCARA_SINGULAR : SCARA_OUT_OF_RANGE;
         }
@@ -445,7 +600,7 @@ int scara_inverse_all(const scara_pose *pose, scara_real joints[2][4])
     if (status == SCARA_OK) {
         const int all = scara_branches(x, near, 3U, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
-            if (scara_turn_near(middle, joints[k]) == SCARA_OK) {
+            if (scara_settle(x, middle, joints[k]) == SCARA_OK) {
                 for (int i = 0; i < 4; ++i) {
                     joints[count][i] = joints[k][i];
                 }
@@ -620,15 +775,15 @@ static uint8_t scara_first_leaving(const scara_real a[4], const scara_real b[4],
         /* shoulder, lower limit */
         if ((joint == 4U)
     && scara_may_reach(below[0], way2)
-    && !scara_keeps_sign(at_a[0], at_b[0], 1.09 * place + 2.17 * moved[1])
-    && !((at_a[1] < 0.0) && scara_keeps_sign(at_a[1], at_b[1], 1.09 * place + 2.18 * moved[1]))) {
+    && !scara_keeps_sign(at_a[0], at_b[0], 1.1 * place + 2.17 * moved[1])
+    && !((at_a[1] < 0.0) && scara_keeps_sign(at_a[1], at_b[1], 1.1 * place + 2.18 * moved[1]))) {
             joint = 0U;
         }
         /* shoulder, upper limit */
         if ((joint == 4U)
     && scara_may_reach(above[0], way2)
-    && !scara_keeps_sign(at_a[2], at_b[2], 1.09 * place + 2.17 * moved[1])
-    && !((at_a[3] < 0.0) && scara_keeps_sign(at_a[3], at_b[3], 1.09 * place + 2.18 * moved[1]))) {
+    && !scara_keeps_sign(at_a[2], at_b[2], 1.1 * place + 2.18 * moved[1])
+    && !((at_a[3] < 0.0) && scara_keeps_sign(at_a[3], at_b[3], 1.1 * place + 2.19 * moved[1]))) {
             joint = 0U;
         }
         /* elbow, lower limit */
@@ -757,7 +912,7 @@ static scara_real scara_line_share(const scara_real a[3], const scara_real b[3],
     (void)turn;
     (void)moved;
     /* a point of the axis of turn: its distance from the axis of shoulder tells elbow */
-    const scara_real bend0 = 2.46 * place + 2.46 * moved[3];
+    const scara_real bend0 = 2.47 * place + 2.47 * moved[3];
     const scara_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
     const scara_real share0 = bend0 / (2.0 * (a[0] + b[0]) + 4.0 * lesser0);
     largest = (share0 > largest) ? share0 : largest;
@@ -879,8 +1034,12 @@ static scara_status scara_inverse_along(const scara_real to[7], const scara_conf
     for (int k = 0; k < 3; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    scara_write_info(info, count, (status == SCARA_OK) ? 1.7791990103432909e-09 : HUGE_VAL,
-        way2 * 160000.0, (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
+    scara_real residual = HUGE_VAL;
+    if (status == SCARA_OK) {
+        status = scara_hold(to, joints, &residual);
+    }
+    scara_write_info(info, count, residual, way2 * 160000.0,
+        (least > 2.842170943040401e-14) ? (1.0 / least) : 0.0);
     if ((info != NULL) && (status == SCARA_OUT_OF_RANGE)) {
         info->joint = blamed;
     }
@@ -1019,113 +1178,11 @@ static scara_status scara_check_speeds(const scara_real speeds[], int count, sca
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
- * lengths over the size. Solves the 4 normal equations with exchanges on the diagonal; where their
- * smallest pivot is below 0.0004 of the mean, the diagonal is raised, the more the smaller it is.
- * Returns that pivot over the mean. */
-static scara_real scara_damped(const scara_real jacobian[24], const scara_real e[6],
-    scara_real y[4])
-{
-    static const scara_real row_scale[6] = { 0.0025, 0.0025, 0.0025, 1.0, 1.0, 1.0 };
-    static const scara_real column_scale[4] = { 1.0, 1.0, 1.0, 400.0 };
-    scara_real a[6][4];
-    scara_real g[4][4];
-    scara_real r[4];
-    scara_real smallest = 0.0;
-    scara_real mean = 0.0;
-    scara_real raised = 0.0;
-    for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < 4; ++j) {
-            a[i][j] = jacobian[4 * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * 0.25;
-        }
-    }
-    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004)); ++round) {
-        uint8_t order[4];
-        /* the normal equations */
-        for (int i = 0; i < 4; ++i) {
-            order[i] = (uint8_t)i;
-            r[i] = 0.0;
-            for (int j = 0; j < 6; ++j) {
-                r[i] += a[j][i] * e[j];
-            }
-            for (int j = 0; j < 4; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0;
-                for (int k = 0; k < 6; ++k) {
-                    g[i][j] += a[k][i] * a[k][j];
-                }
-            }
-        }
-        /* factors, the largest diagonal entry first, with the right side beside them */
-        bool whole = true;
-        for (int c = 0; (c < 4) && whole; ++c) {
-            int best = c;
-            for (int i = c + 1; i < 4; ++i) {
-                best = (g[i][i] > g[best][best]) ? i : best;
-            }
-            const uint8_t name = order[c];
-            const scara_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < 4; ++j) {
-                const scara_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < 4; ++i) {
-                const scara_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
-            }
-            whole = g[c][c] > 1.7763568394002505e-15 * mean;
-            for (int i = c + 1; (i < 4) && whole; ++i) {
-                const scara_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < 4; ++j) {
-                    g[i][j] -= factor * g[c][j];
-                }
-                r[i] -= factor * r[c];
-            }
-        }
-        if (round == 0) {
-            smallest = whole ? (g[3][3] / mean) : 0.0;
-            raised = mean * (0.0004 - smallest);
-        }
-        /* back substitution; without a whole set of factors the next round follows */
-        for (int i = 3; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < 4; ++j) {
-                r[i] -= g[i][j] * r[j];
-            }
-            r[i] /= g[i][i];
-        }
-        for (int i = 0; i < 4; ++i) {
-            y[i] = 0.0;
-        }
-        for (int i = 0; (i < 4) && whole; ++i) {
-            y[order[i]] = r[i];
-        }
-    }
-    for (int i = 0; i < 4; ++i) {
-        y[i] *= column_scale[i];
-    }
-    return smallest;
-}
-
-/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
-static scara_real scara_length_of(const scara_real e[6])
-{
-    scara_real sum = 0.0;
-    for (int i = 0; i < 6; ++i) {
-        sum += e[i] * e[i];
-    }
-    return sqrt(sum) * SCARA_SIZE;
-}
-
 /* The twist of joint rates: the Jacobian times the rates. */
 scara_status scara_twist(const scara_real joints[4], const scara_real rates[4], scara_real twist[6])
 {
     scara_real jacobian[24];
+    scara_real found[6];
     const scara_status status = scara_check_speeds(rates, 4, scara_jacobian(joints, jacobian));
     if (status == SCARA_OK) {
         for (int i = 0; i < 6; ++i) {
@@ -1133,7 +1190,11 @@ scara_status scara_twist(const scara_real joints[4], const scara_real rates[4], 
             for (int j = 0; j < 4; ++j) {
                 sum += jacobian[4 * i + j] * rates[j];
             }
-            twist[i] = sum;
+            found[i] = sum;
+        }
+        /* rates and twist may be the same array */
+        for (int i = 0; i < 6; ++i) {
+            twist[i] = found[i];
         }
     }
     return status;
@@ -1191,23 +1252,6 @@ scara_status scara_feed(const scara_real joints[4], const scara_real twist[6],
         *feed = most;
     }
     return status;
-}
-
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
- * of the turn's quaternion. Returns its length. */
-static scara_real scara_pose_error(const scara_real q[4], const scara_real to[7], scara_real e[6])
-{
-    scara_real x[7];
-    scara_forward(q, x);
-    const scara_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
-    const scara_real twice = (w < 0.0) ? -2.0 : 2.0;
-    for (int i = 0; i < 3; ++i) {
-        e[i] = (to[i] - x[i]) * 0.0025;
-    }
-    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
-    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
-    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
-    return scara_length_of(e);
 }
 
 /* One damped step towards a pose, shortened where the error would grow. */

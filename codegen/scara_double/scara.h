@@ -18,28 +18,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 160 add, 163 mul, 5 div, 7 sqrt, 6 atan2
- *   inverse_branch: 128 add, 147 mul, 5 div, 7 sqrt, 6 atan2
- *   inverse_nearest: 138 add, 154 mul, 5 div, 7 sqrt, 6 atan2
+ *   inverse_all: 976 add, 1239 mul, 49 div, 11 sqrt, 18 sin, 18 cos, 6 atan2
+ *   inverse_branch: 536 add, 685 mul, 27 div, 9 sqrt, 9 sin, 9 cos, 6 atan2
+ *   inverse_nearest: 546 add, 692 mul, 27 div, 9 sqrt, 9 sin, 9 cos, 6 atan2
  *   direct: 17 add, 32 mul, 1 div, 1 sqrt, 3 sin, 3 cos
- *   inverse: 100 iterations, 23870 add, 36785 mul, 804 div, 707 sqrt, 603 sin, 603 cos, 600 atan2
+ *   inverse: 100 iterations, 24278 add, 37323 mul, 826 div, 709 sqrt, 612 sin, 612 cos, 600 atan2
  *   jacobian: 12 add, 18 mul, 3 sin, 3 cos
  *   twist: 40 add, 42 mul, 3 sin, 3 cos
  *   rates: 378 add, 475 mul, 25 div, 5 sqrt, 3 sin, 3 cos
  *   feed: 382 add, 479 mul, 29 div, 5 sqrt, 3 sin, 3 cos
  *   track: 537 add, 737 mul, 27 div, 10 sqrt, 18 sin, 18 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 1930 instructions, 416 stack, 2044 code
- *   inverse_branch: 1065 instructions, 432 stack, 2064 code
- *   inverse_nearest: 1170 instructions, 456 stack, 2264 code
- *   direct: 760 instructions, 912 stack, 744 code
- *   inverse: 113070 instructions, 1688 stack, 6764 code
- *   jacobian: 740 instructions, 856 stack, 672 code
- *   twist: 1015 instructions, 1056 stack, 800 code
- *   rates: 5735 instructions, 1136 stack, 2136 code
- *   feed: 5810 instructions, 1184 stack, 2236 code
- *   track: 6725 instructions, 1344 stack, 3276 code
  *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */

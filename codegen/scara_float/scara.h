@@ -18,28 +18,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 214 add, 217 mul, 17 div, 7 sqrt
- *   inverse_branch: 182 add, 201 mul, 17 div, 7 sqrt
- *   inverse_nearest: 192 add, 208 mul, 17 div, 7 sqrt
+ *   inverse_all: 1246 add, 1527 mul, 61 div, 11 sqrt
+ *   inverse_branch: 698 add, 856 mul, 39 div, 9 sqrt
+ *   inverse_nearest: 708 add, 863 mul, 39 div, 9 sqrt
  *   direct: 53 add, 71 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 36506 add, 50024 mul, 2004 div, 707 sqrt
+ *   inverse: 100 iterations, 37022 add, 50679 mul, 2026 div, 709 sqrt
  *   jacobian: 48 add, 57 mul
  *   twist: 76 add, 81 mul
  *   rates: 414 add, 514 mul, 25 div, 5 sqrt
  *   feed: 418 add, 518 mul, 29 div, 5 sqrt
  *   track: 753 add, 971 mul, 27 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 1355 instructions, 152 stack, 2028 code
- *   inverse_branch: 780 instructions, 152 stack, 2036 code
- *   inverse_nearest: 915 instructions, 168 stack, 2204 code
- *   direct: 395 instructions, 96 stack, 948 code
- *   inverse: 80460 instructions, 496 stack, 6652 code
- *   jacobian: 365 instructions, 64 stack, 832 code
- *   twist: 640 instructions, 168 stack, 956 code
- *   rates: 5600 instructions, 416 stack, 2220 code
- *   feed: 5670 instructions, 448 stack, 2324 code
- *   track: 6265 instructions, 472 stack, 3300 code
  *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */

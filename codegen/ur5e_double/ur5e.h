@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 735 add, 710 mul, 15 div, 35 sqrt, 34 atan2
- *   inverse_branch: 399 add, 542 mul, 15 div, 35 sqrt, 34 atan2
- *   inverse_nearest: 430 add, 570 mul, 15 div, 35 sqrt, 34 atan2
+ *   inverse_all: 8615 add, 10542 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 1384 add, 1771 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1415 add, 1799 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
  *   direct: 58 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 41462 add, 59798 mul, 2104 div, 3508 sqrt, 6 sin, 6 cos, 3400 atan2
+ *   inverse: 100 iterations, 42447 add, 61027 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 97 add, 135 mul, 6 sin, 6 cos
  *   twist: 139 add, 171 mul, 6 sin, 6 cos
  *   rates: 887 add, 1058 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 893 add, 1064 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1241 add, 1620 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 10541 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 10055 instructions, 608 stack, 3016 code
- *   inverse_branch: 1595 instructions, 664 stack, 3096 code
- *   inverse_nearest: 2215 instructions, 728 stack, 3316 code
- *   direct: 1700 instructions, 944 stack, 1240 code
- *   inverse: 177515 instructions, 1408 stack, 6936 code
- *   jacobian: 1800 instructions, 1032 stack, 1688 code
- *   twist: 2180 instructions, 1328 stack, 1816 code
- *   rates: 10095 instructions, 1432 stack, 3176 code
- *   feed: 10220 instructions, 1496 stack, 3276 code
- *   track: 13040 instructions, 1576 stack, 4684 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

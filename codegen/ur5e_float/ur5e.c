@@ -296,6 +296,125 @@ static UR5E_SHARED void ur5e_forward(const ur5e_real q[6], ur5e_real x[7])
     ur5e_pose_of_turns(u, x);
 }
 
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static ur5e_real ur5e_length_of(const ur5e_real e[6])
+{
+    ur5e_real sum = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrtf(sum) * UR5E_SIZE;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static ur5e_real ur5e_pose_error(const ur5e_real q[6], const ur5e_real to[7], ur5e_real e[6])
+{
+    ur5e_real x[7];
+    ur5e_forward(q, x);
+    const ur5e_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const ur5e_real twice = (w < 0.0f) ? -2.0f : 2.0f;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0011851211f;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return ur5e_length_of(e);
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6], ur5e_real y[6])
+{
+    static const ur5e_real row_scale[6] = { 0.0011851211f, 0.0011851211f, 0.0011851211f, 1.0f,
+        1.0f, 1.0f };
+    static const ur5e_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
+    ur5e_real a[6][6];
+    ur5e_real g[6][6];
+    ur5e_real r[6];
+    ur5e_real smallest = 0.0f;
+    ur5e_real mean = 0.0f;
+    ur5e_real raised = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.16666667f;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
+        uint8_t order[6];
+        /* the normal equations */
+        for (int i = 0; i < 6; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = e[i];
+            for (int j = 0; j < 6; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0f;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[i][k] * a[j][k];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 6) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const ur5e_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 6; ++j) {
+                const ur5e_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 6; ++i) {
+                const ur5e_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 9.536743e-07f * mean;
+            for (int i = c + 1; (i < 6) && whole; ++i) {
+                const ur5e_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 6; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[5][5] / mean) : 0.0f;
+            raised = mean * (0.0004f - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 5; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 6; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            y[i] = 0.0f;
+        }
+        for (int i = 0; (i < 6) && whole; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                y[j] += a[order[i]][j] * r[i];
+            }
+        }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
 /* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
  * least error for atan up to 1. */
 static ur5e_real ur5e_angle(ur5e_real s, ur5e_real c)
@@ -658,6 +777,40 @@ static ur5e_status ur5e_turn_near(const ur5e_real about[6], ur5e_real joints[6])
     return status;
 }
 
+/* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a
+ * step of Newton's method gives back. */
+static ur5e_status ur5e_hold(const ur5e_real x[7], ur5e_real joints[6], ur5e_real *residual)
+{
+    ur5e_real e[6];
+    ur5e_status status = UR5E_OK;
+    *residual = ur5e_pose_error(joints, x, e);
+    if (!(*residual <= 0.0034200011f)) {
+        ur5e_real jacobian[6 * 6];
+        ur5e_real step[6];
+        status = ur5e_jacobian(joints, jacobian);
+        if (status == UR5E_OK) {
+            (void)ur5e_damped(jacobian, e, step);
+            for (int i = 0; i < 6; ++i) {
+                joints[i] += step[i];
+            }
+            *residual = ur5e_pose_error(joints, x, e);
+            status = (*residual <= 0.0034200011f) ? UR5E_OK : UR5E_SINGULAR;
+        }
+    }
+    return status;
+}
+
+/* Brings the joint values of a branch to where they are wanted: whole turns, their ranges, and the
+ * tool's pose held against x. */
+static ur5e_status ur5e_settle(const ur5e_real x[7], const ur5e_real about[6], ur5e_real joints[6])
+{
+    ur5e_real residual;
+    ur5e_status status = ur5e_turn_near(about, joints);
+    if (status == UR5E_OK) {
+        status = ur5e_hold(x, joints, &residual);
+    }
+    return status;
+}
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6],
     unsigned int wanted, const ur5e_real about[6], ur5e_real joints[6])
@@ -669,7 +822,7 @@ static ur5e_status ur5e_one_branch(const ur5e_pose *pose, const ur5e_real near[6
     ur5e_status status = ur5e_normalise_pose(pose, x);
     if (status == UR5E_OK) {
         if (ur5e_branches(x, near, wanted, found, &undecided, margin) == 1) {
-            status = ur5e_turn_near(about, found[0]);
+            status = ur5e_settle(x, about, found[0]);
         } else {
             status = undecided ? UR5E_SINGULAR : UR5E_OUT_OF_RANGE;
         }
@@ -695,7 +848,7 @@ int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[8][6])
     if (status == UR5E_OK) {
         const int all = ur5e_branches(x, near, 63U, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
-            if (ur5e_turn_near(middle, joints[k]) == UR5E_OK) {
+            if (ur5e_settle(x, middle, joints[k]) == UR5E_OK) {
                 for (int i = 0; i < 6; ++i) {
                     joints[count][i] = joints[k][i];
                 }
@@ -943,7 +1096,7 @@ static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5
     (void)turn;
     (void)moved;
     /* q2, q3, q4 have parallel axes: a level along them, which they do not change, tells q1 */
-    const ur5e_real bend0 = 5.59f * place + 1.17f * turn;
+    const ur5e_real bend0 = 5.6f * place + 1.18f * turn;
     const ur5e_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
     const ur5e_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
     largest = (share0 > largest) ? share0 : largest;
@@ -958,12 +1111,12 @@ static ur5e_real ur5e_line_share(const ur5e_real a[6], const ur5e_real b[6], ur5
     const ur5e_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
     largest = (share2 > largest) ? share2 : largest;
     /* a point of the axis of q4: its distance from the axis of q2 tells q3 */
-    const ur5e_real bend3 = 3.13f * place + 2.27f * turn + 1.28f * moved[4] + 1.29f * moved[5];
+    const ur5e_real bend3 = 3.14f * place + 2.27f * turn + 1.28f * moved[4] + 1.29f * moved[5];
     const ur5e_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
     const ur5e_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
     largest = (share3 > largest) ? share3 : largest;
     /* q2 turns a point of the axis of q4 to where it must be */
-    const ur5e_real bend4 = 12.6f * place + 4.91f * turn + 5.94f * moved[0] + 2.65f * moved[4]
+    const ur5e_real bend4 = 12.7f * place + 4.92f * turn + 5.95f * moved[0] + 2.65f * moved[4]
         + 3.14f * moved[5];
     const ur5e_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
     const ur5e_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
@@ -1068,7 +1221,11 @@ static ur5e_status ur5e_inverse_along(const ur5e_real to[7], const ur5e_config *
     for (int k = 0; k < 6; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    ur5e_write_info(info, count, (status == UR5E_OK) ? 0.0034200011f : HUGE_VALF, way2 * 711991.0f,
+    ur5e_real residual = HUGE_VALF;
+    if (status == UR5E_OK) {
+        status = ur5e_hold(to, joints, &residual);
+    }
+    ur5e_write_info(info, count, residual, way2 * 711991.0f,
         (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }
@@ -1421,112 +1578,11 @@ static ur5e_status ur5e_check_speeds(const ur5e_real speeds[], int count, ur5e_s
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
- * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
- * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
- * Returns that pivot over the mean. */
-static ur5e_real ur5e_damped(const ur5e_real jacobian[36], const ur5e_real e[6], ur5e_real y[6])
-{
-    static const ur5e_real row_scale[6] = { 0.0011851211f, 0.0011851211f, 0.0011851211f, 1.0f,
-        1.0f, 1.0f };
-    static const ur5e_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f };
-    ur5e_real a[6][6];
-    ur5e_real g[6][6];
-    ur5e_real r[6];
-    ur5e_real smallest = 0.0f;
-    ur5e_real mean = 0.0f;
-    ur5e_real raised = 0.0f;
-    for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < 6; ++j) {
-            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * 0.16666667f;
-        }
-    }
-    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
-        uint8_t order[6];
-        /* the normal equations */
-        for (int i = 0; i < 6; ++i) {
-            order[i] = (uint8_t)i;
-            r[i] = e[i];
-            for (int j = 0; j < 6; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0f;
-                for (int k = 0; k < 6; ++k) {
-                    g[i][j] += a[i][k] * a[j][k];
-                }
-            }
-        }
-        /* factors, the largest diagonal entry first, with the right side beside them */
-        bool whole = true;
-        for (int c = 0; (c < 6) && whole; ++c) {
-            int best = c;
-            for (int i = c + 1; i < 6; ++i) {
-                best = (g[i][i] > g[best][best]) ? i : best;
-            }
-            const uint8_t name = order[c];
-            const ur5e_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < 6; ++j) {
-                const ur5e_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < 6; ++i) {
-                const ur5e_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
-            }
-            whole = g[c][c] > 9.536743e-07f * mean;
-            for (int i = c + 1; (i < 6) && whole; ++i) {
-                const ur5e_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < 6; ++j) {
-                    g[i][j] -= factor * g[c][j];
-                }
-                r[i] -= factor * r[c];
-            }
-        }
-        if (round == 0) {
-            smallest = whole ? (g[5][5] / mean) : 0.0f;
-            raised = mean * (0.0004f - smallest);
-        }
-        /* back substitution; without a whole set of factors the next round follows */
-        for (int i = 5; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < 6; ++j) {
-                r[i] -= g[i][j] * r[j];
-            }
-            r[i] /= g[i][i];
-        }
-        for (int i = 0; i < 6; ++i) {
-            y[i] = 0.0f;
-        }
-        for (int i = 0; (i < 6) && whole; ++i) {
-            for (int j = 0; j < 6; ++j) {
-                y[j] += a[order[i]][j] * r[i];
-            }
-        }
-    }
-    for (int i = 0; i < 6; ++i) {
-        y[i] *= column_scale[i];
-    }
-    return smallest;
-}
-
-/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
-static ur5e_real ur5e_length_of(const ur5e_real e[6])
-{
-    ur5e_real sum = 0.0f;
-    for (int i = 0; i < 6; ++i) {
-        sum += e[i] * e[i];
-    }
-    return sqrtf(sum) * UR5E_SIZE;
-}
-
 /* The twist of joint rates: the Jacobian times the rates. */
 ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e_real twist[6])
 {
     ur5e_real jacobian[36];
+    ur5e_real found[6];
     const ur5e_status status = ur5e_check_speeds(rates, 6, ur5e_jacobian(joints, jacobian));
     if (status == UR5E_OK) {
         for (int i = 0; i < 6; ++i) {
@@ -1534,7 +1590,11 @@ ur5e_status ur5e_twist(const ur5e_real joints[6], const ur5e_real rates[6], ur5e
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * rates[j];
             }
-            twist[i] = sum;
+            found[i] = sum;
+        }
+        /* rates and twist may be the same array */
+        for (int i = 0; i < 6; ++i) {
+            twist[i] = found[i];
         }
     }
     return status;
@@ -1591,23 +1651,6 @@ ur5e_status ur5e_feed(const ur5e_real joints[6], const ur5e_real twist[6],
         *feed = most;
     }
     return status;
-}
-
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
- * of the turn's quaternion. Returns its length. */
-static ur5e_real ur5e_pose_error(const ur5e_real q[6], const ur5e_real to[7], ur5e_real e[6])
-{
-    ur5e_real x[7];
-    ur5e_forward(q, x);
-    const ur5e_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
-    const ur5e_real twice = (w < 0.0f) ? -2.0f : 2.0f;
-    for (int i = 0; i < 3; ++i) {
-        e[i] = (to[i] - x[i]) * 0.0011851211f;
-    }
-    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
-    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
-    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
-    return ur5e_length_of(e);
 }
 
 /* One damped step towards a pose, shortened where the error would grow. */

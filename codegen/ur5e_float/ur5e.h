@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 1041 add, 1016 mul, 83 div, 35 sqrt
- *   inverse_branch: 705 add, 848 mul, 83 div, 35 sqrt
- *   inverse_nearest: 736 add, 876 mul, 83 div, 35 sqrt
+ *   inverse_all: 10649 add, 12720 mul, 435 div, 51 sqrt
+ *   inverse_branch: 1906 add, 2311 mul, 127 div, 37 sqrt
+ *   inverse_nearest: 1937 add, 2339 mul, 127 div, 37 sqrt
  *   direct: 130 add, 170 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 72134 add, 90476 mul, 8904 div, 3508 sqrt
+ *   inverse: 100 iterations, 73335 add, 91939 mul, 8948 div, 3510 sqrt
  *   jacobian: 169 add, 213 mul
  *   twist: 211 add, 249 mul
  *   rates: 959 add, 1136 mul, 47 div, 5 sqrt
  *   feed: 965 add, 1142 mul, 53 div, 5 sqrt
  *   track: 1673 add, 2088 mul, 49 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17776 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 6035 instructions, 272 stack, 2780 code
- *   inverse_branch: 1040 instructions, 296 stack, 2848 code
- *   inverse_nearest: 1660 instructions, 328 stack, 3040 code
- *   direct: 750 instructions, 120 stack, 1328 code
- *   inverse: 125935 instructions, 520 stack, 6544 code
- *   jacobian: 845 instructions, 120 stack, 1732 code
- *   twist: 1225 instructions, 264 stack, 1860 code
- *   rates: 9910 instructions, 616 stack, 3200 code
- *   feed: 10025 instructions, 656 stack, 3304 code
- *   track: 11190 instructions, 696 stack, 4660 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 599 add, 530 mul, 13 div, 31 sqrt, 30 atan2
- *   inverse_branch: 263 add, 362 mul, 13 div, 31 sqrt, 30 atan2
- *   inverse_nearest: 290 add, 383 mul, 13 div, 31 sqrt, 30 atan2
+ *   inverse_all: 7927 add, 9978 mul, 365 div, 47 sqrt, 120 sin, 120 cos, 30 atan2
+ *   inverse_branch: 1179 add, 1543 mul, 57 div, 33 sqrt, 15 sin, 15 cos, 30 atan2
+ *   inverse_nearest: 1206 add, 1564 mul, 57 div, 33 sqrt, 15 sin, 15 cos, 30 atan2
  *   direct: 42 add, 79 mul, 1 div, 1 sqrt, 5 sin, 5 cos
- *   inverse: 100 iterations, 27512 add, 41348 mul, 1804 div, 3107 sqrt, 5 sin, 5 cos, 3000 atan2
+ *   inverse: 100 iterations, 28428 add, 42529 mul, 1848 div, 3109 sqrt, 20 sin, 20 cos, 3000 atan2
  *   jacobian: 60 add, 113 mul, 5 sin, 5 cos
  *   twist: 102 add, 149 mul, 5 sin, 5 cos
  *   rates: 850 add, 1036 mul, 47 div, 5 sqrt, 5 sin, 5 cos
  *   feed: 856 add, 1042 mul, 53 div, 5 sqrt, 5 sin, 5 cos
  *   track: 1124 add, 1533 mul, 49 div, 10 sqrt, 30 sin, 30 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 15420 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 8595 instructions, 616 stack, 2632 code
- *   inverse_branch: 1380 instructions, 672 stack, 2712 code
- *   inverse_nearest: 1925 instructions, 744 stack, 2924 code
- *   direct: 1415 instructions, 944 stack, 1056 code
- *   inverse: 152710 instructions, 1368 stack, 5904 code
- *   jacobian: 1490 instructions, 1016 stack, 1380 code
- *   twist: 1870 instructions, 1312 stack, 1512 code
- *   rates: 9760 instructions, 1416 stack, 2872 code
- *   feed: 9885 instructions, 1480 stack, 2972 code
- *   track: 13820 instructions, 1560 stack, 4332 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

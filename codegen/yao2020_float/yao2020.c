@@ -279,6 +279,127 @@ static YAO2020_SHARED void yao2020_forward(const yao2020_real q[6], yao2020_real
     yao2020_pose_of_turns(u, x);
 }
 
+/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
+static yao2020_real yao2020_length_of(const yao2020_real e[6])
+{
+    yao2020_real sum = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        sum += e[i] * e[i];
+    }
+    return sqrtf(sum) * YAO2020_SIZE;
+}
+
+/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
+ * of the turn's quaternion. Returns its length. */
+static yao2020_real yao2020_pose_error(const yao2020_real q[6], const yao2020_real to[7],
+    yao2020_real e[6])
+{
+    yao2020_real x[7];
+    yao2020_forward(q, x);
+    const yao2020_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const yao2020_real twice = (w < 0.0f) ? -2.0f : 2.0f;
+    for (int i = 0; i < 3; ++i) {
+        e[i] = (to[i] - x[i]) * 0.0018017287f;
+    }
+    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
+    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
+    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
+    return yao2020_length_of(e);
+}
+
+/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
+ * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
+ * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
+ * Returns that pivot over the mean. */
+static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao2020_real e[6],
+    yao2020_real y[6])
+{
+    static const yao2020_real row_scale[6] = { 0.0018017287f, 0.0018017287f, 0.0018017287f, 1.0f,
+        1.0f, 1.0f };
+    static const yao2020_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 555.0225f };
+    yao2020_real a[6][6];
+    yao2020_real g[6][6];
+    yao2020_real r[6];
+    yao2020_real smallest = 0.0f;
+    yao2020_real mean = 0.0f;
+    yao2020_real raised = 0.0f;
+    for (int i = 0; i < 6; ++i) {
+        for (int j = 0; j < 6; ++j) {
+            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
+            mean += a[i][j] * a[i][j] * 0.16666667f;
+        }
+    }
+    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
+        uint8_t order[6];
+        /* the normal equations */
+        for (int i = 0; i < 6; ++i) {
+            order[i] = (uint8_t)i;
+            r[i] = e[i];
+            for (int j = 0; j < 6; ++j) {
+                g[i][j] = (i == j) ? raised : 0.0f;
+                for (int k = 0; k < 6; ++k) {
+                    g[i][j] += a[i][k] * a[j][k];
+                }
+            }
+        }
+        /* factors, the largest diagonal entry first, with the right side beside them */
+        bool whole = true;
+        for (int c = 0; (c < 6) && whole; ++c) {
+            int best = c;
+            for (int i = c + 1; i < 6; ++i) {
+                best = (g[i][i] > g[best][best]) ? i : best;
+            }
+            const uint8_t name = order[c];
+            const yao2020_real right = r[c];
+            order[c] = order[best];
+            order[best] = name;
+            r[c] = r[best];
+            r[best] = right;
+            for (int j = 0; j < 6; ++j) {
+                const yao2020_real t = g[c][j];
+                g[c][j] = g[best][j];
+                g[best][j] = t;
+            }
+            for (int i = 0; i < 6; ++i) {
+                const yao2020_real t = g[i][c];
+                g[i][c] = g[i][best];
+                g[i][best] = t;
+            }
+            whole = g[c][c] > 9.536743e-07f * mean;
+            for (int i = c + 1; (i < 6) && whole; ++i) {
+                const yao2020_real factor = g[i][c] / g[c][c];
+                for (int j = c; j < 6; ++j) {
+                    g[i][j] -= factor * g[c][j];
+                }
+                r[i] -= factor * r[c];
+            }
+        }
+        if (round == 0) {
+            smallest = whole ? (g[5][5] / mean) : 0.0f;
+            raised = mean * (0.0004f - smallest);
+        }
+        /* back substitution; without a whole set of factors the next round follows */
+        for (int i = 5; (i >= 0) && whole; --i) {
+            for (int j = i + 1; j < 6; ++j) {
+                r[i] -= g[i][j] * r[j];
+            }
+            r[i] /= g[i][i];
+        }
+        for (int i = 0; i < 6; ++i) {
+            y[i] = 0.0f;
+        }
+        for (int i = 0; (i < 6) && whole; ++i) {
+            for (int j = 0; j < 6; ++j) {
+                y[j] += a[order[i]][j] * r[i];
+            }
+        }
+    }
+    for (int i = 0; i < 6; ++i) {
+        y[i] *= column_scale[i];
+    }
+    return smallest;
+}
+
 /* The angle in (-pi, pi] of a direction that is not zero, to 4e-8 and rounding: the polynomial of
  * least error for atan up to 1. */
 static yao2020_real yao2020_angle(yao2020_real s, yao2020_real c)
@@ -579,6 +700,42 @@ static yao2020_status yao2020_turn_near(const yao2020_real about[6], yao2020_rea
     return status;
 }
 
+/* Holds the tool's pose of joint values against x. Beside a fold the formulas lose digits, which a
+ * step of Newton's method gives back. */
+static yao2020_status yao2020_hold(const yao2020_real x[7], yao2020_real joints[6],
+    yao2020_real *residual)
+{
+    yao2020_real e[6];
+    yao2020_status status = YAO2020_OK;
+    *residual = yao2020_pose_error(joints, x, e);
+    if (!(*residual <= 0.0022495706f)) {
+        yao2020_real jacobian[6 * 6];
+        yao2020_real step[6];
+        status = yao2020_jacobian(joints, jacobian);
+        if (status == YAO2020_OK) {
+            (void)yao2020_damped(jacobian, e, step);
+            for (int i = 0; i < 6; ++i) {
+                joints[i] += step[i];
+            }
+            *residual = yao2020_pose_error(joints, x, e);
+            status = (*residual <= 0.0022495706f) ? YAO2020_OK : YAO2020_SINGULAR;
+        }
+    }
+    return status;
+}
+
+/* Brings the joint values of a branch to where they are wanted: whole turns, their ranges, and the
+ * tool's pose held against x. */
+static yao2020_status yao2020_settle(const yao2020_real x[7], const yao2020_real about[6],
+    yao2020_real joints[6])
+{
+    yao2020_real residual;
+    yao2020_status status = yao2020_turn_near(about, joints);
+    if (status == YAO2020_OK) {
+        status = yao2020_hold(x, joints, &residual);
+    }
+    return status;
+}
 /* The branch that the bits `wanted` and the guess name; results are written with OK only. */
 static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020_real near[6],
     unsigned int wanted, const yao2020_real about[6], yao2020_real joints[6])
@@ -590,7 +747,7 @@ static yao2020_status yao2020_one_branch(const yao2020_pose *pose, const yao2020
     yao2020_status status = yao2020_normalise_pose(pose, x);
     if (status == YAO2020_OK) {
         if (yao2020_branches(x, near, wanted, found, &undecided, margin) == 1) {
-            status = yao2020_turn_near(about, found[0]);
+            status = yao2020_settle(x, about, found[0]);
         } else {
             status = undecided ? YAO2020_SINGULAR : YAO2020_OUT_OF_RANGE;
         }
@@ -616,7 +773,7 @@ int yao2020_inverse_all(const yao2020_pose *pose, yao2020_real joints[8][6])
     if (status == YAO2020_OK) {
         const int all = yao2020_branches(x, near, 63U, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
-            if (yao2020_turn_near(middle, joints[k]) == YAO2020_OK) {
+            if (yao2020_settle(x, middle, joints[k]) == YAO2020_OK) {
                 for (int i = 0; i < 6; ++i) {
                     joints[count][i] = joints[k][i];
                 }
@@ -793,27 +950,27 @@ static yao2020_real yao2020_line_share(const yao2020_real a[5], const yao2020_re
     (void)moved;
     /* the point where the axes of theta3, theta2, theta1 meet: its level normal to the plane of L6
      * and theta5 tells theta4 */
-    const yao2020_real bend0 = 9.74f * place + 11.6f * turn;
+    const yao2020_real bend0 = 9.75f * place + 11.6f * turn;
     const yao2020_real lesser0 = (a[0] < b[0]) ? a[0] : b[0];
     const yao2020_real share0 = bend0 / (2.0f * (a[0] + b[0]) + 4.0f * lesser0);
     largest = (share0 > largest) ? share0 : largest;
     /* the point where the axes of theta3, theta2, theta1 meet: its level across L6 tells theta5 */
-    const yao2020_real bend1 = 9.76f * place + 10.9f * turn + 1.48f * moved[3];
+    const yao2020_real bend1 = 9.77f * place + 11.0f * turn + 1.48f * moved[3];
     const yao2020_real lesser1 = (a[1] < b[1]) ? a[1] : b[1];
     const yao2020_real share1 = bend1 / (2.0f * (a[1] + b[1]) + 4.0f * lesser1);
     largest = (share1 > largest) ? share1 : largest;
     /* the axis of theta3: its level along the axis of theta1 tells theta2 */
-    const yao2020_real bend2 = 14.9f * turn + 10.7f * moved[3] + 9.94f * moved[4];
+    const yao2020_real bend2 = 15.0f * turn + 10.8f * moved[3] + 9.94f * moved[4];
     const yao2020_real lesser2 = (a[2] < b[2]) ? a[2] : b[2];
     const yao2020_real share2 = bend2 / (2.0f * (a[2] + b[2]) + 4.0f * lesser2);
     largest = (share2 > largest) ? share2 : largest;
     /* theta1 turns the axis of theta3 to where it must be */
-    const yao2020_real bend3 = 14.9f * turn + 10.7f * moved[3] + 9.94f * moved[4];
+    const yao2020_real bend3 = 15.0f * turn + 10.8f * moved[3] + 9.94f * moved[4];
     const yao2020_real lesser3 = (a[3] < b[3]) ? a[3] : b[3];
     const yao2020_real share3 = bend3 / (2.0f * (a[3] + b[3]) + 4.0f * lesser3);
     largest = (share3 > largest) ? share3 : largest;
     /* theta3 turns a direction of the tool to where it must be */
-    const yao2020_real bend4 = 11.9f * turn + 10.8f * moved[0] + 11.0f * moved[1]
+    const yao2020_real bend4 = 12.0f * turn + 10.8f * moved[0] + 11.0f * moved[1]
         + 11.8f * moved[4];
     const yao2020_real lesser4 = (a[4] < b[4]) ? a[4] : b[4];
     const yao2020_real share4 = bend4 / (2.0f * (a[4] + b[4]) + 4.0f * lesser4);
@@ -914,8 +1071,12 @@ static yao2020_status yao2020_inverse_along(const yao2020_real to[7], const yao2
     for (int k = 0; k < 5; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    yao2020_write_info(info, count, (status == YAO2020_OK) ? 0.0022495706f : HUGE_VALF,
-        way2 * 308050.0f, (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
+    yao2020_real residual = HUGE_VALF;
+    if (status == YAO2020_OK) {
+        status = yao2020_hold(to, joints, &residual);
+    }
+    yao2020_write_info(info, count, residual, way2 * 308050.0f,
+        (least > 1.5258789e-05f) ? (1.0f / least) : 0.0f);
     return status;
 }
 
@@ -1208,114 +1369,12 @@ static yao2020_status yao2020_check_speeds(const yao2020_real speeds[], int coun
     return found;
 }
 
-/* Joint rates y (of slides over the size) of least |J y - e| and length, J and e in angles and
- * lengths over the size. Solves the 6 normal equations with exchanges on the diagonal; where their
- * smallest pivot is below 0.0004f of the mean, the diagonal is raised, the more the smaller it is.
- * Returns that pivot over the mean. */
-static yao2020_real yao2020_damped(const yao2020_real jacobian[36], const yao2020_real e[6],
-    yao2020_real y[6])
-{
-    static const yao2020_real row_scale[6] = { 0.0018017287f, 0.0018017287f, 0.0018017287f, 1.0f,
-        1.0f, 1.0f };
-    static const yao2020_real column_scale[6] = { 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 555.0225f };
-    yao2020_real a[6][6];
-    yao2020_real g[6][6];
-    yao2020_real r[6];
-    yao2020_real smallest = 0.0f;
-    yao2020_real mean = 0.0f;
-    yao2020_real raised = 0.0f;
-    for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < 6; ++j) {
-            a[i][j] = jacobian[6 * i + j] * row_scale[i] * column_scale[j];
-            mean += a[i][j] * a[i][j] * 0.16666667f;
-        }
-    }
-    for (int round = 0; (round < 2) && ((round == 0) || (smallest < 0.0004f)); ++round) {
-        uint8_t order[6];
-        /* the normal equations */
-        for (int i = 0; i < 6; ++i) {
-            order[i] = (uint8_t)i;
-            r[i] = e[i];
-            for (int j = 0; j < 6; ++j) {
-                g[i][j] = (i == j) ? raised : 0.0f;
-                for (int k = 0; k < 6; ++k) {
-                    g[i][j] += a[i][k] * a[j][k];
-                }
-            }
-        }
-        /* factors, the largest diagonal entry first, with the right side beside them */
-        bool whole = true;
-        for (int c = 0; (c < 6) && whole; ++c) {
-            int best = c;
-            for (int i = c + 1; i < 6; ++i) {
-                best = (g[i][i] > g[best][best]) ? i : best;
-            }
-            const uint8_t name = order[c];
-            const yao2020_real right = r[c];
-            order[c] = order[best];
-            order[best] = name;
-            r[c] = r[best];
-            r[best] = right;
-            for (int j = 0; j < 6; ++j) {
-                const yao2020_real t = g[c][j];
-                g[c][j] = g[best][j];
-                g[best][j] = t;
-            }
-            for (int i = 0; i < 6; ++i) {
-                const yao2020_real t = g[i][c];
-                g[i][c] = g[i][best];
-                g[i][best] = t;
-            }
-            whole = g[c][c] > 9.536743e-07f * mean;
-            for (int i = c + 1; (i < 6) && whole; ++i) {
-                const yao2020_real factor = g[i][c] / g[c][c];
-                for (int j = c; j < 6; ++j) {
-                    g[i][j] -= factor * g[c][j];
-                }
-                r[i] -= factor * r[c];
-            }
-        }
-        if (round == 0) {
-            smallest = whole ? (g[5][5] / mean) : 0.0f;
-            raised = mean * (0.0004f - smallest);
-        }
-        /* back substitution; without a whole set of factors the next round follows */
-        for (int i = 5; (i >= 0) && whole; --i) {
-            for (int j = i + 1; j < 6; ++j) {
-                r[i] -= g[i][j] * r[j];
-            }
-            r[i] /= g[i][i];
-        }
-        for (int i = 0; i < 6; ++i) {
-            y[i] = 0.0f;
-        }
-        for (int i = 0; (i < 6) && whole; ++i) {
-            for (int j = 0; j < 6; ++j) {
-                y[j] += a[order[i]][j] * r[i];
-            }
-        }
-    }
-    for (int i = 0; i < 6; ++i) {
-        y[i] *= column_scale[i];
-    }
-    return smallest;
-}
-
-/* Length of a twist or of an error of poses in angles and lengths over the size, as a length. */
-static yao2020_real yao2020_length_of(const yao2020_real e[6])
-{
-    yao2020_real sum = 0.0f;
-    for (int i = 0; i < 6; ++i) {
-        sum += e[i] * e[i];
-    }
-    return sqrtf(sum) * YAO2020_SIZE;
-}
-
 /* The twist of joint rates: the Jacobian times the rates. */
 yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real rates[6],
     yao2020_real twist[6])
 {
     yao2020_real jacobian[36];
+    yao2020_real found[6];
     const yao2020_status status = yao2020_check_speeds(rates, 6, yao2020_jacobian(joints,
         jacobian));
     if (status == YAO2020_OK) {
@@ -1324,7 +1383,11 @@ yao2020_status yao2020_twist(const yao2020_real joints[6], const yao2020_real ra
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * rates[j];
             }
-            twist[i] = sum;
+            found[i] = sum;
+        }
+        /* rates and twist may be the same array */
+        for (int i = 0; i < 6; ++i) {
+            twist[i] = found[i];
         }
     }
     return status;
@@ -1384,24 +1447,6 @@ yao2020_status yao2020_feed(const yao2020_real joints[6], const yao2020_real twi
         *feed = most;
     }
     return status;
-}
-
-/* How far the tool pose of joint values is from `to`: lengths over the size, and twice the vector
- * of the turn's quaternion. Returns its length. */
-static yao2020_real yao2020_pose_error(const yao2020_real q[6], const yao2020_real to[7],
-    yao2020_real e[6])
-{
-    yao2020_real x[7];
-    yao2020_forward(q, x);
-    const yao2020_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
-    const yao2020_real twice = (w < 0.0f) ? -2.0f : 2.0f;
-    for (int i = 0; i < 3; ++i) {
-        e[i] = (to[i] - x[i]) * 0.0018017287f;
-    }
-    e[3] = twice * (to[4] * x[3] - to[3] * x[4] - to[5] * x[6] + to[6] * x[5]);
-    e[4] = twice * (to[5] * x[3] - to[3] * x[5] - to[6] * x[4] + to[4] * x[6]);
-    e[5] = twice * (to[6] * x[3] - to[3] * x[6] - to[4] * x[5] + to[5] * x[4]);
-    return yao2020_length_of(e);
 }
 
 /* One damped step towards a pose, shortened where the error would grow. */

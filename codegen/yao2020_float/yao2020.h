@@ -20,28 +20,16 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 869 add, 800 mul, 73 div, 31 sqrt
- *   inverse_branch: 533 add, 632 mul, 73 div, 31 sqrt
- *   inverse_nearest: 560 add, 653 mul, 73 div, 31 sqrt
+ *   inverse_all: 9637 add, 11808 mul, 425 div, 47 sqrt
+ *   inverse_branch: 1629 add, 2008 mul, 117 div, 33 sqrt
+ *   inverse_nearest: 1656 add, 2029 mul, 117 div, 33 sqrt
  *   direct: 102 add, 144 mul, 1 div, 1 sqrt
- *   inverse: 100 iterations, 54572 add, 68413 mul, 7804 div, 3107 sqrt
+ *   inverse: 100 iterations, 55668 add, 69789 mul, 7848 div, 3109 sqrt
  *   jacobian: 120 add, 178 mul
  *   twist: 162 add, 214 mul
  *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 22586 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 5120 instructions, 280 stack, 2588 code
- *   inverse_branch: 900 instructions, 304 stack, 2656 code
- *   inverse_nearest: 1435 instructions, 352 stack, 2852 code
- *   direct: 625 instructions, 112 stack, 1304 code
- *   inverse: 99340 instructions, 512 stack, 5852 code
- *   jacobian: 690 instructions, 112 stack, 1564 code
- *   twist: 1070 instructions, 264 stack, 1684 code
- *   rates: 9755 instructions, 616 stack, 3024 code
- *   feed: 9870 instructions, 656 stack, 3128 code
- *   track: 12485 instructions, 696 stack, 4452 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

@@ -1129,7 +1129,7 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real b0 = w->guard[0] - 6.91e-10;
     const zhao2000_real lesser0 = (a0 < b0) ? a0 : b0;
     const zhao2000_real sum0 = change[0] + change[1] + change[2];
-    const zhao2000_real bend0 = 216000.0 * sum0;
+    const zhao2000_real bend0 = 217000.0 * sum0;
     const zhao2000_real most0 = a0 + b0 + lesser0 + lesser0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
         w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
@@ -1142,12 +1142,12 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real a1 = w->left[1] - 2.7;
     const zhao2000_real b1 = w->guard[1] - 2.7;
     const zhao2000_real lesser1 = (a1 < b1) ? a1 : b1;
-    static const zhao2000_real plain1_0[3] = { 214000000000000.0, 344000000000000.0,
+    static const zhao2000_real plain1_0[3] = { 214000000000000.0, 345000000000000.0,
         1540000000000000.0 };
-    static const zhao2000_real plain1_3[3] = { 567000000000.0, 959000000000.0, 2530000000000.0 };
+    static const zhao2000_real plain1_3[3] = { 568000000000.0, 960000000000.0, 2530000000000.0 };
     const zhao2000_real per1 = 1.0 / sqrt(under0);
     const zhao2000_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
-        + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.37e+20 * sum0));
+        + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.38e+20 * sum0));
     const zhao2000_real most1 = a1 + b1 + lesser1 + lesser1;
     if (!((lesser1 > 0.0) && (bend1 < most1))) {
         w->over = (kept && (lesser1 > 0.0)) ? (bend1 / most1) : w->over;
@@ -1157,7 +1157,7 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real a2 = w->left[2] - 2.3e-10;
     const zhao2000_real b2 = w->guard[2] - 2.3e-10;
     const zhao2000_real lesser2 = (a2 < b2) ? a2 : b2;
-    const zhao2000_real bend2 = 57600.0 * sum0;
+    const zhao2000_real bend2 = 57700.0 * sum0;
     const zhao2000_real most2 = a2 + b2 + lesser2 + lesser2;
     if (!((lesser2 > 0.0) && (bend2 < most2))) {
         w->over = (kept && (lesser2 > 0.0)) ? (bend2 / most2) : w->over;
@@ -1167,7 +1167,7 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real a3 = w->left[3] - 2.13e-14;
     const zhao2000_real b3 = w->guard[3] - 2.13e-14;
     const zhao2000_real lesser3 = (a3 < b3) ? a3 : b3;
-    const zhao2000_real bend3 = 4.0 * sum0;
+    const zhao2000_real bend3 = 4.01 * sum0;
     const zhao2000_real most3 = a3 + b3 + lesser3 + lesser3;
     if (!((lesser3 > 0.0) && (bend3 < most3))) {
         w->over = (kept && (lesser3 > 0.0)) ? (bend3 / most3) : w->over;
@@ -1543,6 +1543,7 @@ zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real tw
     zhao2000_real rates[4])
 {
     zhao2000_real jacobian[4 * 6];
+    zhao2000_real found[4];
     const zhao2000_status status = zhao2000_check_speeds(twist, 6, zhao2000_jacobian(pose,
         jacobian));
     if (status == ZHAO2000_OK) {
@@ -1551,7 +1552,11 @@ zhao2000_status zhao2000_rates(const zhao2000_pose *pose, const zhao2000_real tw
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * twist[j];
             }
-            rates[i] = sum;
+            found[i] = sum;
+        }
+        /* twist and rates may be the same array */
+        for (int i = 0; i < 4; ++i) {
+            rates[i] = found[i];
         }
     }
     return status;

@@ -2593,7 +2593,7 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real b0 = w->guard[0] - 0.0463f;
     const zhao2000_links_real lesser0 = (a0 < b0) ? a0 : b0;
     const zhao2000_links_real sum0 = change[0] + change[1] + change[2];
-    const zhao2000_links_real bend0 = 27000.0f * sum0;
+    const zhao2000_links_real bend0 = 27100.0f * sum0;
     const zhao2000_links_real most0 = a0 + b0 + lesser0 + lesser0;
     if (!((lesser0 > 0.0f) && (bend0 < most0))) {
         w->over = (kept && (lesser0 > 0.0f)) ? (bend0 / most0) : w->over;
@@ -2606,8 +2606,8 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real a1 = w->left[1] - 2.33e+07f;
     const zhao2000_links_real b1 = w->guard[1] - 2.33e+07f;
     const zhao2000_links_real lesser1 = (a1 < b1) ? a1 : b1;
-    static const zhao2000_links_real plain1_0[3] = { 3.35e+12f, 5.45e+12f, 2.48e+13f };
-    static const zhao2000_links_real plain1_3[3] = { 8.9e+09f, 1.52e+10f, 4.01e+10f };
+    static const zhao2000_links_real plain1_0[3] = { 3.36e+12f, 5.46e+12f, 2.48e+13f };
+    static const zhao2000_links_real plain1_3[3] = { 8.91e+09f, 1.52e+10f, 4.02e+10f };
     const zhao2000_links_real per1 = 1.0f / sqrtf(under0);
     const zhao2000_links_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
         + per1 * (1.24e+14f * sum0 + per1 * per1 * (1.64e+17f * sum0));
@@ -2622,11 +2622,11 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real lesser2 = (a2 < b2) ? a2 : b2;
     static const zhao2000_links_real plain2_0[3] = { 3.78e+09f, 4.97e+09f, 2.07e+10f };
     const zhao2000_links_real sum1 = change[1] + change[2];
-    static const zhao2000_links_real plain2_1[3] = { 4.74e+09f, 6.03e+09f, 2.17e+10f };
+    static const zhao2000_links_real plain2_1[3] = { 4.75e+09f, 6.04e+09f, 2.17e+10f };
     static const zhao2000_links_real plain2_3[3] = { 7.27e+06f, 1.24e+07f, 3.28e+07f };
     const zhao2000_links_real per2 = 1.0f / sqrtf(under0);
     const zhao2000_links_real bend2 = plain2_0[w->reach] * change[0] + plain2_1[w->reach] * sum1
-        + plain2_3[w->reach] * change[3] + per2 * (2.03e+11f * change[0] + 2.19e+11f * sum1
+        + plain2_3[w->reach] * change[3] + per2 * (2.03e+11f * change[0] + 2.2e+11f * sum1
         + per2 * per2 * (3e+14f * sum0));
     const zhao2000_links_real most2 = a2 + b2 + lesser2 + lesser2;
     if (!((lesser2 > 0.0f) && (bend2 < most2))) {
@@ -2638,12 +2638,12 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real b3 = w->guard[3] - 20300.0f;
     const zhao2000_links_real lesser3 = (a3 < b3) ? a3 : b3;
     const zhao2000_links_real sum2 = change[0] + change[2];
-    static const zhao2000_links_real plain3_0[3] = { 4.74e+09f, 6.03e+09f, 2.17e+10f };
+    static const zhao2000_links_real plain3_0[3] = { 4.75e+09f, 6.04e+09f, 2.17e+10f };
     static const zhao2000_links_real plain3_1[3] = { 3.78e+09f, 4.97e+09f, 2.07e+10f };
     static const zhao2000_links_real plain3_3[3] = { 7.27e+06f, 1.24e+07f, 3.28e+07f };
     const zhao2000_links_real per3 = 1.0f / sqrtf(under0);
     const zhao2000_links_real bend3 = plain3_0[w->reach] * sum2 + plain3_1[w->reach] * change[1]
-        + plain3_3[w->reach] * change[3] + per3 * (2.19e+11f * sum2 + 2.03e+11f * change[1]
+        + plain3_3[w->reach] * change[3] + per3 * (2.2e+11f * sum2 + 2.03e+11f * change[1]
         + per3 * per3 * (3e+14f * sum0));
     const zhao2000_links_real most3 = a3 + b3 + lesser3 + lesser3;
     if (!((lesser3 > 0.0f) && (bend3 < most3))) {
@@ -2655,12 +2655,12 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real b4 = w->guard[4] - 20300.0f;
     const zhao2000_links_real lesser4 = (a4 < b4) ? a4 : b4;
     const zhao2000_links_real sum3 = change[0] + change[1];
-    static const zhao2000_links_real plain4_0[3] = { 4.74e+09f, 6.03e+09f, 2.17e+10f };
+    static const zhao2000_links_real plain4_0[3] = { 4.75e+09f, 6.04e+09f, 2.17e+10f };
     static const zhao2000_links_real plain4_2[3] = { 3.78e+09f, 4.97e+09f, 2.07e+10f };
     static const zhao2000_links_real plain4_3[3] = { 7.27e+06f, 1.24e+07f, 3.28e+07f };
     const zhao2000_links_real per4 = 1.0f / sqrtf(under0);
     const zhao2000_links_real bend4 = plain4_0[w->reach] * sum3 + plain4_2[w->reach] * change[2]
-        + plain4_3[w->reach] * change[3] + per4 * (2.19e+11f * sum3 + 2.03e+11f * change[2]
+        + plain4_3[w->reach] * change[3] + per4 * (2.2e+11f * sum3 + 2.03e+11f * change[2]
         + per4 * per4 * (3e+14f * sum0));
     const zhao2000_links_real most4 = a4 + b4 + lesser4 + lesser4;
     if (!((lesser4 > 0.0f) && (bend4 < most4))) {
@@ -2671,7 +2671,7 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real a5 = w->left[5] - 0.0154f;
     const zhao2000_links_real b5 = w->guard[5] - 0.0154f;
     const zhao2000_links_real lesser5 = (a5 < b5) ? a5 : b5;
-    const zhao2000_links_real bend5 = 7200.0f * sum0;
+    const zhao2000_links_real bend5 = 7210.0f * sum0;
     const zhao2000_links_real most5 = a5 + b5 + lesser5 + lesser5;
     if (!((lesser5 > 0.0f) && (bend5 < most5))) {
         w->over = (kept && (lesser5 > 0.0f)) ? (bend5 / most5) : w->over;
@@ -2681,7 +2681,7 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real a6 = w->left[6] - 2.86e-06f;
     const zhao2000_links_real b6 = w->guard[6] - 2.86e-06f;
     const zhao2000_links_real lesser6 = (a6 < b6) ? a6 : b6;
-    const zhao2000_links_real bend6 = 1.0f * sum0;
+    const zhao2000_links_real bend6 = 1.01f * sum0;
     const zhao2000_links_real most6 = a6 + b6 + lesser6 + lesser6;
     if (!((lesser6 > 0.0f) && (bend6 < most6))) {
         w->over = (kept && (lesser6 > 0.0f)) ? (bend6 / most6) : w->over;
@@ -3399,6 +3399,7 @@ zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose,
     const zhao2000_links_real twist[6], zhao2000_links_real rates[4])
 {
     zhao2000_links_real jacobian[4 * 6];
+    zhao2000_links_real found[4];
     const zhao2000_links_status status = zhao2000_links_check_speeds(twist, 6,
         zhao2000_links_jacobian(pose, jacobian));
     if (status == ZHAO2000_LINKS_OK) {
@@ -3407,7 +3408,11 @@ zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose,
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * twist[j];
             }
-            rates[i] = sum;
+            found[i] = sum;
+        }
+        /* twist and rates may be the same array */
+        for (int i = 0; i < 4; ++i) {
+            rates[i] = found[i];
         }
     }
     return status;
