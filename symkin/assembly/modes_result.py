@@ -48,8 +48,8 @@ class Modes(Result):
     """All solutions found for one set of given values, with a statement of completeness that is never too large.
 
     `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing probability that
-    one more start finds a new mode (both for multistart only); `engine` is what tracked the paths. A list of `Solution`s: it
-    has a length, is iterated and indexed.
+    one more start finds a new mode (both for multistart only); `engine` is what solved the equations: a closed form, or the
+    program that tracked the paths. A list of `Solution`s: it has a length, is iterated and indexed.
 
     >>> import symkin
     >>> found = symkin.modes(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2])
