@@ -54,6 +54,12 @@ class Summary:
 class Result:
     """What every verb returns: `print(result)` writes its table, `repr(result)` a short one, and a notebook shows it as HTML."""
 
+    def __post_init__(self) -> None:
+        """Keep each note once, where it is said first: several steps of a verb may have the same to say."""
+        notes = self.__dict__.get("notes")
+        if isinstance(notes, tuple):
+            object.__setattr__(self, "notes", tuple(dict.fromkeys(notes)))
+
     def summary(self, most_rows: int | None = None) -> Summary:
         """The result's sentences and table, of at most `most_rows` rows (None: as many as the command prints)."""
         raise NotImplementedError(f"{type(self).__name__}.summary")

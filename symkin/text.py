@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from difflib import get_close_matches
 
 _DIRECTIONS = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}
@@ -17,6 +17,8 @@ _MARKS = "\u061c\u200e\u200f"
 """Direction marks, which belong to ordinary classes."""
 _LONGEST_VALUE = 60
 """Characters of a value that a message shows."""
+_LONGEST_NUMBER = 1000
+"""Bits of a whole number that a message shows; Python refuses to write those of more than 4300 digits."""
 _LONGEST_WORD = 600
 """Characters of a quoted value or a word in a message: enough for paths of files."""
 _LONGEST_MESSAGE = 2000
@@ -60,10 +62,44 @@ def _escaped(c: str) -> str:
 
 def shown(value: object) -> str:
     """A value in a message, not longer than a line has room for."""
-    text = repr(value[: 2 * _LONGEST_VALUE] if isinstance(value, str) else value)
+    text = _beginning(value)
     if len(text) <= _LONGEST_VALUE:
         return text
     return text[: _LONGEST_VALUE - 3] + "..." + (f" ({len(value)} characters)" if isinstance(value, str) else "")
+
+
+def _beginning(value: object) -> str:
+    """The first characters of a value's repr, of no more than a message shows: lists may hold each other, numbers be endless."""
+    text = ""
+    for piece in _pieces(value):
+        text += piece
+        if len(text) > _LONGEST_VALUE:
+            break
+    return text
+
+
+def _pieces(value: object) -> Iterator[str]:
+    """The repr of a value, piece by piece from its beginning."""
+    if isinstance(value, str):
+        yield repr(value[: 2 * _LONGEST_VALUE])
+    elif isinstance(value, int) and value.bit_length() > _LONGEST_NUMBER:
+        yield f"a whole number of {value.bit_length()} bits"
+    elif isinstance(value, list | tuple):
+        yield "[" if isinstance(value, list) else "("
+        for k, item in enumerate(value):
+            yield from ((", ",) if k else ())
+            yield from _pieces(item)
+        yield "]" if isinstance(value, list) else ",)" if len(value) == 1 else ")"
+    elif isinstance(value, dict):
+        yield "{"
+        for k, (key, item) in enumerate(value.items()):
+            yield from ((", ",) if k else ())
+            yield from _pieces(key)
+            yield ": "
+            yield from _pieces(item)
+        yield "}"
+    else:
+        yield repr(value)
 
 
 def shortened(message: str) -> str:

@@ -77,6 +77,28 @@ def test_imports_run_down_the_layers(module: str) -> None:
     assert not up
 
 
+def test_no_assert_decides_on_input() -> None:
+    """Asserts tell a type checker what has been looked at before: that something is there, or of which class it is. Whatever compares
+    values is an error with a sentence."""
+    wrong = [
+        f"{name}:{node.lineno}"
+        for name, tree in modules().items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Assert) and not _narrows(node.test)
+    ]
+    assert not wrong
+
+
+def _narrows(test: ast.expr) -> bool:
+    if isinstance(test, ast.BoolOp):
+        return all(map(_narrows, test.values))
+    if isinstance(test, ast.UnaryOp):
+        return isinstance(test.op, ast.Not) and _narrows(test.operand)
+    if isinstance(test, ast.Compare):
+        return isinstance(test.ops[0], ast.IsNot) and isinstance(test.comparators[0], ast.Constant)
+    return isinstance(test, ast.Call) and getattr(test.func, "id", "") == "isinstance"
+
+
 def test_no_two_modules_import_each_other() -> None:
     """Nor do three or more in a ring."""
     left = {name: set(others) for name, others in imports().items()}

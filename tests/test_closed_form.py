@@ -12,6 +12,7 @@ from helpers.samples import delta, readme_five_bar, three_rps, three_rrr
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
 from symkin.homotopy.start_store import start_of
 from symkin.homotopy.systems import system_of
+from symkin.numeric.system import System
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem, build_problem
 
@@ -43,17 +44,21 @@ def parts() -> dict[str, tuple[Problem, int]]:
 PARTS = parts()
 
 
+def about(problem: Problem, system: System, seed: int = 0) -> np.ndarray:
+    return samples_about(system, problem.reference_known, problem.known_coordinates, seed)
+
+
 def formulas(name: str) -> ClosedForm:
     problem, number = PARTS[name]
     block = problem.blocks[number]
-    found = closed_form(block, samples_about(block, problem.reference_known))
+    found = closed_form(block, about(problem, block))
     assert found is not None
     return found
 
 
 def inputs(problem: Problem, count: int, seed: int = 7) -> np.ndarray:
     """Known values about the reference, with other random numbers than those that the formulas were found by."""
-    return np.concatenate([samples_about(problem.system, problem.reference_known, seed + k) for k in range(count // 3)])
+    return np.concatenate([about(problem, problem.system, seed + k) for k in range(count // 3)])
 
 
 @pytest.mark.parametrize("name", [name for name in PARTS if name != "3-RPS limb"])
@@ -147,7 +152,7 @@ def test_formulas_hold_for_relations_that_hold_at_all_samples() -> None:
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000_links"])
 def test_what_has_no_closed_form_is_said(name: str) -> None:
     problem = build_problem(symkin.load(name), "direct")
-    assert closed_form(problem.system, samples_about(problem.system, problem.reference_known)) is None
+    assert closed_form(problem.system, about(problem, problem.system)) is None
 
 
 def test_the_same_formulas_every_time() -> None:

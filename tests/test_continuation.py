@@ -219,12 +219,14 @@ def test_a_continuum_is_incomplete_and_named(cache):
 
 
 def test_a_double_root_is_one_and_flagged():
-    """All legs at the flat, coincident position: one multiple root, returned once, called singular."""
+    """All legs at the flat, coincident position: one multiple root, returned once, called singular and double."""
     platform = symkin.load("zhang2009")
     reference = [c.reference[0] for c in platform.actuated]
     found = symkin.modes(platform, joints=reference)
     assert len(found) == 1
     assert any("singular" in note for note in found[0].notes)
+    assert any("double" in note for note in found[0].notes)
+    assert "double" in str(found)
 
 
 # --- the store ----------------------------------------------------------------------------------------------------

@@ -337,3 +337,42 @@ def test_polynomials_about_home_lie_where_the_map_leads():
         full[problem.unknown_places] = there
         found = problem.select_values(full, made.found)
         np.testing.assert_allclose(np.asarray(values(share * sheet.reach)).ravel(), found, atol=1.5 * sheet.error)
+
+
+WHEELS = """format = 1
+name = "wheels"
+length_unit = "m"
+angle_unit = "rad"
+[[joint]]
+name = "x"
+type = "R"
+links = ["base", "a"]
+point = [0.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+[[joint]]
+name = "y"
+type = "R"
+links = ["base", "b"]
+point = [1.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+[[coupling]]
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("coupling", ['joint = "y"\nof = { x = -1.5 }\n', 'joint = "x"\nof = { y = "-2/3" }\n'])
+def test_wheels_follow_their_drivers_over_whole_turns(tmp_path, coupling):
+    """y = -3/2 x from guess to guess over four turns, both ways: values count with their whole turns, as a wheel's place alone would
+    not tell its driver's."""
+    (tmp_path / "wheels.toml").write_text(WHEELS + coupling)
+    mechanism, options = symkin.load(tmp_path / "wheels.toml"), Options("double", given=("x",), find=("y",))
+    write_folder(mechanism, tmp_path / "c", options)
+    tools.passed(tools.built("gcc", tmp_path / "c", ["wheels_test.c", "wheels.c"], "test"))
+    tools.built("gcc", tmp_path / "c", ["wheels.c"], "code.so", "-O1", "-shared", "-fPIC")
+    code = _Map(tmp_path / "c", JointMap(mechanism, options, Real("double")))
+    for name, ratio in (("direct", -1.5), ("inverse", -2 / 3)):
+        answer = np.zeros(1)
+        for value in np.linspace(0.0, 8 * np.pi, 41):
+            status, answer = code.solve(name, [value], answer)
+            assert status == 0
+            assert answer == pytest.approx([ratio * value], abs=1e-9)

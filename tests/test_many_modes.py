@@ -97,7 +97,8 @@ def test_inputs_in_doubt_stand_beside_plain_ones():
     for row, found in zip(rows, symkin.modes(platform, joints=np.array(rows)), strict=True):
         alone = symkin.modes(platform, joints=list(row))
         check_same(found, alone)
-        assert found.notes == alone.notes
+        # what stays open, and by how much, is said of one input alone
+        assert found.notes == tuple(note for note in alone.notes if "come nearest" not in note)
         assert (found.smallest_residual is None) == (alone.smallest_residual is None)
 
 

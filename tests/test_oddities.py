@@ -1,12 +1,14 @@
 """Numbers that are allowed and rarely meant, values that nothing reaches, and files of more parts than any machine has."""
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import symkin
 from helpers.command_line import run, run_json
+from symkin.model.file import parse
 from symkin.model.mechanism import MOST_PARTS
 from symkin.model.oddities import oddities
 
@@ -105,3 +107,23 @@ def test_too_many_parts_are_refused(capsys: pytest.CaptureFixture[str], tmp_path
     status, _, err = run(capsys, "show", file)
     assert (status, err.count("\n")) == (2, 1)
     assert f"the mechanism has 20000 limbs; allowed: {MOST_PARTS} limbs, joints and rods together" in err
+
+
+def test_limits_in_degrees_where_radians_are_read(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """Limits of 22.5 in a file of radians ask, in robots' files too and in C; those within a turn, and those that stand for none, do not."""
+    limit, files = '<limit lower="{0}" upper="{1}" effort="1" velocity="1"/>', {}
+    for name, ends in (("degrees", (-15, 22.5)), ("radians", (-0.26, 6.2832)), ("none", (-1e9, 1e9))):
+        links = "".join(f'<link name="{link}"/>' for link in ("base", "a"))
+        joint = '<joint name="x" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>'
+        files[name] = tmp_path / f"{name}.urdf"
+        files[name].write_text(f'<robot name="r">{links}{joint}{limit.format(*ends)}</joint></robot>')
+    for name, file in files.items():
+        _, _, err = run(capsys, "solve", str(file))
+        assert ("x.limits = -15 to 22.5" in err) == ("are degrees meant?" in err) == (name == "degrees")
+    rows = 'rows = [ { type = "R", a = 200.0, limits = [-15.0, 22.5] }, { type = "R", a = 150.0 } ]'
+    for unit in ("rad", "deg"):
+        head = f'format = 1\nname = "arm"\nlength_unit = "mm"\nangle_unit = "{unit}"\n[dh]\nconvention = "standard"\n'
+        symkin.write_firmware(parse(head + rows), tmp_path / unit)
+        for text in ("README.md", "arm.h"):
+            told = (tmp_path / unit / text).read_text().replace("\n *", "")
+            assert ("are degrees meant?" in told) == (unit == "rad")

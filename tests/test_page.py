@@ -13,7 +13,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from helpers.samples import readme_five_bar, three_rrr
+from helpers.samples import readme_five_bar, rus, three_rrr
 from symkin import Joint, Limb, RodLimb
 from symkin.errors import InputError
 
@@ -675,3 +675,12 @@ def test_a_planar_map_of_poses_tells_its_angle(tmp_path: Path) -> None:
     plane = swept.view().plane
     assert plane is not None
     assert plane["held"] == f"gamma = 0 {machine.angle_unit}"
+
+
+def test_different_machines_stand_before_half_turns(open_page: Callable[..., Any]) -> None:
+    """Of 128 modes at two poses, which differ in U joints otherwise, the first two are at the two poses."""
+    page = open_page(symkin.view(rus(6)).html)
+    heights = [mode["position"][2] for mode in page.evaluate("symkin.modes()")]
+    poses = len({round(height, 3) for height in heights})
+    assert len(heights) > poses > 1
+    assert len({round(height, 3) for height in heights[:poses]}) == poses

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -94,6 +95,35 @@ def test_a_lost_description_is_said(whole, tmp_path) -> None:
     shutil.copytree(whole, folder)
     (folder / "count" / "zarr.json").unlink()
     with pytest.raises(InputError, match=r"count/zarr\.json.*lost or damaged"):
+        swept(folder)
+
+
+@pytest.mark.parametrize(
+    ("array", "key", "value"),
+    [
+        ("count", "data_type", "float64"),
+        ("count", "data_type", "int64"),
+        ("count", "fill_value", 7),
+        ("position", "shape", [4, 3, 1, 2]),
+        ("done", "data_type", "int8"),
+        ("digest", "shape", [5]),
+        ("leg1", "data_type", "float32"),
+        ("leg1", "shape", [7]),
+        ("joint", "data_type", "float64"),
+        ("residual", "dimension_names", ["leg2", "leg1", "mode"]),
+        ("residual", "codecs", [{"name": "bytes", "configuration": {"endian": "little"}}]),
+        ("count", "chunk_grid", {"name": "regular", "configuration": {"chunk_shape": [1, 1]}}),
+    ],
+)
+def test_a_description_that_says_something_else_is_said(whole, tmp_path, array: str, key: str, value: object) -> None:
+    """Numbers are not read as what they are not."""
+    folder = tmp_path / "s"
+    shutil.copytree(whole, folder)
+    file = folder / array / "zarr.json"
+    told = json.loads(file.read_text())
+    assert told[key] != value
+    file.write_text(json.dumps(told | {key: value}))
+    with pytest.raises(InputError, match=rf"{array}/zarr\.json.*lost or damaged"):
         swept(folder)
 
 

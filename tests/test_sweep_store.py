@@ -4,6 +4,7 @@ import errno
 import math
 import os
 import shutil
+import threading
 import warnings
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -17,6 +18,7 @@ from helpers.folders import same_files
 from symkin import InputError, Pose
 from symkin.assembly.mode_table import COMPLETENESS
 from symkin.singularities.classification import classify
+from symkin.sweeps import store
 from symkin.sweeps.plan import make_plan
 from symkin.sweeps.run import sweep
 from symkin.sweeps.space import make_space
@@ -292,6 +294,54 @@ def test_two_runs_do_not_share_a_folder(tmp_path):
     raised = []
     sweep(PLATFORM, {"leg1": [140.0, 150.0]}, tmp_path / "s", workers=0, progress=again)
     assert raised
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("there", [False, True])
+def test_runs_that_begin_a_folder_together(tmp_path, there):
+    """Each ends with all points, or says that another run writes; the folder is whole, and nothing is left beside it."""
+    folder, said, begin = tmp_path / "s", [], threading.Barrier(4)
+    if there:
+        folder.mkdir()
+
+    def run():
+        begin.wait()
+        try:
+            said.append(sweep(PLATFORM, {"leg1": [140.0, 150.0]}, folder, workers=0).points)
+        except InputError as error:
+            said.append(str(error))
+
+    threads = [threading.Thread(target=run) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert 2 in said
+    assert all(answer == 2 or "another run is writing into this folder" in answer for answer in said), said
+    assert [path.name for path in tmp_path.iterdir()] == ["s"]
+    assert not list(folder.glob(".*"))
+    assert sweep(PLATFORM, {"leg1": [140.0, 150.0]}, folder, workers=0).points == 2
+
+
+def test_a_folder_that_comes_while_its_sweep_is_made(tmp_path, monkeypatch):
+    """The run that is second goes on with the first one's folder, or finds it in use; a folder of something else is left alone."""
+    made = store.create_arrays
+
+    def first(folder, *arguments):
+        made(folder, *arguments)
+        made(tmp_path / "s", *arguments)
+
+    def other(folder, *arguments):
+        made(folder, *arguments)
+        (tmp_path / "t").mkdir()
+        (tmp_path / "t" / "notes").write_text("mine")
+
+    monkeypatch.setattr(store, "create_arrays", first)
+    assert sweep(PLATFORM, ONE, tmp_path / "s", workers=0).points == 1
+    monkeypatch.setattr(store, "create_arrays", other)
+    with pytest.raises(InputError, match="holds something that is no sweep, and is left alone"):
+        sweep(PLATFORM, ONE, tmp_path / "t", workers=0)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["s", "t"]
 
 
 @pytest.mark.parametrize(

@@ -150,6 +150,30 @@ static const ankle_real ankle_vector_jacobians[4][4] = {
     { 0x1.53f2f12c5b306p-2, 0x1.12fbf493cc615p-1, 0x1.6bd635926f3f1p-1, -0x1.587cd8bb0f01ap-1 },
 };
 
+#define ANKLE_VECTOR_INFEASIBLE_JOINTS 3
+static const ankle_real ankle_vector_infeasible_joints[3][2] = {
+    { 0x1.de383c876fcb7p+0, 0x1.fa0837dce61f8p+0 },
+    { 0x1.c5e567ce4572dp+0, -0x1.fc86ff63220e4p+0 },
+    { 0x1.f20c5c2ed4ffap+0, 0x1.be342e04f6090p+0 },
+};
+
+#define ANKLE_VECTOR_PAST_JOINTS 0
+static const ankle_real ankle_vector_past_joints[1][2] = {
+    { 0x0.0p+0, 0x0.0p+0 },
+};
+
+#define ANKLE_VECTOR_INFEASIBLE_FOUND 3
+static const ankle_real ankle_vector_infeasible_found[3][2] = {
+    { -0x1.167b8f178a8b3p+0, -0x1.28f4eedd7670dp+0 },
+    { -0x1.e6c432b09295bp-1, -0x1.5aae61968cb8ap+0 },
+    { -0x1.f3621958494adp+0, 0x1.a5519e6973476p+0 },
+};
+
+#define ANKLE_VECTOR_PAST_FOUND 0
+static const ankle_real ankle_vector_past_found[1][2] = {
+    { 0x0.0p+0, 0x0.0p+0 },
+};
+
 static const ankle_real ankle_vector_home_joints[2] = { 0x0.0p+0, 0x0.0p+0 };
 static const ankle_real ankle_vector_home_found[2] = { 0x0.0p+0, 0x0.0p+0 };
 

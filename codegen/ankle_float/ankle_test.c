@@ -51,6 +51,10 @@ static void solve_all(void)
         expect(difference(found, ankle_vector_found[k], of_found) <= bound, "direct's values", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
+        expect(ankle_direct(NULL, ankle_vector_joints[k], found, found, &info) == ANKLE_OK,
+            "standing still", k);
+        expect(difference(found, ankle_vector_found[k], of_found) <= bound,
+            "standing still's values", k);
         expect(ankle_track(ankle_vector_joints[k], found, &info) == ANKLE_OK, "track", k);
         expect(difference(found, ankle_vector_found[k], of_found) <= bound, "track's values", k);
         copy(ankle_vector_joint_guesses[k], joints);
@@ -159,11 +163,49 @@ static void refuse_all(void)
         "inverse without a step", 0);
 }
 
+/* Values that no configuration has, and joints and found values beyond their limits: never OK,
+ * results untouched. */
+static void refuse_infeasible(void)
+{
+    static const struct {
+        int count;
+        int inverse;
+        const ankle_real (*values)[N];
+    } tables[4] = {
+        { ANKLE_VECTOR_INFEASIBLE_JOINTS, 0, ankle_vector_infeasible_joints },
+        { ANKLE_VECTOR_INFEASIBLE_FOUND, 1, ankle_vector_infeasible_found },
+        { ANKLE_VECTOR_PAST_JOINTS, 2, ankle_vector_past_joints },
+        { ANKLE_VECTOR_PAST_FOUND, 3, ankle_vector_past_found }
+    };
+    for (int t = 0; t < 4; ++t) {
+        for (int k = 0; k < tables[t].count; ++k) {
+            ankle_real result[N];
+            ankle_status status;
+            for (int i = 0; i < N; ++i) {
+                result[i] = 4.0f;
+            }
+            if (tables[t].inverse % 2 == 0) {
+                status = ankle_direct(NULL, tables[t].values[k], ankle_vector_home_found, result,
+                    NULL);
+            } else {
+                status = ankle_inverse(NULL, tables[t].values[k], ankle_vector_home_joints, result,
+                    NULL);
+            }
+            expect((tables[t].inverse < 2) ? (status != ANKLE_OK) : (status == ANKLE_OUT_OF_RANGE),
+                "values that cannot be taken", k);
+            for (int i = 0; i < N; ++i) {
+                expect(result[i] == 4.0f, "result untouched by values that cannot be taken", k);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     solve_all();
     rates_all();
     refuse_all();
+    refuse_infeasible();
     (void)printf("ankle: %d cases, %d failures\n", ANKLE_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -150,6 +150,30 @@ static const ankle_real ankle_vector_jacobians[4][4] = {
     { 0x1.53f2f00000000p-2f, 0x1.12fbf40000000p-1f, 0x1.6bd6360000000p-1f, -0x1.587cd80000000p-1f },
 };
 
+#define ANKLE_VECTOR_INFEASIBLE_JOINTS 3
+static const ankle_real ankle_vector_infeasible_joints[3][2] = {
+    { 0x1.de383c0000000p+0f, 0x1.fa08380000000p+0f },
+    { 0x1.c5e5680000000p+0f, -0x1.fc87000000000p+0f },
+    { 0x1.f20c5c0000000p+0f, 0x1.be342e0000000p+0f },
+};
+
+#define ANKLE_VECTOR_PAST_JOINTS 0
+static const ankle_real ankle_vector_past_joints[1][2] = {
+    { 0x0.0p+0f, 0x0.0p+0f },
+};
+
+#define ANKLE_VECTOR_INFEASIBLE_FOUND 3
+static const ankle_real ankle_vector_infeasible_found[3][2] = {
+    { -0x1.167b900000000p+0f, -0x1.28f4ee0000000p+0f },
+    { -0x1.e6c4320000000p-1f, -0x1.5aae620000000p+0f },
+    { -0x1.f3621a0000000p+0f, 0x1.a5519e0000000p+0f },
+};
+
+#define ANKLE_VECTOR_PAST_FOUND 0
+static const ankle_real ankle_vector_past_found[1][2] = {
+    { 0x0.0p+0f, 0x0.0p+0f },
+};
+
 static const ankle_real ankle_vector_home_joints[2] = { 0x0.0p+0f, 0x0.0p+0f };
 static const ankle_real ankle_vector_home_found[2] = { 0x0.0p+0f, 0x0.0p+0f };
 

@@ -89,6 +89,9 @@ static void solve_all(void)
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
         expect(info.joint == DELTA_JOINTS, "no joint to blame", k);
+        expect(delta_direct(NULL, delta_vector_joints[k], &pose, &pose, &info) == DELTA_OK,
+            "standing still", k);
+        expect(difference(&pose, delta_vector_poses[k]) <= bound, "standing still's pose", k);
         pose = guess;
         expect(delta_direct(NULL, delta_vector_joints[k], &guess, &pose, NULL) == DELTA_OK,
             "direct without info", k);
@@ -187,6 +190,38 @@ static void refuse_all(void)
 #endif
 }
 
+/* Poses that the mechanism cannot take, and joints beyond their limits. */
+static void refuse_infeasible(void)
+{
+#if DELTA_VECTOR_INFEASIBLE > 0 || DELTA_VECTOR_PAST > 0
+#endif
+#if DELTA_VECTOR_INFEASIBLE > 0
+    for (int k = 0; k < DELTA_VECTOR_INFEASIBLE; ++k) {
+        const delta_pose pose = pose_from(delta_vector_infeasible[k]);
+        delta_real joints[DELTA_JOINTS];
+        for (int i = 0; i < DELTA_JOINTS; ++i) {
+            joints[i] = 4.0;
+        }
+        expect(delta_inverse(&pose, joints) == DELTA_OUT_OF_RANGE, "a pose that cannot be taken",
+            k);
+        for (int i = 0; i < DELTA_JOINTS; ++i) {
+            expect(joints[i] == 4.0, "joints untouched on failure", k);
+        }
+    }
+#endif
+#if DELTA_VECTOR_PAST > 0
+    for (int k = 0; k < DELTA_VECTOR_PAST; ++k) {
+        const delta_pose home = pose_from(delta_vector_home);
+        delta_pose pose = home;
+        delta_info info;
+        expect(refused(NULL, delta_vector_past[k], &home,
+            "a joint beyond a limit") == DELTA_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        (void)delta_direct(NULL, delta_vector_past[k], &home, &pose, &info);
+        expect(info.joint == (unsigned int)delta_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
+}
+
 /* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
  * own. */
 static void speeds_of(const delta_pose *pose, int k)
@@ -237,6 +272,7 @@ int main(void)
         speeds_of(&pose, k);
     }
     refuse_all();
+    refuse_infeasible();
     (void)printf("delta: %d cases, %d failures\n", DELTA_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

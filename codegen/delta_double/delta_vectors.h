@@ -8,6 +8,8 @@
 #define DELTA_VECTORS 24
 #define DELTA_VECTOR_JACOBIANS 4
 #define DELTA_VECTOR_SINGULAR 0
+#define DELTA_VECTOR_INFEASIBLE 6
+#define DELTA_VECTOR_PAST 0
 #define DELTA_VECTOR_FAR 0
 
 static const delta_real delta_vector_guesses[24][7] = {
@@ -182,6 +184,21 @@ static const delta_real delta_vector_jacobians[4][18] = {
     { -0x1.486b967f7276dp-6, -0x1.3f45b5f8bd191p-12, -0x1.2eb7cabc643a6p-7, 0x0.0p+0, 0x0.0p+0,
         0x0.0p+0, 0x1.35f51381abd5fp-7, -0x1.10d3c87227c34p-6, -0x1.0a6cd9c9bfba0p-7, 0x0.0p+0,
         0x0.0p+0, 0x0.0p+0, 0x1.5c49528983afap-7, 0x1.27fe52052464ep-6, -0x1.54a1845ffbb22p-7,
+        0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+};
+
+static const delta_real delta_vector_infeasible[6][7] = {
+    { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1, -0x1.69235ef951e97p+6, 0x1.fffe5c920a7afp-1,
+        0x1.47adbb006ca5dp-8, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.2c255744b8d64p-3, -0x1.4ff5f22b67482p+1, -0x1.69235ef951e97p+6, 0x1.fffe5c920a7afp-1,
+        0x0.0p+0, 0x1.47adbb006ca5dp-8, 0x0.0p+0 },
+    { -0x1.4cbe350581856p+1, -0x1.4dfba393b23dcp+1, -0x1.6eddc02ae4158p+6, 0x1.fffe5c920a7afp-1,
+        0x1.47adbb006ca5dp-8, 0x0.0p+0, 0x0.0p+0 },
+    { -0x1.4cbe350581856p+1, -0x1.4dfba393b23dcp+1, -0x1.6eddc02ae4158p+6, 0x1.fffe5c920a7afp-1,
+        0x0.0p+0, 0x1.47adbb006ca5dp-8, 0x0.0p+0 },
+    { 0x1.55bf941b8c6abp+3, 0x1.55703878003cap+3, -0x1.39bfdbff467c0p+6, 0x1.0000000000000p+0,
+        0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+    { 0x1.09e07e2fe7c17p+7, -0x1.0ed54ca2c4306p+7, -0x1.be272456bf87fp+7, 0x1.0000000000000p+0,
         0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
 };
 

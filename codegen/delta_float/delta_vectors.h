@@ -8,6 +8,8 @@
 #define DELTA_VECTORS 24
 #define DELTA_VECTOR_JACOBIANS 4
 #define DELTA_VECTOR_SINGULAR 0
+#define DELTA_VECTOR_INFEASIBLE 6
+#define DELTA_VECTOR_PAST 0
 #define DELTA_VECTOR_FAR 0
 
 static const delta_real delta_vector_guesses[24][7] = {
@@ -183,6 +185,21 @@ static const delta_real delta_vector_jacobians[4][18] = {
         0x0.0p+0f, 0x0.0p+0f, 0x1.35f5140000000p-7f, -0x1.10d3c80000000p-6f,
         -0x1.0a6cda0000000p-7f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x1.5c49520000000p-7f,
         0x1.27fe520000000p-6f, -0x1.54a1840000000p-7f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
+};
+
+static const delta_real delta_vector_infeasible[6][7] = {
+    { 0x1.2c25580000000p-3f, -0x1.4ff5f20000000p+1f, -0x1.69235e0000000p+6f, 0x1.fffe5c0000000p-1f,
+        0x1.47adbc0000000p-8f, 0x0.0p+0f, 0x0.0p+0f },
+    { 0x1.2c25580000000p-3f, -0x1.4ff5f20000000p+1f, -0x1.69235e0000000p+6f, 0x1.fffe5c0000000p-1f,
+        0x0.0p+0f, 0x1.47adbc0000000p-8f, 0x0.0p+0f },
+    { -0x1.4cbe360000000p+1f, -0x1.4dfba40000000p+1f, -0x1.6eddc00000000p+6f,
+        0x1.fffe5c0000000p-1f, 0x1.47adbc0000000p-8f, 0x0.0p+0f, 0x0.0p+0f },
+    { -0x1.4cbe360000000p+1f, -0x1.4dfba40000000p+1f, -0x1.6eddc00000000p+6f,
+        0x1.fffe5c0000000p-1f, 0x0.0p+0f, 0x1.47adbc0000000p-8f, 0x0.0p+0f },
+    { 0x1.55bf940000000p+3f, 0x1.5570380000000p+3f, -0x1.39bfdc0000000p+6f, 0x1.0000000000000p+0f,
+        0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
+    { 0x1.09e07e0000000p+7f, -0x1.0ed54c0000000p+7f, -0x1.be27240000000p+7f, 0x1.0000000000000p+0f,
+        0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
 };
 
 static const delta_real delta_vector_home[7] = { 0x0.0p+0f, 0x0.0p+0f, -0x1.836fa20000000p+6f,

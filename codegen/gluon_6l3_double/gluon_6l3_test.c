@@ -74,6 +74,8 @@ static void solve_all(void)
             expect(fabs((double)joints[i] - (double)gluon_6l3_vector_inverse[k][i]) <= bound * 1.0,
                 "inverse's joints", k);
         }
+        expect(gluon_6l3_inverse(NULL, &pose, joints, joints, &info) == GLUON_6L3_OK,
+            "standing still", k);
         if (k < GLUON_6L3_VECTOR_JACOBIANS) {
             gluon_6l3_real jacobian[6 * GLUON_6L3_JOINTS];
             expect(gluon_6l3_jacobian(gluon_6l3_vector_joints[k], jacobian) == GLUON_6L3_OK,
@@ -135,6 +137,16 @@ static void refuse_all(void)
     wrong = pose;
     wrong.position[0] = 5392937.207125631;
     (void)refused(NULL, &wrong, joints, "pose out of reach");
+#if GLUON_6L3_VECTOR_PAST > 0
+    for (int k = 0; k < GLUON_6L3_VECTOR_PAST; ++k) {
+        expect(gluon_6l3_direct(gluon_6l3_vector_past[k], &wrong) == GLUON_6L3_OUT_OF_RANGE,
+            "OUT_OF_RANGE of a limit", k);
+        expect(refused(NULL, &pose, gluon_6l3_vector_past[k],
+            "a guess beyond a limit") == GLUON_6L3_OUT_OF_RANGE, "guess beyond a limit", k);
+        (void)gluon_6l3_inverse(NULL, &pose, gluon_6l3_vector_past[k], other, &info);
+        expect(info.joint == (unsigned int)gluon_6l3_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
 #if GLUON_6L3_VECTOR_SINGULAR > 0
     for (int k = 0; k < GLUON_6L3_VECTOR_SINGULAR; ++k) {
         expect(refused(NULL, &pose, gluon_6l3_vector_singular[k],

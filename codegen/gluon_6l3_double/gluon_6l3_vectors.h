@@ -8,6 +8,8 @@
 #define GLUON_6L3_VECTORS 24
 #define GLUON_6L3_VECTOR_JACOBIANS 4
 #define GLUON_6L3_VECTOR_SINGULAR 1
+#define GLUON_6L3_VECTOR_INFEASIBLE 0
+#define GLUON_6L3_VECTOR_PAST 0
 #define GLUON_6L3_VECTOR_FAR 1
 
 static const gluon_6l3_real gluon_6l3_vector_guesses[24][6] = {

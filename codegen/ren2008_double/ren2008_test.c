@@ -91,6 +91,9 @@ static void solve_all(void)
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
         expect(info.joint == REN2008_JOINTS, "no joint to blame", k);
+        expect(ren2008_direct(NULL, ren2008_vector_joints[k], &pose, &pose, &info) == REN2008_OK,
+            "standing still", k);
+        expect(difference(&pose, ren2008_vector_poses[k]) <= bound, "standing still's pose", k);
         pose = guess;
         expect(ren2008_direct(NULL, ren2008_vector_joints[k], &guess, &pose, NULL) == REN2008_OK,
             "direct without info", k);
@@ -193,6 +196,38 @@ static void refuse_all(void)
 #endif
 }
 
+/* Poses that the mechanism cannot take, and joints beyond their limits. */
+static void refuse_infeasible(void)
+{
+#if REN2008_VECTOR_INFEASIBLE > 0 || REN2008_VECTOR_PAST > 0
+#endif
+#if REN2008_VECTOR_INFEASIBLE > 0
+    for (int k = 0; k < REN2008_VECTOR_INFEASIBLE; ++k) {
+        const ren2008_pose pose = pose_from(ren2008_vector_infeasible[k]);
+        ren2008_real joints[REN2008_JOINTS];
+        for (int i = 0; i < REN2008_JOINTS; ++i) {
+            joints[i] = 4.0;
+        }
+        expect(ren2008_inverse(&pose, joints) == REN2008_OUT_OF_RANGE,
+            "a pose that cannot be taken", k);
+        for (int i = 0; i < REN2008_JOINTS; ++i) {
+            expect(joints[i] == 4.0, "joints untouched on failure", k);
+        }
+    }
+#endif
+#if REN2008_VECTOR_PAST > 0
+    for (int k = 0; k < REN2008_VECTOR_PAST; ++k) {
+        const ren2008_pose home = pose_from(ren2008_vector_home);
+        ren2008_pose pose = home;
+        ren2008_info info;
+        expect(refused(NULL, ren2008_vector_past[k], &home,
+            "a joint beyond a limit") == REN2008_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        (void)ren2008_direct(NULL, ren2008_vector_past[k], &home, &pose, &info);
+        expect(info.joint == (unsigned int)ren2008_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
+}
+
 /* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
  * own. */
 static void speeds_of(const ren2008_pose *pose, int k)
@@ -243,6 +278,7 @@ int main(void)
         speeds_of(&pose, k);
     }
     refuse_all();
+    refuse_infeasible();
     (void)printf("ren2008: %d cases, %d failures\n", REN2008_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -8,6 +8,8 @@
 #define REN2008_VECTORS 24
 #define REN2008_VECTOR_JACOBIANS 4
 #define REN2008_VECTOR_SINGULAR 1
+#define REN2008_VECTOR_INFEASIBLE 0
+#define REN2008_VECTOR_PAST 12
 #define REN2008_VECTOR_FAR 1
 
 static const ren2008_real ren2008_vector_guesses[24][7] = {
@@ -253,6 +255,34 @@ static const ren2008_real ren2008_vector_jacobians[4][36] = {
         0x1.9fd992056d037p-4, 0x1.67cca02d5aeffp-5, 0x1.83674da9428f6p-7 },
 };
 
+static const ren2008_real ren2008_vector_past[12][6] = {
+    { -0x1.6872b020c49bbp-8, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.1c6a7ef9db22dp-1, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, -0x1.6872b020c49bbp-8, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.1c6a7ef9db22dp-1, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, -0x1.6872b020c49bbp-8, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, 0x1.1c6a7ef9db22dp-1, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, -0x1.6872b020c49bbp-8,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, 0x1.1c6a7ef9db22dp-1,
+        0x1.3908609bdcd6cp-3, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        -0x1.6872b020c49bbp-8, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        0x1.1c6a7ef9db22dp-1, 0x1.59af571a7b8d7p-4 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, -0x1.6872b020c49bbp-8 },
+    { 0x1.033eadb4cfe08p-3, 0x1.4e98771c5f1f7p-3, 0x1.83304788f8c4bp-4, 0x1.67f6d841cbcebp-3,
+        0x1.3908609bdcd6cp-3, 0x1.1c6a7ef9db22dp-1 },
+};
+
+static const int ren2008_vector_blamed[12] = { 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5 };
 static const ren2008_real ren2008_vector_singular[1][7] = {
     { 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
 };

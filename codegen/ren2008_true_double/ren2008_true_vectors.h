@@ -8,6 +8,8 @@
 #define REN2008_TRUE_VECTORS 24
 #define REN2008_TRUE_VECTOR_JACOBIANS 4
 #define REN2008_TRUE_VECTOR_SINGULAR 0
+#define REN2008_TRUE_VECTOR_INFEASIBLE 0
+#define REN2008_TRUE_VECTOR_PAST 12
 #define REN2008_TRUE_VECTOR_FAR 1
 
 static const ren2008_true_real ren2008_true_vector_guesses[24][7] = {
@@ -253,6 +255,34 @@ static const ren2008_true_real ren2008_true_vector_jacobians[4][36] = {
         0x1.9914815fe1077p-4, 0x1.763f8443e0a11p-5, 0x1.a2801ed305ed7p-7 },
 };
 
+static const ren2008_true_real ren2008_true_vector_past[12][6] = {
+    { -0x1.6872b020c49bbp-8, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.1c6a7ef9db22dp-1, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, -0x1.6872b020c49bbp-8, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.1c6a7ef9db22dp-1, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, -0x1.6872b020c49bbp-8, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, 0x1.1c6a7ef9db22dp-1, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, -0x1.6872b020c49bbp-8,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, 0x1.1c6a7ef9db22dp-1,
+        0x1.2432761a36172p-3, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        -0x1.6872b020c49bbp-8, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        0x1.1c6a7ef9db22dp-1, 0x1.538298f3baf12p-4 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, -0x1.6872b020c49bbp-8 },
+    { 0x1.f6b314ba33095p-4, 0x1.4983dcd82b7a5p-3, 0x1.820f3ad59bd7dp-4, 0x1.709610d840bffp-3,
+        0x1.2432761a36172p-3, 0x1.1c6a7ef9db22dp-1 },
+};
+
+static const int ren2008_true_vector_blamed[12] = { 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5 };
 static const ren2008_true_real ren2008_true_vector_home[7] = { -0x1.3c6a7ef9db22dp-2,
     0x1.3b15b573eab36p-2, 0x1.4cccccccccccdp+0, 0x1.0000000000000p+0, 0x0.0p+0, 0x0.0p+0,
     0x0.0p+0 };

@@ -92,6 +92,10 @@ static void solve_all(void)
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
         expect(info.joint == REN2008_TRUE_JOINTS, "no joint to blame", k);
+        expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &pose, &pose,
+            &info) == REN2008_TRUE_OK, "standing still", k);
+        expect(difference(&pose, ren2008_true_vector_poses[k]) <= bound, "standing still's pose",
+            k);
         pose = guess;
         expect(ren2008_true_direct(NULL, ren2008_true_vector_joints[k], &guess, &pose,
             NULL) == REN2008_TRUE_OK, "direct without info", k);
@@ -203,6 +207,39 @@ static void refuse_all(void)
 #endif
 }
 
+/* Poses that the mechanism cannot take, and joints beyond their limits. */
+static void refuse_infeasible(void)
+{
+#if REN2008_TRUE_VECTOR_INFEASIBLE > 0 || REN2008_TRUE_VECTOR_PAST > 0
+#endif
+#if REN2008_TRUE_VECTOR_INFEASIBLE > 0
+    for (int k = 0; k < REN2008_TRUE_VECTOR_INFEASIBLE; ++k) {
+        const ren2008_true_pose pose = pose_from(ren2008_true_vector_infeasible[k]);
+        ren2008_true_real joints[REN2008_TRUE_JOINTS];
+        for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+            joints[i] = 4.0f;
+        }
+        expect(ren2008_true_inverse(&pose, joints) == REN2008_TRUE_OUT_OF_RANGE,
+            "a pose that cannot be taken", k);
+        for (int i = 0; i < REN2008_TRUE_JOINTS; ++i) {
+            expect(joints[i] == 4.0f, "joints untouched on failure", k);
+        }
+    }
+#endif
+#if REN2008_TRUE_VECTOR_PAST > 0
+    for (int k = 0; k < REN2008_TRUE_VECTOR_PAST; ++k) {
+        const ren2008_true_pose home = pose_from(ren2008_true_vector_home);
+        ren2008_true_pose pose = home;
+        ren2008_true_info info;
+        expect(refused(NULL, ren2008_true_vector_past[k], &home,
+            "a joint beyond a limit") == REN2008_TRUE_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        (void)ren2008_true_direct(NULL, ren2008_true_vector_past[k], &home, &pose, &info);
+        expect(info.joint == (unsigned int)ren2008_true_vector_blamed[k], "joint beyond a limit",
+            k);
+    }
+#endif
+}
+
 /* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
  * own. */
 static void speeds_of(const ren2008_true_pose *pose, int k)
@@ -255,6 +292,7 @@ int main(void)
         speeds_of(&pose, k);
     }
     refuse_all();
+    refuse_infeasible();
     (void)printf("ren2008_true: %d cases, %d failures\n", REN2008_TRUE_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

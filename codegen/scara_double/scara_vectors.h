@@ -8,6 +8,8 @@
 #define SCARA_VECTORS 24
 #define SCARA_VECTOR_JACOBIANS 4
 #define SCARA_VECTOR_SINGULAR 1
+#define SCARA_VECTOR_INFEASIBLE 0
+#define SCARA_VECTOR_PAST 6
 #define SCARA_VECTOR_FAR 1
 
 static const scara_real scara_vector_guesses[24][4] = {
@@ -161,6 +163,16 @@ static const scara_real scara_vector_jacobians[4][24] = {
         0x0.0p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x1.0000000000000p+0, 0x0.0p+0 },
 };
 
+static const scara_real scara_vector_past[6][4] = {
+    { -0x1.2cc9e4c57dc19p+1, -0x1.94ba51a005c46p-3, 0x1.eea28fe260b2dp-2, -0x1.9426ae7d566cfp+6 },
+    { 0x1.2cc9e4c57dc19p+1, -0x1.94ba51a005c46p-3, 0x1.eea28fe260b2dp-2, -0x1.9426ae7d566cfp+6 },
+    { 0x1.5fc86cebbba56p-3, -0x1.414c05d2f4e04p+1, 0x1.eea28fe260b2dp-2, -0x1.9426ae7d566cfp+6 },
+    { 0x1.5fc86cebbba56p-3, 0x1.414c05d2f4e04p+1, 0x1.eea28fe260b2dp-2, -0x1.9426ae7d566cfp+6 },
+    { 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3, 0x1.eea28fe260b2dp-2, -0x1.2f00000000000p+7 },
+    { 0x1.5fc86cebbba56p-3, -0x1.94ba51a005c46p-3, 0x1.eea28fe260b2dp-2, 0x1.8000000000000p+0 },
+};
+
+static const int scara_vector_blamed[6] = { 0, 0, 1, 1, 3, 3 };
 static const scara_real scara_vector_singular[1][4] = {
     { 0x0.0p+0, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
 };

@@ -73,6 +73,7 @@ static void solve_all(void)
             expect(fabs((double)joints[i] - (double)scara_vector_inverse[k][i]) <= bound * 1.0,
                 "inverse's joints", k);
         }
+        expect(scara_inverse(NULL, &pose, joints, joints, &info) == SCARA_OK, "standing still", k);
         if (k < SCARA_VECTOR_JACOBIANS) {
             scara_real jacobian[6 * SCARA_JOINTS];
             expect(scara_jacobian(scara_vector_joints[k], jacobian) == SCARA_OK, "jacobian", k);
@@ -133,6 +134,16 @@ static void refuse_all(void)
     wrong = pose;
     wrong.position[0] = 4e+06f;
     (void)refused(NULL, &wrong, joints, "pose out of reach");
+#if SCARA_VECTOR_PAST > 0
+    for (int k = 0; k < SCARA_VECTOR_PAST; ++k) {
+        expect(scara_direct(scara_vector_past[k], &wrong) == SCARA_OUT_OF_RANGE,
+            "OUT_OF_RANGE of a limit", k);
+        expect(refused(NULL, &pose, scara_vector_past[k],
+            "a guess beyond a limit") == SCARA_OUT_OF_RANGE, "guess beyond a limit", k);
+        (void)scara_inverse(NULL, &pose, scara_vector_past[k], other, &info);
+        expect(info.joint == (unsigned int)scara_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
 #if SCARA_VECTOR_SINGULAR > 0
     for (int k = 0; k < SCARA_VECTOR_SINGULAR; ++k) {
         expect(refused(NULL, &pose, scara_vector_singular[k], "singular start") == SCARA_SINGULAR,

@@ -8,6 +8,8 @@
 #define SCARA_VECTORS 24
 #define SCARA_VECTOR_JACOBIANS 4
 #define SCARA_VECTOR_SINGULAR 1
+#define SCARA_VECTOR_INFEASIBLE 0
+#define SCARA_VECTOR_PAST 6
 #define SCARA_VECTOR_FAR 1
 
 static const scara_real scara_vector_guesses[24][4] = {
@@ -228,6 +230,20 @@ static const scara_real scara_vector_jacobians[4][24] = {
         0x0.0p+0f },
 };
 
+static const scara_real scara_vector_past[6][4] = {
+    { -0x1.2cc9e40000000p+1f, -0x1.94ba520000000p-3f, 0x1.eea2900000000p-2f,
+        -0x1.9426ae0000000p+6f },
+    { 0x1.2cc9e40000000p+1f, -0x1.94ba520000000p-3f, 0x1.eea2900000000p-2f,
+        -0x1.9426ae0000000p+6f },
+    { 0x1.5fc86c0000000p-3f, -0x1.414c060000000p+1f, 0x1.eea2900000000p-2f,
+        -0x1.9426ae0000000p+6f },
+    { 0x1.5fc86c0000000p-3f, 0x1.414c060000000p+1f, 0x1.eea2900000000p-2f, -0x1.9426ae0000000p+6f },
+    { 0x1.5fc86c0000000p-3f, -0x1.94ba520000000p-3f, 0x1.eea2900000000p-2f,
+        -0x1.2f00000000000p+7f },
+    { 0x1.5fc86c0000000p-3f, -0x1.94ba520000000p-3f, 0x1.eea2900000000p-2f, 0x1.8000000000000p+0f },
+};
+
+static const int scara_vector_blamed[6] = { 0, 0, 1, 1, 3, 3 };
 static const scara_real scara_vector_singular[1][4] = {
     { 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
 };

@@ -73,6 +73,7 @@ static void solve_all(void)
             expect(fabs((double)joints[i] - (double)ur5e_vector_inverse[k][i]) <= bound * 1.0,
                 "inverse's joints", k);
         }
+        expect(ur5e_inverse(NULL, &pose, joints, joints, &info) == UR5E_OK, "standing still", k);
         if (k < UR5E_VECTOR_JACOBIANS) {
             ur5e_real jacobian[6 * UR5E_JOINTS];
             expect(ur5e_jacobian(ur5e_vector_joints[k], jacobian) == UR5E_OK, "jacobian", k);
@@ -133,6 +134,16 @@ static void refuse_all(void)
     wrong = pose;
     wrong.position[0] = 8437955.795096347;
     (void)refused(NULL, &wrong, joints, "pose out of reach");
+#if UR5E_VECTOR_PAST > 0
+    for (int k = 0; k < UR5E_VECTOR_PAST; ++k) {
+        expect(ur5e_direct(ur5e_vector_past[k], &wrong) == UR5E_OUT_OF_RANGE,
+            "OUT_OF_RANGE of a limit", k);
+        expect(refused(NULL, &pose, ur5e_vector_past[k],
+            "a guess beyond a limit") == UR5E_OUT_OF_RANGE, "guess beyond a limit", k);
+        (void)ur5e_inverse(NULL, &pose, ur5e_vector_past[k], other, &info);
+        expect(info.joint == (unsigned int)ur5e_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
 #if UR5E_VECTOR_SINGULAR > 0
     for (int k = 0; k < UR5E_VECTOR_SINGULAR; ++k) {
         expect(refused(NULL, &pose, ur5e_vector_singular[k], "singular start") == UR5E_SINGULAR,

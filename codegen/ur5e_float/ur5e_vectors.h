@@ -8,6 +8,8 @@
 #define UR5E_VECTORS 24
 #define UR5E_VECTOR_JACOBIANS 4
 #define UR5E_VECTOR_SINGULAR 1
+#define UR5E_VECTOR_INFEASIBLE 0
+#define UR5E_VECTOR_PAST 0
 #define UR5E_VECTOR_FAR 1
 
 static const ur5e_real ur5e_vector_guesses[24][6] = {

@@ -8,6 +8,8 @@
 #define YAO2020_VECTORS 24
 #define YAO2020_VECTOR_JACOBIANS 4
 #define YAO2020_VECTOR_SINGULAR 0
+#define YAO2020_VECTOR_INFEASIBLE 0
+#define YAO2020_VECTOR_PAST 0
 #define YAO2020_VECTOR_FAR 1
 
 static const yao2020_real yao2020_vector_guesses[24][6] = {

@@ -74,6 +74,8 @@ static void solve_all(void)
             expect(fabs((double)joints[i] - (double)yao2020_vector_inverse[k][i]) <= bound * 1.0,
                 "inverse's joints", k);
         }
+        expect(yao2020_inverse(NULL, &pose, joints, joints, &info) == YAO2020_OK, "standing still",
+            k);
         if (k < YAO2020_VECTOR_JACOBIANS) {
             yao2020_real jacobian[6 * YAO2020_JOINTS];
             expect(yao2020_jacobian(yao2020_vector_joints[k], jacobian) == YAO2020_OK, "jacobian",
@@ -135,6 +137,16 @@ static void refuse_all(void)
     wrong = pose;
     wrong.position[0] = 5.550225e+06f;
     (void)refused(NULL, &wrong, joints, "pose out of reach");
+#if YAO2020_VECTOR_PAST > 0
+    for (int k = 0; k < YAO2020_VECTOR_PAST; ++k) {
+        expect(yao2020_direct(yao2020_vector_past[k], &wrong) == YAO2020_OUT_OF_RANGE,
+            "OUT_OF_RANGE of a limit", k);
+        expect(refused(NULL, &pose, yao2020_vector_past[k],
+            "a guess beyond a limit") == YAO2020_OUT_OF_RANGE, "guess beyond a limit", k);
+        (void)yao2020_inverse(NULL, &pose, yao2020_vector_past[k], other, &info);
+        expect(info.joint == (unsigned int)yao2020_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
 #if YAO2020_VECTOR_SINGULAR > 0
     for (int k = 0; k < YAO2020_VECTOR_SINGULAR; ++k) {
         expect(refused(NULL, &pose, yao2020_vector_singular[k],

@@ -91,6 +91,9 @@ static void solve_all(void)
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
         expect(info.joint == ZHANG2009_JOINTS, "no joint to blame", k);
+        expect(zhang2009_direct(NULL, zhang2009_vector_joints[k], &pose, &pose,
+            &info) == ZHANG2009_OK, "standing still", k);
+        expect(difference(&pose, zhang2009_vector_poses[k]) <= bound, "standing still's pose", k);
         pose = guess;
         expect(zhang2009_direct(NULL, zhang2009_vector_joints[k], &guess, &pose,
             NULL) == ZHANG2009_OK, "direct without info", k);
@@ -197,6 +200,38 @@ static void refuse_all(void)
 #endif
 }
 
+/* Poses that the mechanism cannot take, and joints beyond their limits. */
+static void refuse_infeasible(void)
+{
+#if ZHANG2009_VECTOR_INFEASIBLE > 0 || ZHANG2009_VECTOR_PAST > 0
+#endif
+#if ZHANG2009_VECTOR_INFEASIBLE > 0
+    for (int k = 0; k < ZHANG2009_VECTOR_INFEASIBLE; ++k) {
+        const zhang2009_pose pose = pose_from(zhang2009_vector_infeasible[k]);
+        zhang2009_real joints[ZHANG2009_JOINTS];
+        for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
+            joints[i] = 4.0f;
+        }
+        expect(zhang2009_inverse(&pose, joints) == ZHANG2009_OUT_OF_RANGE,
+            "a pose that cannot be taken", k);
+        for (int i = 0; i < ZHANG2009_JOINTS; ++i) {
+            expect(joints[i] == 4.0f, "joints untouched on failure", k);
+        }
+    }
+#endif
+#if ZHANG2009_VECTOR_PAST > 0
+    for (int k = 0; k < ZHANG2009_VECTOR_PAST; ++k) {
+        const zhang2009_pose home = pose_from(zhang2009_vector_home);
+        zhang2009_pose pose = home;
+        zhang2009_info info;
+        expect(refused(NULL, zhang2009_vector_past[k], &home,
+            "a joint beyond a limit") == ZHANG2009_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        (void)zhang2009_direct(NULL, zhang2009_vector_past[k], &home, &pose, &info);
+        expect(info.joint == (unsigned int)zhang2009_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
+}
+
 /* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
  * own. */
 static void speeds_of(const zhang2009_pose *pose, int k)
@@ -249,6 +284,7 @@ int main(void)
         speeds_of(&pose, k);
     }
     refuse_all();
+    refuse_infeasible();
     (void)printf("zhang2009: %d cases, %d failures\n", ZHANG2009_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

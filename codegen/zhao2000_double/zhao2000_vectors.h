@@ -8,6 +8,8 @@
 #define ZHAO2000_VECTORS 24
 #define ZHAO2000_VECTOR_JACOBIANS 4
 #define ZHAO2000_VECTOR_SINGULAR 0
+#define ZHAO2000_VECTOR_INFEASIBLE 4
+#define ZHAO2000_VECTOR_PAST 0
 #define ZHAO2000_VECTOR_FAR 0
 
 static const zhao2000_real zhao2000_vector_guesses[24][7] = {
@@ -187,6 +189,17 @@ static const zhao2000_real zhao2000_vector_jacobians[4][24] = {
         0x0.0p+0, -0x1.d7d82b3cd422bp-1, 0x1.29a579e664bd3p-7, 0x1.813dd85ec3884p-7, 0x0.0p+0,
         0x0.0p+0, 0x0.0p+0, -0x1.ff91b6379453dp-1, -0x1.f6bc5e596b700p-6, 0x1.bfb2486c49622p-10,
         0x1.ffc216ddb4730p-1, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+};
+
+static const zhao2000_real zhao2000_vector_infeasible[4][7] = {
+    { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2, 0x1.9240216261854p+6, 0x1.ffbb58cb1cf95p-1,
+        0x1.4782d7367c049p-8, -0x1.4f444cea4b2e4p-13, 0x1.05eccd0b7a317p-5 },
+    { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2, 0x1.9240216261854p+6, 0x1.ffbb58cb1cf95p-1,
+        0x1.4f444cea4b2e4p-13, 0x1.4782d7367c049p-8, 0x1.05eccd0b7a317p-5 },
+    { -0x1.1f9c1f042204bp+2, 0x1.c9e5999fbf46bp-1, 0x1.c7a6e779eea5ep+6, 0x1.ff7187a0c88a3p-1,
+        0x1.475398ed26dc8p-8, -0x1.e5f40b89e80ffp-13, 0x1.7ba5d9abb752ap-5 },
+    { -0x1.1f9c1f042204bp+2, 0x1.c9e5999fbf46bp-1, 0x1.c7a6e779eea5ep+6, 0x1.ff7187a0c88a3p-1,
+        0x1.e5f40b89e80ffp-13, 0x1.475398ed26dc8p-8, 0x1.7ba5d9abb752ap-5 },
 };
 
 static const zhao2000_real zhao2000_vector_home[7] = { 0x0.0p+0, 0x0.0p+0, 0x1.9000000000000p+6,

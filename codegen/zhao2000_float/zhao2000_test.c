@@ -91,6 +91,9 @@ static void solve_all(void)
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0f, "direct's smallest pivot", k);
         expect(info.joint == ZHAO2000_JOINTS, "no joint to blame", k);
+        expect(zhao2000_direct(NULL, zhao2000_vector_joints[k], &pose, &pose,
+            &info) == ZHAO2000_OK, "standing still", k);
+        expect(difference(&pose, zhao2000_vector_poses[k]) <= bound, "standing still's pose", k);
         pose = guess;
         expect(zhao2000_direct(NULL, zhao2000_vector_joints[k], &guess, &pose,
             NULL) == ZHAO2000_OK, "direct without info", k);
@@ -190,6 +193,38 @@ static void refuse_all(void)
 #endif
 }
 
+/* Poses that the mechanism cannot take, and joints beyond their limits. */
+static void refuse_infeasible(void)
+{
+#if ZHAO2000_VECTOR_INFEASIBLE > 0 || ZHAO2000_VECTOR_PAST > 0
+#endif
+#if ZHAO2000_VECTOR_INFEASIBLE > 0
+    for (int k = 0; k < ZHAO2000_VECTOR_INFEASIBLE; ++k) {
+        const zhao2000_pose pose = pose_from(zhao2000_vector_infeasible[k]);
+        zhao2000_real joints[ZHAO2000_JOINTS];
+        for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
+            joints[i] = 4.0f;
+        }
+        expect(zhao2000_inverse(&pose, joints) == ZHAO2000_OUT_OF_RANGE,
+            "a pose that cannot be taken", k);
+        for (int i = 0; i < ZHAO2000_JOINTS; ++i) {
+            expect(joints[i] == 4.0f, "joints untouched on failure", k);
+        }
+    }
+#endif
+#if ZHAO2000_VECTOR_PAST > 0
+    for (int k = 0; k < ZHAO2000_VECTOR_PAST; ++k) {
+        const zhao2000_pose home = pose_from(zhao2000_vector_home);
+        zhao2000_pose pose = home;
+        zhao2000_info info;
+        expect(refused(NULL, zhao2000_vector_past[k], &home,
+            "a joint beyond a limit") == ZHAO2000_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        (void)zhao2000_direct(NULL, zhao2000_vector_past[k], &home, &pose, &info);
+        expect(info.joint == (unsigned int)zhao2000_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
+}
+
 /* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
  * own. */
 static void speeds_of(const zhao2000_pose *pose, int k)
@@ -242,6 +277,7 @@ int main(void)
         speeds_of(&pose, k);
     }
     refuse_all();
+    refuse_infeasible();
     (void)printf("zhao2000: %d cases, %d failures\n", ZHAO2000_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -8,6 +8,8 @@
 #define ZHAO2000_VECTORS 24
 #define ZHAO2000_VECTOR_JACOBIANS 4
 #define ZHAO2000_VECTOR_SINGULAR 0
+#define ZHAO2000_VECTOR_INFEASIBLE 4
+#define ZHAO2000_VECTOR_PAST 0
 #define ZHAO2000_VECTOR_FAR 0
 
 static const zhao2000_real zhao2000_vector_guesses[24][7] = {
@@ -187,6 +189,17 @@ static const zhao2000_real zhao2000_vector_jacobians[4][24] = {
         0x0.0p+0f, 0x0.0p+0f, -0x1.d7d8300000000p-1f, 0x1.29a5740000000p-7f, 0x1.813ddc0000000p-7f,
         0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f, -0x1.ff91b80000000p-1f, -0x1.f6bc200000000p-6f,
         0x1.bfb75e0000000p-10f, 0x1.ffc2160000000p-1f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
+};
+
+static const zhao2000_real zhao2000_vector_infeasible[4][7] = {
+    { -0x1.eab59c0000000p-4f, -0x1.0df5b40000000p+2f, 0x1.9240220000000p+6f, 0x1.ffbb580000000p-1f,
+        0x1.4782d80000000p-8f, -0x1.4f444c0000000p-13f, 0x1.05ecce0000000p-5f },
+    { -0x1.eab59c0000000p-4f, -0x1.0df5b40000000p+2f, 0x1.9240220000000p+6f, 0x1.ffbb580000000p-1f,
+        0x1.4f444c0000000p-13f, 0x1.4782d80000000p-8f, 0x1.05ecce0000000p-5f },
+    { -0x1.1f9c200000000p+2f, 0x1.c9e59a0000000p-1f, 0x1.c7a6e80000000p+6f, 0x1.ff71880000000p-1f,
+        0x1.4753980000000p-8f, -0x1.e5f40c0000000p-13f, 0x1.7ba5da0000000p-5f },
+    { -0x1.1f9c200000000p+2f, 0x1.c9e59a0000000p-1f, 0x1.c7a6e80000000p+6f, 0x1.ff71880000000p-1f,
+        0x1.e5f40c0000000p-13f, 0x1.4753980000000p-8f, 0x1.7ba5da0000000p-5f },
 };
 
 static const zhao2000_real zhao2000_vector_home[7] = { 0x0.0p+0f, 0x0.0p+0f, 0x1.9000000000000p+6f,

@@ -684,8 +684,8 @@ static zhao2000_links_status zhao2000_links_limb2_joints(const zhao2000_links_re
         const zhao2000_links_real t68 = 69.72787847664287 * t67;
         const zhao2000_links_real t69 = t63 - t68;
         const zhao2000_links_real t70 = t69 * -0.00020408163265306123;
-        const zhao2000_links_real t71 = -6.166276278802573 * t70;
-        const zhao2000_links_real t72 = -6.166276278802573 * t67;
+        const zhao2000_links_real t71 = -6.166276278802572 * t70;
+        const zhao2000_links_real t72 = -6.166276278802572 * t67;
         const zhao2000_links_real t73 = -69.72787847664287 * t62;
         const zhao2000_links_real t74 = t72 - t73;
         const zhao2000_links_real t75 = t74 * -0.00020408163265306123;
@@ -804,8 +804,8 @@ static zhao2000_links_status zhao2000_links_limb2_rates(const zhao2000_links_rea
         const zhao2000_links_real t68 = 69.72787847664287 * t67;
         const zhao2000_links_real t69 = t63 - t68;
         const zhao2000_links_real t70 = t69 * -0.00020408163265306123;
-        const zhao2000_links_real t71 = -6.166276278802573 * t70;
-        const zhao2000_links_real t72 = -6.166276278802573 * t67;
+        const zhao2000_links_real t71 = -6.166276278802572 * t70;
+        const zhao2000_links_real t72 = -6.166276278802572 * t67;
         const zhao2000_links_real t73 = -69.72787847664287 * t62;
         const zhao2000_links_real t74 = t72 - t73;
         const zhao2000_links_real t75 = t74 * -0.00020408163265306123;
@@ -858,8 +858,8 @@ static zhao2000_links_status zhao2000_links_limb2_rates(const zhao2000_links_rea
         const zhao2000_links_real t122 = t120 - t121;
         const zhao2000_links_real t123 = 69.72787847664287 * t122;
         const zhao2000_links_real t124 = t119 - t123;
-        const zhao2000_links_real t125 = 0.0012584237303678721 * t124;
-        const zhao2000_links_real t126 = -6.166276278802573 * t122;
+        const zhao2000_links_real t125 = 0.001258423730367872 * t124;
+        const zhao2000_links_real t126 = -6.166276278802572 * t122;
         const zhao2000_links_real t127 = -69.72787847664287 * t118;
         const zhao2000_links_real t128 = t126 - t127;
         const zhao2000_links_real t129 = -0.014230179280947525 * t128;
@@ -896,8 +896,8 @@ static zhao2000_links_status zhao2000_links_limb2_rates(const zhao2000_links_rea
         const zhao2000_links_real t160 = t158 - t159;
         const zhao2000_links_real t161 = 69.72787847664287 * t160;
         const zhao2000_links_real t162 = t157 - t161;
-        const zhao2000_links_real t163 = 0.0012584237303678721 * t162;
-        const zhao2000_links_real t164 = -6.166276278802573 * t160;
+        const zhao2000_links_real t163 = 0.001258423730367872 * t162;
+        const zhao2000_links_real t164 = -6.166276278802572 * t160;
         const zhao2000_links_real t165 = -69.72787847664287 * t156;
         const zhao2000_links_real t166 = t164 - t165;
         const zhao2000_links_real t167 = -0.014230179280947525 * t166;
@@ -949,9 +949,9 @@ static zhao2000_links_status zhao2000_links_limb2_rates(const zhao2000_links_rea
         const zhao2000_links_real t213 = t208 + t212;
         const zhao2000_links_real t214 = 69.72787847664287 * t213;
         const zhao2000_links_real t215 = t211 + t214;
-        const zhao2000_links_real t216 = 0.0012584237303678721 * t215;
-        const zhao2000_links_real t217 = -6.166276278802573 * t210;
-        const zhao2000_links_real t218 = -6.166276278802573 * t213;
+        const zhao2000_links_real t216 = 0.001258423730367872 * t215;
+        const zhao2000_links_real t217 = -6.166276278802572 * t210;
+        const zhao2000_links_real t218 = -6.166276278802572 * t213;
         const zhao2000_links_real t219 = t217 + t218;
         const zhao2000_links_real t220 = -0.014230179280947525 * t219;
         const zhao2000_links_real t221 = t216 - t220;
@@ -1859,8 +1859,8 @@ static zhao2000_links_status zhao2000_links_read_guess(zhao2000_links_direct_wor
             const zhao2000_links_real t187 = 69.72787847664287 * t186;
             const zhao2000_links_real t188 = t182 - t187;
             const zhao2000_links_real t189 = t188 * -0.00020408163265306123;
-            const zhao2000_links_real t190 = -6.166276278802573 * t189;
-            const zhao2000_links_real t191 = -6.166276278802573 * t186;
+            const zhao2000_links_real t190 = -6.166276278802572 * t189;
+            const zhao2000_links_real t191 = -6.166276278802572 * t186;
             const zhao2000_links_real t192 = -69.72787847664287 * t181;
             const zhao2000_links_real t193 = t191 - t192;
             const zhao2000_links_real t194 = t193 * -0.00020408163265306123;
@@ -2461,7 +2461,7 @@ static void zhao2000_links_direct_formulas(zhao2000_links_direct_work *w)
         const zhao2000_links_real t299 = t298 * 0.00020408163265306123;
         w->y[6] = t299;
         const zhao2000_links_real t301 = -69.72787847664287 * t296;
-        const zhao2000_links_real t302 = -6.166276278802573 * t291;
+        const zhao2000_links_real t302 = -6.166276278802572 * t291;
         const zhao2000_links_real t303 = t301 - t302;
         const zhao2000_links_real t304 = t303 * 0.00020408163265306123;
         w->y[7] = t304;
@@ -3047,7 +3047,7 @@ static zhao2000_links_status zhao2000_links_direct_answer(const zhao2000_links_d
     const zhao2000_links_real t297 = t296 * t275;
     const zhao2000_links_real t298 = t293 - t297;
     const zhao2000_links_real t299 = 69.72787847664287 * w->y[7];
-    const zhao2000_links_real t300 = 6.166276278802573 * w->y[6];
+    const zhao2000_links_real t300 = 6.166276278802572 * w->y[6];
     const zhao2000_links_real t301 = t299 - t300;
     const zhao2000_links_real t302 = w->y[6] * w->y[8];
     const zhao2000_links_real t303 = w->y[7] * w->y[9];

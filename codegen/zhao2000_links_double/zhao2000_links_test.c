@@ -92,6 +92,10 @@ static void solve_all(void)
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > 0.0, "direct's smallest pivot", k);
         expect(info.joint == ZHAO2000_LINKS_JOINTS, "no joint to blame", k);
+        expect(zhao2000_links_direct(NULL, zhao2000_links_vector_joints[k], &pose, &pose,
+            &info) == ZHAO2000_LINKS_OK, "standing still", k);
+        expect(difference(&pose, zhao2000_links_vector_poses[k]) <= bound, "standing still's pose",
+            k);
         pose = guess;
         expect(zhao2000_links_direct(NULL, zhao2000_links_vector_joints[k], &guess, &pose,
             NULL) == ZHAO2000_LINKS_OK, "direct without info", k);
@@ -200,6 +204,39 @@ static void refuse_all(void)
 #endif
 }
 
+/* Poses that the mechanism cannot take, and joints beyond their limits. */
+static void refuse_infeasible(void)
+{
+#if ZHAO2000_LINKS_VECTOR_INFEASIBLE > 0 || ZHAO2000_LINKS_VECTOR_PAST > 0
+#endif
+#if ZHAO2000_LINKS_VECTOR_INFEASIBLE > 0
+    for (int k = 0; k < ZHAO2000_LINKS_VECTOR_INFEASIBLE; ++k) {
+        const zhao2000_links_pose pose = pose_from(zhao2000_links_vector_infeasible[k]);
+        zhao2000_links_real joints[ZHAO2000_LINKS_JOINTS];
+        for (int i = 0; i < ZHAO2000_LINKS_JOINTS; ++i) {
+            joints[i] = 4.0;
+        }
+        expect(zhao2000_links_inverse(&pose, joints) == ZHAO2000_LINKS_OUT_OF_RANGE,
+            "a pose that cannot be taken", k);
+        for (int i = 0; i < ZHAO2000_LINKS_JOINTS; ++i) {
+            expect(joints[i] == 4.0, "joints untouched on failure", k);
+        }
+    }
+#endif
+#if ZHAO2000_LINKS_VECTOR_PAST > 0
+    for (int k = 0; k < ZHAO2000_LINKS_VECTOR_PAST; ++k) {
+        const zhao2000_links_pose home = pose_from(zhao2000_links_vector_home);
+        zhao2000_links_pose pose = home;
+        zhao2000_links_info info;
+        expect(refused(NULL, zhao2000_links_vector_past[k], &home,
+            "a joint beyond a limit") == ZHAO2000_LINKS_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        (void)zhao2000_links_direct(NULL, zhao2000_links_vector_past[k], &home, &pose, &info);
+        expect(info.joint == (unsigned int)zhao2000_links_vector_blamed[k], "joint beyond a limit",
+            k);
+    }
+#endif
+}
+
 /* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its
  * own. */
 static void speeds_of(const zhao2000_links_pose *pose, int k)
@@ -254,6 +291,7 @@ int main(void)
         speeds_of(&pose, k);
     }
     refuse_all();
+    refuse_infeasible();
     (void)printf("zhao2000_links: %d cases, %d failures\n", ZHAO2000_LINKS_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

@@ -8,6 +8,8 @@
 #define ZHAO2000_LINKS_VECTORS 24
 #define ZHAO2000_LINKS_VECTOR_JACOBIANS 4
 #define ZHAO2000_LINKS_VECTOR_SINGULAR 0
+#define ZHAO2000_LINKS_VECTOR_INFEASIBLE 6
+#define ZHAO2000_LINKS_VECTOR_PAST 0
 #define ZHAO2000_LINKS_VECTOR_FAR 0
 
 static const zhao2000_links_real zhao2000_links_vector_guesses[24][7] = {
@@ -187,6 +189,21 @@ static const zhao2000_links_real zhao2000_links_vector_jacobians[4][24] = {
         0x0.0p+0, -0x1.d7d82b3cd422bp-1, 0x1.29a579e664bd3p-7, 0x1.813dd85ec3884p-7, 0x0.0p+0,
         0x0.0p+0, 0x0.0p+0, -0x1.ff91b6379453dp-1, -0x1.f5ea7493d5d44p-6, 0x1.bef759e5badf8p-10,
         0x1.ffc24a89585c5p-1, 0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
+};
+
+static const zhao2000_links_real zhao2000_links_vector_infeasible[6][7] = {
+    { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2, 0x1.924d883da33a0p+6, 0x1.ffbb58cb1cf95p-1,
+        0x1.4782d7367c049p-8, -0x1.4f444cea4b2e4p-13, 0x1.05eccd0b7a317p-5 },
+    { -0x1.eab59b1a06c34p-4, -0x1.0df5b4fcbb40dp+2, 0x1.924d883da33a0p+6, 0x1.ffbb58cb1cf95p-1,
+        0x1.4f444cea4b2e4p-13, 0x1.4782d7367c049p-8, 0x1.05eccd0b7a317p-5 },
+    { -0x1.1f9c1f042204bp+2, 0x1.c9e5999fbf46bp-1, 0x1.c8c724b6591d2p+6, 0x1.ff7187a0c88a3p-1,
+        0x1.475398ed26dc8p-8, -0x1.e5f40b89e80ffp-13, 0x1.7ba5d9abb752ap-5 },
+    { -0x1.1f9c1f042204bp+2, 0x1.c9e5999fbf46bp-1, 0x1.c8c724b6591d2p+6, 0x1.ff7187a0c88a3p-1,
+        0x1.e5f40b89e80ffp-13, 0x1.475398ed26dc8p-8, 0x1.7ba5d9abb752ap-5 },
+    { 0x1.6ce3662832611p+1, 0x1.07a542a6198f0p+3, 0x1.e62801d7db18ap+6, 0x1.ffbf8cd749038p-1,
+        0x0.0p+0, 0x0.0p+0, 0x1.00ddd46d7aa7fp-5 },
+    { -0x1.264350b5e2ebfp+6, -0x1.36a7fe9ee9d61p+6, 0x1.5c0b15c660ae0p+7, 0x1.fc70367aca93fp-1,
+        0x0.0p+0, 0x0.0p+0, -0x1.e24ac5aed2789p-4 },
 };
 
 static const zhao2000_links_real zhao2000_links_vector_home[7] = { 0x0.0p+0, 0x0.0p+0,

@@ -8,6 +8,8 @@
 #define ZHAO2000_LINKS_VECTORS 24
 #define ZHAO2000_LINKS_VECTOR_JACOBIANS 4
 #define ZHAO2000_LINKS_VECTOR_SINGULAR 0
+#define ZHAO2000_LINKS_VECTOR_INFEASIBLE 6
+#define ZHAO2000_LINKS_VECTOR_PAST 0
 #define ZHAO2000_LINKS_VECTOR_FAR 0
 
 static const zhao2000_links_real zhao2000_links_vector_guesses[24][7] = {
@@ -187,6 +189,21 @@ static const zhao2000_links_real zhao2000_links_vector_jacobians[4][24] = {
         0x0.0p+0f, 0x0.0p+0f, -0x1.d7d8300000000p-1f, 0x1.29a5740000000p-7f, 0x1.813ddc0000000p-7f,
         0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f, -0x1.ff91b80000000p-1f, -0x1.f5ea340000000p-6f,
         0x1.befc6c0000000p-10f, 0x1.ffc24a0000000p-1f, 0x0.0p+0f, 0x0.0p+0f, 0x0.0p+0f },
+};
+
+static const zhao2000_links_real zhao2000_links_vector_infeasible[6][7] = {
+    { -0x1.eab59c0000000p-4f, -0x1.0df5b40000000p+2f, 0x1.924d880000000p+6f, 0x1.ffbb580000000p-1f,
+        0x1.4782d80000000p-8f, -0x1.4f444c0000000p-13f, 0x1.05ecce0000000p-5f },
+    { -0x1.eab59c0000000p-4f, -0x1.0df5b40000000p+2f, 0x1.924d880000000p+6f, 0x1.ffbb580000000p-1f,
+        0x1.4f444c0000000p-13f, 0x1.4782d80000000p-8f, 0x1.05ecce0000000p-5f },
+    { -0x1.1f9c200000000p+2f, 0x1.c9e59a0000000p-1f, 0x1.c8c7240000000p+6f, 0x1.ff71880000000p-1f,
+        0x1.4753980000000p-8f, -0x1.e5f40c0000000p-13f, 0x1.7ba5da0000000p-5f },
+    { -0x1.1f9c200000000p+2f, 0x1.c9e59a0000000p-1f, 0x1.c8c7240000000p+6f, 0x1.ff71880000000p-1f,
+        0x1.e5f40c0000000p-13f, 0x1.4753980000000p-8f, 0x1.7ba5da0000000p-5f },
+    { 0x1.6ce3660000000p+1f, 0x1.07a5420000000p+3f, 0x1.e628020000000p+6f, 0x1.ffbf8c0000000p-1f,
+        0x0.0p+0f, 0x0.0p+0f, 0x1.00ddd40000000p-5f },
+    { -0x1.2643500000000p+6f, -0x1.36a7fe0000000p+6f, 0x1.5c0b160000000p+7f, 0x1.fc70360000000p-1f,
+        0x0.0p+0f, 0x0.0p+0f, -0x1.e24ac60000000p-4f },
 };
 
 static const zhao2000_links_real zhao2000_links_vector_home[7] = { 0x0.0p+0f, 0x0.0p+0f,

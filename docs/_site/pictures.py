@@ -26,8 +26,11 @@ def draw_pictures(pages: list[Path], folder: Path) -> None:
         for page, text in texts.items():
             for command, picture in _COMMAND.findall(text):
                 words = [sys.executable, "-m", "symkin", *shlex.split(command)[1:]]
-                subprocess.run(words, cwd=place, check=False, capture_output=True)  # a path may stop, with status 3
-                shutil.move(Path(place, f"{picture}.png"), folder / f"{page}_{picture}.png")
+                done = subprocess.run(words, cwd=place, check=False, capture_output=True, text=True)
+                drawn = Path(place, f"{picture}.png")
+                if not drawn.exists():  # the status tells nothing: a path may stop, with status 3
+                    raise RuntimeError(f"{page}: {command} drew nothing (status {done.returncode}): {done.stderr.strip()}")
+                shutil.move(drawn, folder / f"{page}_{picture}.png")
 
 
 def with_pictures(page: str, text: str, folder: Path) -> str:

@@ -14,9 +14,9 @@ from math import prod
 import numpy as np
 
 from symkin.assembly.group_proofs import with_certificates
-from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, GroupRoots, group_roots, one_by_one
+from symkin.assembly.group_roots import STATEMENTS, GroupRoots, engines_together, group_roots, one_by_one
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.modes_result import Completeness, Group, Modes
+from symkin.assembly.modes_result import Completeness, Group, Modes, sampling
 from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
@@ -25,8 +25,11 @@ from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.given import Given
 from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
-from symkin.position.roots import MOST_MODES
+from symkin.position.roots import MOST_MODES, Roots, product_of_counts, sum_of_counts
 from symkin.position.solution_list import SolutionList, checked_solutions
+
+FEW = -1
+"""In place of the group at which choices are too many: there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +48,7 @@ class GroupedModes:
     def modes_of(self, number: int, given: Given) -> Modes:
         """The modes of one input. Raises TooManyModesError where its groups' choices are more than can be held."""
         account, groups = self.account, structure_groups(self.problem)
-        if account.too_many[number] != NOT_KNOWN:
+        if account.too_many[number] != FEW:
             raise TooManyModesError(_too_many(self.problem, groups, int(account.too_many[number])))
         mine = np.flatnonzero(self.owner == number)
         found = replace(self.listed.chosen(mine), notes=given.notes)
@@ -58,9 +61,10 @@ class GroupedModes:
             given=given.echo,
             modes=found,
             completeness=STATEMENTS[self.statement[number]],
-            method=self.search.method,
+            method=self.search.name,
             seed=self.search.seed,
             elapsed_s=0.0,
+            **sampling(account.samples.get(number, [])),
             complex_count=account.complex_count_of(number),
             unresolved_paths=account.unresolved_of(number),
             smallest_residual=None if len(found) or continuum or not np.isfinite(smallest) else smallest,
@@ -78,7 +82,7 @@ class GroupedModes:
 class _Account:
     """What is known of n inputs and each group (n, groups): whether it was reached, the place of what is said of it in `STATEMENTS`,
     the most complex and real solutions for one choice before it, unresolved paths, whether a set that is not isolated was met. Of
-    each input (n,): the least closure error of the group that has no solution, and the group at which choices are too many."""
+    each input: what was searched from random starts (`samples`), and (n,) the least closure error of the group that has no solution, and the group at which choices are too many."""
 
     seen: np.ndarray
     statement: np.ndarray
@@ -90,14 +94,14 @@ class _Account:
     too_many: np.ndarray
     notes: list[tuple[int, np.ndarray | None, tuple[str, ...]]] = field(default_factory=list)
     engines: list[str] = field(default_factory=list)
+    samples: dict[int, list[Roots]] = field(default_factory=dict)
 
     @staticmethod
     def empty(n: int, groups: int) -> _Account:
-        numbers = (np.zeros((n, groups), dtype=int) for _ in range(4))
-        flags = (np.zeros((n, groups), dtype=bool) for _ in range(2))
-        statement, complex_count, count, unresolved = numbers
-        seen, continuum = flags
-        return _Account(seen, statement, complex_count, count, unresolved, continuum, np.full(n, np.inf), np.full(n, NOT_KNOWN))
+        statement, count = (np.zeros((n, groups), dtype=int) for _ in range(2))
+        complex_count, unresolved = (np.zeros((n, groups)) for _ in range(2))
+        seen, continuum = (np.zeros((n, groups), dtype=bool) for _ in range(2))
+        return _Account(seen, statement, complex_count, count, unresolved, continuum, np.full(n, np.inf), np.full(n, FEW))
 
     def add(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
         """What a group's roots say of inputs: each pair of `owner` (k,) and `which` (k,) is an input and a row that it asks for."""
@@ -107,21 +111,21 @@ class _Account:
             np.maximum.at(array[:, number], owner, values[which])
         self._add_unresolved(number, roots, owner, which)
         np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
-        unknown = roots.complex_count[which] == NOT_KNOWN
-        self.complex_count[owner[unknown], number] = NOT_KNOWN
         self.notes.append((number, None, roots.orbits))
         self.notes += [(number, np.unique(owner[which == row]), texts) for row, texts in roots.notes.items()]
         self.engines += [roots.engine] if roots.engine is not None else []
+        for row, sample in roots.samples.items():
+            for i in np.unique(owner[which == row]).tolist():
+                self.samples.setdefault(i, []).append(sample)
 
     def _add_unresolved(self, number: int, roots: GroupRoots, owner: np.ndarray, which: np.ndarray) -> None:
         """Unresolved paths of all different rows that an input asks for."""
         pairs = np.unique(np.stack([owner, which]), axis=1) if roots.unresolved.any() else np.zeros((2, 0), dtype=int)
-        np.add.at(self.unresolved[:, number], pairs[0], np.maximum(roots.unresolved[pairs[1]], 0))
-        self.unresolved[owner[roots.unresolved[which] == NOT_KNOWN], number] = NOT_KNOWN
+        np.add.at(self.unresolved[:, number], pairs[0], roots.unresolved[pairs[1]])
 
     @property
     def engine(self) -> str | None:
-        return ", ".join(dict.fromkeys(self.engines)) or None
+        return engines_together(self.engines)
 
     @property
     def whole(self) -> np.ndarray:
@@ -130,13 +134,11 @@ class _Account:
 
     def complex_count_of(self, number: int) -> int | None:
         """Complex solutions of an input; None where they are not known."""
-        counts = self.complex_count[number].tolist()
-        return None if NOT_KNOWN in counts or not self.seen[number].all() else prod(counts)
+        return product_of_counts(self.complex_count[number].tolist()) if self.seen[number].all() else None
 
     def unresolved_of(self, number: int) -> int | None:
         """Unresolved paths of an input; None where some group was searched without paths."""
-        counts = self.unresolved[number].tolist()
-        return None if NOT_KNOWN in counts else sum(counts)
+        return sum_of_counts(self.unresolved[number].tolist())
 
     def notes_of(self, number: int) -> list[str]:
         """What is said of an input's groups, in their order."""
@@ -147,10 +149,10 @@ class _Account:
     def group_of(self, number: int, place: int, group: Problem) -> Group:
         """A group as it is for one input."""
         unknowns = tuple(c.name for c in group.system.unknowns)
-        complex_count = int(self.complex_count[number, place])
+        complex_count = product_of_counts([self.complex_count[number, place]])
         statement: Completeness = STATEMENTS[self.statement[number, place]]
         count = int(self.count[number, place])
-        return Group(", ".join(unknowns), unknowns, None if complex_count == NOT_KNOWN else complex_count, statement, count)
+        return Group(", ".join(unknowns), unknowns, complex_count, statement, count)
 
 
 def modes_by_groups(
@@ -172,12 +174,12 @@ def modes_by_groups(
     _check_choices(problem, choose)
     account, parts = _Account.empty(n, len(groups)), []
     for numbers in independent_parts(groups):
-        tree = _Tree(begin, np.arange(n))
+        tree = _Tree(begin, np.arange(n), np.full(n, np.inf))
         for number in numbers:
             chosen = choose[number] if number < len(choose) else None
             tree = _extended(groups[number], number, tree, account, _Ask(search, chosen, least_errors, progress))
         columns = np.concatenate([groups[number].unknown_places for number in numbers])
-        parts.append(_Tree(tree.values[:, columns], tree.owner, columns))
+        parts.append(_Tree(tree.values[:, columns], tree.owner, tree.hits, columns))
     return _checked(problem, known, search, account, _combined(begin, parts), certify=certify)
 
 
@@ -218,11 +220,12 @@ def _too_many(problem: Problem, groups: Sequence[Problem], number: int) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _Tree:
-    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising; of a part that is done only its own
-    `columns` of the variables."""
+    """Partial configurations `values` (m, variables) of the inputs `owner` (m,), rising, and the `hits` (m,) of the rarest choice of
+    each; of a part that is done only its own `columns` of the variables."""
 
     values: np.ndarray
     owner: np.ndarray
+    hits: np.ndarray
     columns: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
 
@@ -261,7 +264,7 @@ def _extended(group: Problem, number: int, tree: _Tree, account: _Account, ask: 
     place = first[which[parent]] + np.arange(len(parent)) - np.repeat(np.cumsum(counts) - counts, counts)
     values = tree.values[parent]
     values[:, group.unknown_places] = roots.points[place]
-    return _Tree(values, tree.owner[parent])
+    return _Tree(values, tree.owner[parent], np.minimum(tree.hits[parent], roots.hits[place]))
 
 
 def _lost(roots: GroupRoots, owner: np.ndarray, which: np.ndarray, n: int) -> np.ndarray:
@@ -289,10 +292,12 @@ def _without_too_many(number: int, owner: np.ndarray, counts: np.ndarray, accoun
 
 @dataclass(frozen=True, eq=False)
 class _Combined:
-    """Configurations (m, variables) of the inputs `owner` (m,), rising; how many each input has, listed or not."""
+    """Configurations (m, variables) of the inputs `owner` (m,), rising, with the hits of each; how many each input has, listed or
+    not."""
 
     values: np.ndarray
     owner: np.ndarray
+    hits: np.ndarray
     total: tuple[int, ...]
 
 
@@ -315,10 +320,12 @@ def _combined(begin: np.ndarray, parts: list[_Tree]) -> _Combined:
         before = int(np.searchsorted(owner, i))
         owner = np.insert(owner, before, np.full(some.shape[1], i))
         places = np.concatenate([places[:, :before], some, places[:, before:]], axis=1)
-    values = begin[owner]
+    values, hits = begin[owner], np.full(len(owner), np.inf)
     for part, size, place in zip(parts, sizes, places, strict=True):
-        values[:, part.columns] = part.values[(np.cumsum(size) - size)[owner] + place]
-    return _Combined(values, owner, tuple(prod(column) for column in sizes.T.tolist()))
+        row = (np.cumsum(size) - size)[owner] + place
+        values[:, part.columns] = part.values[row]
+        hits = np.minimum(hits, part.hits[row])
+    return _Combined(values, owner, hits, tuple(prod(column) for column in sizes.T.tolist()))
 
 
 def _some_combinations(sizes: list[int]) -> np.ndarray:
@@ -341,7 +348,8 @@ def _checked(
     owner = combined.owner[order]
     left_out = np.zeros(len(known), dtype=bool)
     left_out[owner[~closed]] = True
-    listed, owner = found.chosen(order[closed]), owner[closed]
+    hits = combined.hits[order[closed]]
+    listed, owner = replace(found.chosen(order[closed]), hits=np.where(np.isfinite(hits), hits, -1).astype(int)), owner[closed]
     if certify:
         listed = with_certificates(structure_groups(problem), listed)
     statement = np.max(account.statement, axis=1, initial=0)

@@ -9,9 +9,10 @@ import numpy as np
 from symkin.assembly.block_proofs import BlockProver, RootProofs
 from symkin.certificate.certificate import CertificateBatch
 from symkin.computed_once import lru_cache
-from symkin.numeric.linear_algebra import condition_of, extreme_singular_values
+from symkin.numeric.linear_algebra import extreme_singular_values
+from symkin.numeric.root_checks import POLISHING, are_roots, are_suspect
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, DISTINCT_ROOTS, SUSPECT_CONDITION
+from symkin.numeric.tolerances import DISTINCT_ROOTS
 from symkin.position.canonical import canonical
 from symkin.position.roots import features
 
@@ -53,13 +54,13 @@ def checked_roots(
     Instances (n,) with roots that are badly conditioned or equal are no longer `plain`; `counts` (n,) are their complex roots."""
     owner = candidates.owner
     here = known[owner]
-    polished = block.polish_many(candidates.points, here)
+    polished = block.polish_many(candidates.points, here, POLISHING)
     places = {c.name: place for c, place in zip(block.unknowns, block.slices, strict=True)}
     points = canonical(block.unknowns, places, polished.points)
     residual = block.residuals(points, here)
-    closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * block.characteristic_length)
+    closed = np.flatnonzero(are_roots(block, polished, residual))
     points, owner, extremes = points[closed], owner[closed], extreme_singular_values(polished.jacobians[closed])
-    plain[owner[~(condition_of(extremes) < SUSPECT_CONDITION)]] = False
+    plain[owner[are_suspect(extremes)]] = False
     plain[_owners_of_equal(block, points, owner)] = False
     return BlockRoots(
         points=points,

@@ -1,7 +1,8 @@
 """Real roots of one block of a problem at many instances, by formulas, with what is in doubt left to paths.
 
-Where each equation of the formulas is far from a double root and from leaving its unknown undecided, their branches are all solutions
-that there are. Every one is polished and checked on all rows as the ends of paths are.
+Formulas are used where they account for all solutions: generically every branch, complex ones included, closes on all rows, and they are
+as many as paths find. Where each equation of the formulas is far from a double root and from leaving its unknown undecided, and each
+real branch closes on all rows to rounding, their branches are then all solutions that there are; every other input is left to paths.
 """
 
 from __future__ import annotations
@@ -11,20 +12,26 @@ from typing import ClassVar, Protocol
 
 import numpy as np
 
+from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.block_proofs import BlockProver, block_prover
 from symkin.assembly.checked_roots import BlockRoots, Candidates, checked_roots, with_proofs
 from symkin.computed_once import cached_property, lru_cache
-from symkin.elimination.closed_form import Solutions, closed_form, samples_about
+from symkin.elimination.closed_form import ClosedForm, Solutions, closed_form, samples_about
+from symkin.elimination.complex_branches import complex_errors
 from symkin.homotopy.systems import system_of
+from symkin.homotopy.values import coordinate_scale
 from symkin.numeric.system import System
 from symkin.position.arm_formulas import arm_formulas
 from symkin.position.groups import is_linear
 from symkin.position.problem import Problem
+from symkin.position.roots import NOT_KNOWN
 
-NOT_KNOWN = -1
-"""Complex solutions of a block whose branches must meet further conditions: only real ones are held against them."""
 _SOLVES, _FAILS = 1e-7, 1e-4
-"""Closure errors, of the size, of branches that are solutions to rounding, and of branches that are none; between them is doubt."""
+"""Closure errors, of the size, of branches that are solutions to rounding, with some digits lost, and of branches that are none."""
+_SPREAD = 0.3
+"""How far generic known values lie from the regular ones at which formulas are compared with paths: in radians, and in sizes."""
+_INSTANCES = 2
+"""Generic known values at which all branches must close."""
 
 
 class Formulas(Protocol):
@@ -78,29 +85,40 @@ class ClosedBlock:
 
     @cached_property
     def is_determined(self) -> bool:
-        """Whether each real branch is a solution: where there are more rows than unknowns, known values must meet conditions, and
-        some branches may not."""
-        if self._is_square:
+        """Whether each real branch is a solution. Arms of fewer than six joints have branches that some of their poses' conditions
+        refuse, and that are none then; formulas that elimination has found have none of these (`accounts_for_all`)."""
+        if self._is_square or isinstance(self.formulas, ClosedForm):
             return True
         found = self.formulas.solutions(self.regular[None])
-        values = found.values[0][found.real[0]]
-        return bool(
-            found.clear[0] and np.all(self.block.residuals(values, self.regular) <= _SOLVES * self.block.characteristic_length)
-        )
+        errors = self.block.residuals(found.values[0][found.real[0]], self.regular)
+        return bool(found.clear[0] and np.all(errors <= _SOLVES * self.block.characteristic_length))
+
+    @property
+    def is_of_arm(self) -> bool:
+        """Whether the formulas are those of an arm, which are derived for its family of axes, complex branches included."""
+        return not isinstance(self.formulas, ClosedForm)
+
+    @property
+    def generic_known(self) -> np.ndarray:
+        """Random known values (instances, known)."""
+        scale = coordinate_scale(self.problem, self.problem.known_coordinates)
+        away = np.random.default_rng(5).uniform(-_SPREAD, _SPREAD, (_INSTANCES, len(scale)))
+        return np.asarray(self.regular + scale * away)
 
     def roots(self, known: np.ndarray, *, certify: bool) -> BlockRoots:
         """Roots at instances known (n, values)."""
         points, real, plain = self.formulas.solutions(known)
         owner, branch = np.nonzero(real & plain[:, None])
         chosen, plain = points[owner, branch], plain.copy()
-        complex_count = self.formulas.count
-        if not self.is_determined:
-            complex_count = NOT_KNOWN
-            left = self.block.residuals(chosen, known[owner]) / self.block.characteristic_length
-            plain[owner[(left > _SOLVES) & (left < _FAILS)]] = False
-            chosen, owner = chosen[left <= _SOLVES], owner[left <= _SOLVES]
+        errors = self.block.residuals(chosen, known[owner]) / self.block.characteristic_length
+        fails = np.zeros(len(errors), dtype=bool) if self.is_determined else errors >= _FAILS
+        plain[owner[~fails & ~(errors <= _SOLVES)]] = False
+        kept = plain[owner] & ~fails
+        chosen, owner = chosen[kept], owner[kept]
         candidates = Candidates(chosen, owner, np.full(len(owner), -1))
-        found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), complex_count))
+        # of an arm whose branches must meet further conditions only real ones are held against them
+        count: float = self.formulas.count if self.is_determined else NOT_KNOWN
+        found, kept = checked_roots(self.block, candidates, known, plain, np.full(len(known), count))
         # a branch that solves all steps and fails the check leaves a doubt
         plain[np.bincount(owner, minlength=len(known)) != found.counts] = False
         return with_proofs(found, self.prover, None, known, kept, required=self._certifies) if certify else found
@@ -115,6 +133,26 @@ class ClosedBlock:
         return bool(len(found.owner) and proofs.certified.all())
 
 
+def _all_close(formulas: ClosedForm, known: np.ndarray) -> bool:
+    """Whether all branches close for known values (n, known), over the complex numbers."""
+    try:
+        errors = complex_errors(formulas, known)
+    except NotImplementedError:
+        return False
+    return bool(np.all(errors <= _SOLVES))
+
+
+@lru_cache(maxsize=256)
+def accounts_for_all(closed: ClosedBlock, paths: BlockPaths | None) -> bool:
+    """Whether each complex solution of a generic instance is one of the formulas' branches: they are as many as paths find, and all
+    of them close. Where no paths tell, since known values must meet conditions, all of them close at the regular configuration."""
+    if not isinstance(closed.formulas, ClosedForm):
+        return True
+    if paths is None:
+        return _all_close(closed.formulas, closed.regular[None])
+    return closed.formulas.count == paths.most_roots and _all_close(closed.formulas, closed.generic_known)
+
+
 @lru_cache(maxsize=256)
 def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     """One of a problem's blocks with the formulas that solve it; None where there are none."""
@@ -124,5 +162,5 @@ def closed_block(problem: Problem, number: int) -> ClosedBlock | None:
     if problem.is_explicit or (problem.kind == "given" and is_linear(problem)):
         return None
     near = problem.reference_known
-    found = closed_form(block, samples_about(block, near))
+    found = closed_form(block, samples_about(block, near, problem.known_coordinates))
     return None if found is None else ClosedBlock(problem, block, found, near)

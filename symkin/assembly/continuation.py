@@ -28,13 +28,11 @@ from symkin.homotopy.systems import squared, system_of, unsuitable
 from symkin.homotopy.universal_joints import replaced_universal_joints, with_universal_angles
 from symkin.homotopy.values import known_values, real_values
 from symkin.numeric.levenberg import Progress
-from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE, SUSPECT_CONDITION
 from symkin.position.given import Given
 from symkin.position.multistart import batched
 from symkin.position.problem import Problem
-from symkin.position.roots import Proofs, Roots, moves_freely, unite
+from symkin.position.roots import PolishedRoots, Proofs, Roots, polished_roots, unite
 
 _ALL_ROWS = 1e-6
 """Largest row, over the size, of a root of combined rows that is one of all: given values that were projected close them to
@@ -89,16 +87,16 @@ def _block_roots(
     if doubtful or not len(points):
         count, generator = (starts, rng) if doubtful else (_LEAST_ERROR_STARTS, np.random.default_rng(0))
         sampled = batched(problem, block, given, count, generator)
-        regular = block.conditions(sampled.points, given.values) < SUSPECT_CONDITION
-        points = np.concatenate([points, sampled.points[regular]])
         continuum = sampled.continuum if continuum is None else continuum
+        points = np.concatenate([points, sampled.points])
         smallest = min(smallest, sampled.smallest_residual)
     first, _ = unite(block, points, given.values, continuum_met=continuum is not None)
     points = points[first]
     poses = complex_count(algebraic, _of_all_rows(problem, algebraic, block, _isolated(problem, ends, given), k))
     roots = Roots(
         block, points, None, smallest, continuum=continuum, sampled=False, unresolved=len(ends.unresolved),
-        complex_count=poses * 2 ** len(replaced_universal_joints(problem)),
+        # roots that nearly meet may be one for paths and two for the rows
+        complex_count=max(poses * 2 ** len(replaced_universal_joints(problem)), len(points)),
         complex_sets=not ends.singular.isolated.all(), engine=engine_of(algebraic)[1], proofs=_proofs(problem, prover, points),
         missing=_missing(ends),
     )  # fmt: skip
@@ -142,19 +140,7 @@ def _of_all_rows(problem: Problem, algebraic: AlgebraicSystem, block: System, z:
     return np.asarray(z[:, np.max(np.abs(f), axis=1, initial=0.0) < _ALL_ROWS])
 
 
-def _polished(block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]) -> Roots:
-    """Configurations polished on all rows; those that close, and those of them that are not isolated."""
+def _polished(block: System, known: np.ndarray, configurations: list[dict[str, np.ndarray]]) -> PolishedRoots:
+    """The roots among configurations, and those of them that are not isolated."""
     starts = [np.concatenate([named[c.name] for c in block.unknowns]) for named in configurations]
-    polished = block.polish_many(np.array(starts).reshape(len(starts), block.width), known)
-    ends = block.fold(polished.points)
-    residuals, suspect = block.residuals(ends, known), conditions(polished.jacobians) > SUSPECT_CONDITION
-    points: list[np.ndarray] = []
-    members: list[np.ndarray] = []
-    for z, is_suspect in zip(
-        ends[residuals <= CLOSURE_TOLERANCE * block.characteristic_length],
-        suspect[residuals <= CLOSURE_TOLERANCE * block.characteristic_length],
-        strict=True,
-    ):
-        (members if is_suspect and moves_freely(block, z, known) else points).append(z)
-    found, smallest = np.array(points).reshape(len(points), block.width), float(np.min(residuals, initial=np.inf))
-    return Roots(block, found, None, smallest, continuum=np.array(members) if members else None)
+    return polished_roots(block, np.array(starts).reshape(len(starts), block.width), known)

@@ -39,8 +39,8 @@ class _Proved:
 
 
 def with_certificates(groups: Sequence[Problem], found: SolutionList) -> SolutionList:
-    """The solutions with what is proved of them; as they are where no group can be certified."""
-    if not len(found):
+    """The solutions with what is proved of them; as they are where no proof can be tried: rows of some group are not algebraic."""
+    if not len(found) or not all(is_linear(group) or unsuitable(group) is None for group in groups):
         return found
     values = found.values
     reach = np.zeros(values.shape)
@@ -57,8 +57,6 @@ def with_certificates(groups: Sequence[Problem], found: SolutionList) -> Solutio
         radius = np.maximum(radius, proved.radius[which])
         parts.append(proved.partial[which])
         reach[:, group.unknown_places] = proved.radius[which][:, None]
-    if not np.isfinite(radius).any():
-        return found
     ground = np.full(len(certified), None, dtype=object)
     for i in np.flatnonzero(~certified).tolist():
         ground[i] = PartialProof.joined([part[i] for part in parts])
@@ -71,9 +69,6 @@ def _of_group(group: Problem, values: np.ndarray, far: np.ndarray) -> _Proved:
     """Of solutions (n, variables) whose known values are within `far` (n, known) of what is given (length unit)."""
     n = len(values)
     found = _Proved(np.zeros(n, dtype=bool), np.full(n, np.inf), np.full(n, None, dtype=object))
-    # rows that are linear need no algebraic coordinates
-    if not is_linear(group) and unsuitable(group) is not None:
-        return found
     (block,) = group.blocks
     system, size = system_of(group, block), group.closure.characteristic_length
     named = {c.name: values[:, group.closure.slices[c.name]] for c in block.unknowns}

@@ -1,18 +1,18 @@
 """Real solutions of one structure group at many values of what it reads.
 
-A group whose rows are linear is solved at once. Others have their paths tracked for all values together (see `block_paths`); values
+A group whose rows are linear, or couplings of whole numbers, is solved at once. Others have their paths tracked for all values together (see `block_paths`); values
 that leave something in doubt, and groups without a start, are searched one by one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.closed_roots import ClosedBlock, closed_block
+from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.modes_result import Completeness
 from symkin.assembly.search import Search
@@ -21,30 +21,34 @@ from symkin.homotopy.start_store import start_of
 from symkin.homotopy.structure import start_of_structure, structure_of
 from symkin.homotopy.systems import system_of, unsuitable
 from symkin.numeric.levenberg import Progress
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.numeric.newton import Polished
+from symkin.numeric.root_checks import are_roots
+from symkin.position.canonical import canonical
+from symkin.position.gear_train import GearTrain, gear_train
 from symkin.position.given import Given
 from symkin.position.groups import is_linear
 from symkin.position.multistart import batched
+from symkin.position.multistart import one_by_one as by_solver
 from symkin.position.problem import Problem
-from symkin.position.roots import Roots
+from symkin.position.roots import NOT_KNOWN, Roots
 
 STATEMENTS: tuple[Completeness, ...] = ("proved", "probability one", "incomplete", "sampled")
 """What is said of a list, from the strongest to the weakest; of several parts the weakest holds."""
-NOT_KNOWN = -1
-"""A count that is not known."""
 _DIGITS = 6
 """Decimals to which values are rounded for the order of a group's solutions, so that rounding errors do not decide it."""
 
 
 @dataclass(frozen=True, eq=False)
 class GroupRoots:
-    """Solutions `points` (m, width) of a group at n rows of known values, and the row `owner` (m,) of each, rising. Of each row
+    """Solutions `points` (m, width) of a group at n rows of known values, the row `owner` (m,) of each, rising, and its `hits` (m,),
+    infinite where it was not searched from random starts. Of each row
     (n,): the place of what is said of it in `STATEMENTS`, complex solutions and unresolved paths (`NOT_KNOWN`), the least closure
     error that a search without success has reached (else infinite), whether a set that is not isolated was met; `notes` of single
-    rows; `engine` and `orbits` (notes) of all."""
+    rows, and the `samples` of those searched from random starts; `engine` and `orbits` (notes) of all."""
 
     points: np.ndarray
     owner: np.ndarray
+    hits: np.ndarray
     statement: np.ndarray
     complex_count: np.ndarray
     unresolved: np.ndarray
@@ -53,6 +57,7 @@ class GroupRoots:
     notes: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
     engine: str | None = None
     orbits: tuple[str, ...] = ()
+    samples: Mapping[int, Roots] = field(default_factory=dict)
 
     @property
     def counts(self) -> np.ndarray:
@@ -64,49 +69,59 @@ class GroupRoots:
         kept = ~np.isin(self.owner, rows)
         points = np.concatenate([self.points[kept], other.points])
         owner = np.concatenate([self.owner[kept], rows[other.owner]])
+        hits = np.concatenate([self.hits[kept], other.hits])
         order = np.argsort(owner, kind="stable")
         arrays = {}
         for name in ("statement", "complex_count", "unresolved", "smallest", "continuum"):
             arrays[name] = getattr(self, name).copy()
             arrays[name][rows] = getattr(other, name)
         notes = {**self.notes, **{int(rows[i]): texts for i, texts in other.notes.items()}}
-        engines = dict.fromkeys(e for e in (self.engine, other.engine) if e is not None)
+        samples = {**self.samples, **{int(rows[i]): roots for i, roots in other.samples.items()}}
+        engine = engines_together([self.engine, other.engine])
         return GroupRoots(
-            points[order], owner[order], **arrays, notes=notes, engine=", ".join(engines) or None, orbits=self.orbits
+            points[order], owner[order], hits[order], **arrays, notes=notes, engine=engine, orbits=self.orbits, samples=samples
         )
 
     def in_order(self) -> GroupRoots:
         """The same with the solutions of each row in an order that rounding errors do not decide."""
         order = np.lexsort((*np.round(self.points.T[::-1], _DIGITS), self.owner))
-        return GroupRoots(
-            self.points[order], self.owner[order], self.statement, self.complex_count, self.unresolved, self.smallest,
-            self.continuum, self.notes, self.engine, self.orbits,
-        )  # fmt: skip
+        return replace(self, points=self.points[order], owner=self.owner[order], hits=self.hits[order])
 
 
 def group_roots(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
     """The solutions of a group at known values (n, known)."""
     if is_linear(group):
         return _linear(group, known)
+    train = gear_train(group)
+    if train is not None:
+        return _geared(group, train, known)
     solver = group_solver(group, formulas=search.formulas) if search.method == "continuation" else None
     if solver is None:
         return one_by_one(group, known, search, progress)
+    found, doubtful = _all_together(solver, known)
+    if doubtful.size and solver.method == "closed" and (paths := group_paths(group)) is not None:
+        tracked, left = _all_together(paths, known[doubtful])
+        found, doubtful = found.with_rows(doubtful, tracked), doubtful[left]
+    if not doubtful.size:
+        return found
+    return found.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
+
+
+def _all_together(solver: BlockPaths | ClosedBlock, known: np.ndarray) -> tuple[GroupRoots, np.ndarray]:
+    """The solutions at known values (n, known) by formulas or paths, and which rows are left in doubt."""
     found = solver.roots(known, certify=False)
-    tracked = GroupRoots(
+    return GroupRoots(
         found.points,
         found.owner,
+        np.full(len(found.owner), np.inf),
         statement=np.full(len(known), STATEMENTS.index("probability one")),
-        complex_count=found.complex_count,
-        unresolved=np.zeros(len(known), dtype=int),
+        complex_count=found.complex_count.astype(float),
+        unresolved=np.zeros(len(known)),
         smallest=np.full(len(known), np.inf),
         continuum=np.zeros(len(known), dtype=bool),
         engine=solver.engine,
         orbits=solver.notes,
-    )
-    doubtful = np.flatnonzero(~found.plain)
-    if not doubtful.size:
-        return tracked
-    return tracked.with_rows(doubtful, one_by_one(group, known[doubtful], search, progress))
+    ), np.flatnonzero(~found.plain)
 
 
 def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Progress | None = None) -> GroupRoots:
@@ -115,24 +130,32 @@ def one_by_one(group: Problem, known: np.ndarray, search: Search, progress: Prog
     searched = [_searched(group, Given("given", numbers, {}), search, progress) for numbers in known]
     roots = [found for found, _ in searched]
     counts = [NOT_KNOWN if r.complex_count is None else r.complex_count for r in roots]
-    engines = dict.fromkeys(r.engine for r in roots if r.engine is not None)
     return GroupRoots(
         points=np.concatenate([np.zeros((0, group.system.width)), *(r.points for r in roots)]),
         owner=np.repeat(np.arange(len(roots)), [len(r.points) for r in roots]),
+        hits=np.concatenate([np.zeros(0), *(np.full(len(r.points), np.inf) if r.hits is None else r.hits for r in roots)]),
         statement=np.array([STATEMENTS.index(_statement(r)) for r in roots], dtype=int),
-        complex_count=np.array(counts, dtype=int),
-        unresolved=np.array([NOT_KNOWN if r.sampled else r.unresolved for r in roots], dtype=int),
+        complex_count=np.array(counts, dtype=float),
+        unresolved=np.array([NOT_KNOWN if r.sampled else r.unresolved for r in roots], dtype=float),
         smallest=np.array([r.smallest_residual for r in roots]),
         continuum=np.array([r.continuum is not None for r in roots], dtype=bool),
         notes={i: notes for i, (_, notes) in enumerate(searched) if notes},
-        engine=", ".join(engines) or None,
+        engine=engines_together([r.engine for r in roots]),
+        samples={i: r for i, r in enumerate(roots) if r.hits is not None},
     )
+
+
+def engines_together(engines: Iterable[str | None]) -> str | None:
+    """Names of engines, each once."""
+    return ", ".join(dict.fromkeys(name for e in engines if e is not None for name in e.split(", "))) or None
 
 
 def _searched(group: Problem, given: Given, search: Search, progress: Progress | None) -> tuple[Roots, tuple[str, ...]]:
     rng = np.random.default_rng(search.seed)
-    if search.method != "continuation":
+    if search.method != "continuation" and search.solver == "batched":
         return batched(group, group.blocks[0], given, search.starts, rng, progress), ()
+    if search.method != "continuation":
+        return by_solver(group, given, search.starts, rng, search.solver, progress), ()
     (roots,), notes, _ = by_continuation(group, given, search.starts, rng, progress)
     missing = () if roots.missing is None else (f"{', '.join(c.name for c in group.system.unknowns)}: {roots.missing}",)
     return roots, (*notes, *missing)
@@ -145,9 +168,10 @@ def _statement(roots: Roots) -> Completeness:
 
 
 def group_solver(group: Problem, *, formulas: bool = True) -> BlockPaths | ClosedBlock | None:
-    """The formulas of a group, if they are wanted and there are some, else what tracks its paths; None where it has neither."""
-    closed = closed_block(group, 0) if formulas else None
-    return group_paths(group) if closed is None else closed
+    """The formulas of a group, if they are wanted and account for all its solutions, else what tracks its paths; None where it has
+    neither."""
+    closed, paths = closed_block(group, 0) if formulas else None, group_paths(group)
+    return closed if closed is not None and accounts_for_all(closed, paths) else paths
 
 
 @lru_cache(maxsize=256)
@@ -170,24 +194,55 @@ def most_roots(group: Problem) -> int | None:
     """The most isolated solutions of a group at one row of values; None where no paths tell."""
     if is_linear(group):
         return 1
+    train = gear_train(group)
+    if train is not None:
+        return len(train.places)
     paths = group_solver(group)
     return None if paths is None else paths.most_roots
 
 
-# --- groups that are linear ----------------------------------------------------------------------------------------
+def solved_at_once(group: Problem) -> bool:
+    """Whether a group needs neither formulas nor paths."""
+    return is_linear(group) or gear_train(group) is not None
+
+
+# --- groups that are linear, or linear but for whole turns ---------------------------------------------------------
 
 
 def _linear(group: Problem, known: np.ndarray) -> GroupRoots:
-    system, n = group.system, len(known)
-    points = system.polish_many(np.zeros((n, system.width)), known).points
-    residual = system.residuals(points, known)
-    closed = np.flatnonzero(residual <= CLOSURE_TOLERANCE * system.characteristic_length)
+    points = group.system.polish_many(np.zeros((len(known), group.system.width)), known).points
+    return _closed(group, known, points[:, None, :])
+
+
+def _geared(group: Problem, train: GearTrain, known: np.ndarray) -> GroupRoots:
+    points = train.solutions(known)
+    unknowns, slices = group.system.unknowns, group.system.slices
+    places = {c.name: place for c, place in zip(unknowns, slices, strict=True)}
+    flat = canonical(unknowns, places, points.reshape(-1, group.system.width))
+    found = _closed(group, known, flat.reshape(points.shape))
+    return found if len(train.places) == 1 else replace(found, orbits=(_places_note(group, len(train.places)),))
+
+
+def _places_note(group: Problem, count: int) -> str:
+    """What is said of wheels that have several places beside one place of those that drive them."""
+    own, read = (", ".join(c.name for c in part) for part in (group.system.unknowns, group.known_coordinates))
+    return f"{own}: {count} places for one of {read}, whose whole turns are not told apart (ratio of the coupling)"
+
+
+def _closed(group: Problem, known: np.ndarray, points: np.ndarray) -> GroupRoots:
+    """The solutions that close, of all complex ones (n, count, width) at known values (n, known)."""
+    system, (n, count, width) = group.system, points.shape
+    flat, given = points.reshape(-1, width), np.repeat(known, count, axis=0)
+    residual = system.residuals(flat, given)
+    closed = are_roots(system, Polished(flat, *system.linearise(flat, given)), residual).reshape(n, count)
+    residual = residual.reshape(n, count)
     return GroupRoots(
         points[closed],
-        closed,
+        np.nonzero(closed)[0],
+        np.full(int(closed.sum()), np.inf),
         statement=np.zeros(n, dtype=int),
-        complex_count=np.ones(n, dtype=int),
-        unresolved=np.zeros(n, dtype=int),
-        smallest=residual,
+        complex_count=np.full(n, float(count)),
+        unresolved=np.zeros(n),
+        smallest=residual.min(axis=1),
         continuum=np.zeros(n, dtype=bool),
     )

@@ -49,6 +49,11 @@ class ModeTable:
         )
 
 
+def stored_counts(counts: np.ndarray) -> np.ndarray:
+    """Counts (n,) as tables hold them, whole numbers with -1 for what is not known."""
+    return np.where(np.isnan(counts), -1, counts).astype(int)
+
+
 PER_POINT = ("count", "completeness", "unresolved", "continuum", "complex_count")
 
 

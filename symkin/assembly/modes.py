@@ -20,7 +20,7 @@ from symkin.assembly.search import DEFAULT_SEED, Search
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import Progress
 from symkin.position.determination import refuse_unless_determined
-from symkin.position.given import Given, Joints, are_many
+from symkin.position.given import Given, Joints, are_many, motion_note
 from symkin.position.given_by_name import Columns, Values, any_given, has_columns, many_given, named_given, problem_of
 from symkin.position.least_squares import LeastSquares
 from symkin.position.multistart import DEFAULT_STARTS
@@ -99,6 +99,8 @@ def modes(
         return _found(mechanism, many_given(mechanism, joints, pose, given), search, choose, progress)
     one = named_given(mechanism, joints, pose, given) if choose else any_given(mechanism, joints, pose, given)
     found = _found(mechanism, [one], search, choose, progress)[0]
+    note = motion_note(mechanism, [mode.pose for mode in found.modes]) if mechanism.is_graph and mechanism.platform_link else None
+    found = found if note is None else replace(found, notes=(*found.notes, note))
     if found.modes or found.positive_dimensional or found.smallest_residual is None:
         return found
     note = reach_note(found.problem, one)
@@ -122,6 +124,9 @@ def _of_coordinates(
     problem = problem_of(mechanism, givens[0])
     refuse_unless_determined(problem)
     found = modes_by_name(problem, givens, search, choose, progress)
+    feasible = [modes for modes, given in zip(found, givens, strict=True) if given.off_motion == 0.0]
+    if search.method == "continuation" and feasible and all(modes.starts is None for modes in feasible):
+        search.refuse_starts(problem)
     share = (time.perf_counter() - begin) / len(givens)
     return tuple(replace(modes, elapsed_s=share) for modes in found)
 

@@ -15,10 +15,20 @@ from typing import Any
 import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
-from symkin.assembly.by_groups import modes_by_groups
+from symkin.assembly.by_groups import FEW, modes_by_groups
 from symkin.assembly.closed_roots import ClosedBlock
-from symkin.assembly.group_roots import NOT_KNOWN, STATEMENTS, group_solver, most_roots
-from symkin.assembly.mode_table import COMPLETENESS, ModeTable, at_places, concatenated, from_modes, joined, nothing, table_of
+from symkin.assembly.group_roots import STATEMENTS, group_solver, most_roots, solved_at_once
+from symkin.assembly.mode_table import (
+    COMPLETENESS,
+    ModeTable,
+    at_places,
+    concatenated,
+    from_modes,
+    joined,
+    nothing,
+    stored_counts,
+    table_of,
+)
 from symkin.assembly.modes_by_name import modes_by_name
 from symkin.assembly.one_input import modes_of_input
 from symkin.assembly.plain_modes import ROOTS_AT_ONCE, Plain, PlainModes, plain_modes
@@ -29,8 +39,9 @@ from symkin.numeric.levenberg import Progress
 from symkin.position.determination import determination, refuse_unless_determined
 from symkin.position.given import Given
 from symkin.position.given_by_name import any_given
-from symkin.position.groups import is_linear, structure_groups
+from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
+from symkin.position.roots import NOT_KNOWN
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +115,7 @@ class GroupFinder:
 
     @cached_property
     def _solvers(self) -> list[BlockPaths | ClosedBlock]:
-        found = (None if is_linear(group) else group_solver(group) for group in structure_groups(self.problem))
+        found = (None if solved_at_once(group) else group_solver(group) for group in structure_groups(self.problem))
         return [solver for solver in found if solver is not None]
 
     @property
@@ -150,18 +161,17 @@ class GroupFinder:
         found = modes_by_groups(self.problem, known, self.search, certify=certify)
         listed = np.bincount(found.owner, minlength=len(known))
         total, account = np.array(found.total, dtype=object), found.account
-        many = (account.too_many != NOT_KNOWN) | np.array(listed < total, dtype=bool)
-        unresolved, complex_counts = account.unresolved, account.complex_count
-        unknown = (complex_counts == NOT_KNOWN).any(axis=1) | ~account.whole | many
+        many = (account.too_many != FEW) | np.array(listed < total, dtype=bool)
+        complex_counts = np.where(account.whole & ~many, np.prod(account.complex_count, axis=1), NOT_KNOWN)
         said = np.array([COMPLETENESS.index(statement) for statement in STATEMENTS])[found.statement]
         return table_of(
             self.problem,
             found.listed.chosen(~many[found.owner]),
             count=np.where(many, -1, listed),
             completeness=np.where(many, COMPLETENESS.index("too many to list"), said),
-            unresolved=np.where((unresolved == NOT_KNOWN).any(axis=1), -1, unresolved.sum(axis=1)),
+            unresolved=stored_counts(account.unresolved.sum(axis=1)),
             continuum=np.asarray(account.continuum.any(axis=1)),
-            complex_count=np.where(unknown, -1, np.prod(np.where(unknown[:, None], 1, complex_counts), axis=1)),
+            complex_count=stored_counts(complex_counts),
         )
 
 

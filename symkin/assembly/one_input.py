@@ -11,7 +11,7 @@ import numpy as np
 
 from symkin.assembly.continuation import by_continuation
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.modes_result import Completeness, Modes
+from symkin.assembly.modes_result import Completeness, Modes, sampling
 from symkin.assembly.proofs import ground_notes
 from symkin.assembly.search import Search
 from symkin.errors import InputError, TooManyModesError
@@ -21,12 +21,10 @@ from symkin.position.given import Given
 from symkin.position.multistart import batched, one_by_one
 from symkin.position.platform_motion import motion_notes
 from symkin.position.problem import Problem
-from symkin.position.roots import MOST_MODES, Roots
+from symkin.position.roots import MOST_MODES, NOT_KNOWN, Roots, product_of_counts
 from symkin.position.solution import PartialProof, Solution
 from symkin.position.solution_list import checked_solutions, make_solution
 from symkin.position.starts import start_values
-
-_NEARLY_CLOSED = 1e-4
 
 
 def modes_of_input(problem: Problem, given: Given, search: Search, progress: Progress | None = None) -> tuple[Modes, bool | None]:
@@ -49,8 +47,7 @@ def _searched(problem: Problem, given: Given, search: Search, progress: Progress
         blocks = [batched(problem, block, given, search.starts, rng, progress) for block in problem.blocks]
     else:
         blocks = [one_by_one(problem, given, search.starts, rng, search.solver, progress)]
-    name = search.method if search.solver == "batched" else f"{search.method} {search.solver}"
-    found = _result(problem, given, blocks, name, search.seed, notes)
+    found = _result(problem, given, blocks, search.name, search.seed, notes)
     if search.method == "continuation" and found.completeness == "sampled":
         found = replace(found, notes=(*found.notes, *motion_notes(problem)))
     return found, random_starts
@@ -132,15 +129,11 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
     smallest = None
     if not found and not continuum:
         smallest = max((b.smallest_residual for b in blocks if not len(b.points)), default=None)
-    if smallest is not None and CLOSURE_TOLERANCE < smallest / problem.closure.characteristic_length < _NEARLY_CLOSED:
-        texts.append(
-            f"the loops close to within {smallest:.3g} {problem.mechanism.length_unit} only: redundant constraints want more digits in "
-            'the mechanism\'s numbers (arithmetic such as "1/sqrt(3)" is allowed)'
-        )
     texts += ground_notes(problem, [s.ground for s in found if s.ground is not None], len(found))
     texts += [b.missing if len(blocks) == 1 else f"{_names(b)}: {b.missing}" for b in blocks if b.missing is not None]
-    counts = [b.complex_count for b in blocks]
-    sampled = [b for b in blocks if b.hits is not None]
+    sampled = sampling([b for b in blocks if b.hits is not None])
+    if sampled:
+        sampled["estimated_unseen"] = _unseen(blocks)
     return Modes(
         problem=problem,
         given=given.echo,
@@ -149,10 +142,10 @@ def _result(problem: Problem, given: Given, blocks: list[Roots], method: str, se
         method=method,
         seed=seed,
         elapsed_s=0.0,
-        starts=max((b.starts for b in blocks if b.starts is not None), default=None),
-        estimated_unseen=_unseen(blocks) if sampled else None,
-        next_new=max((b.next_new for b in sampled), default=None),
-        complex_count=prod(c for c in counts if c is not None) if blocks and None not in counts else None,
+        **sampled,
+        complex_count=product_of_counts(NOT_KNOWN if b.complex_count is None else b.complex_count for b in blocks)
+        if blocks
+        else None,
         unresolved_paths=sum(b.unresolved for b in blocks) if blocks and not all(b.sampled for b in blocks) else None,
         smallest_residual=smallest,
         positive_dimensional=bool(continuum),

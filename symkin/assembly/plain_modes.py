@@ -13,9 +13,9 @@ import numpy as np
 
 from symkin.assembly.block_paths import BlockPaths
 from symkin.assembly.checked_roots import BlockRoots
-from symkin.assembly.closed_roots import ClosedBlock, closed_block
+from symkin.assembly.closed_roots import ClosedBlock, accounts_for_all, closed_block
 from symkin.assembly.mode_order import order_of_modes
-from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, table_of
+from symkin.assembly.mode_table import COMPLETENESS, ModeTable, concatenated, stored_counts, table_of
 from symkin.computed_once import cached_property, lru_cache
 from symkin.homotopy.six_distances import redundant_distances
 from symkin.homotopy.start_store import start_of
@@ -169,8 +169,8 @@ class PlainModes:
             completeness=np.where(proved.all(axis=1), COMPLETENESS.index("proved"), COMPLETENESS.index("probability one")),
             unresolved=np.zeros(len(kept), dtype=int),
             continuum=np.zeros(len(kept), dtype=bool),
-            complex_count=np.prod(
-                np.array([b.complex_count[kept] for b in blocks], dtype=int).reshape(len(blocks), len(kept)), axis=0
+            complex_count=stored_counts(
+                np.prod(np.array([b.complex_count[kept] for b in blocks]).reshape(len(blocks), len(kept)), axis=0)
             ),
         )
 
@@ -219,18 +219,27 @@ def plain_modes(problem: Problem, progress: Progress | None = None, *, formulas:
         return PlainModes(problem, ())
     parts: list[BlockPaths | ClosedBlock] = []
     for number in range(len(problem.blocks)):
-        solver: BlockPaths | ClosedBlock | None = closed_block(problem, number) if formulas else None
-        if solver is None and not unsuitable(problem) and not redundant_distances(problem):
-            solver = _paths(problem, number, progress, str(cache_folder()))
+        solver = _solver(problem, number, progress, formulas=formulas)
         if solver is None:
             return PlainModes(problem, ())
         parts.append(solver)
     return _prepared(problem, tuple(parts))
 
 
+def _solver(problem: Problem, number: int, progress: Progress | None, *, formulas: bool) -> BlockPaths | ClosedBlock | None:
+    """The formulas of one of a problem's blocks, if they are wanted and account for all solutions, else its paths."""
+    closed = closed_block(problem, number) if formulas else None
+    if closed is not None and closed.is_of_arm:
+        return closed
+    paths = _paths(problem, number, progress, str(cache_folder()))
+    return closed if closed is not None and accounts_for_all(closed, paths) else paths
+
+
 @lru_cache(maxsize=256)
 def _paths(problem: Problem, number: int, progress: Progress | None, _folder: str) -> BlockPaths | None:
     """One of a problem's blocks with its paths, whose start is read from the cache folder once in a process; None where it has none."""
+    if unsuitable(problem) or redundant_distances(problem):
+        return None
     block = problem.blocks[number]
     system = system_of(problem, block)
     start, _ = start_of(problem, system, block, progress)

@@ -32,6 +32,11 @@ class Search:
     named: Mapping[str, object] = field(default_factory=dict)
     formulas: bool = True
 
+    @property
+    def name(self) -> str:
+        """The method and, where it calls one, the solver."""
+        return self.method if self.solver == "batched" else f"{self.method} {self.solver}"
+
     @staticmethod
     def of(
         method: str | None, starts: int | None = None, seed: int | None = None, solver: str | Newton | LeastSquares | None = None
@@ -57,7 +62,7 @@ class Search:
 
     def refuse_starts(self, problem: Problem) -> None:
         """Refuse `starts` and `seed` after a continuation that had no use for random starts."""
-        reason = f"every part of the {problem.kind} problem of {problem.mechanism.name} was solved by continuation, and nothing was sampled"
+        reason = f"every part of the {problem.kind} problem of {problem.mechanism.name} was solved by formulas or by continuation, and nothing was sampled"
         refuse_ignored(self.named, reason, _MULTISTART)
 
     def refuse_unless_multistart(self, reason: str) -> None:

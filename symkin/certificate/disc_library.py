@@ -23,6 +23,7 @@ from symkin.numeric.cache_folder import cache_folder
 
 _DATA = Path(__file__).resolve().parent / "data"
 _MAIN = "certificate.c"
+_SYMBOLS = ("symkin_run", "symkin_enclose")
 
 
 class _Code(ctypes.Structure):
@@ -100,7 +101,7 @@ def _load() -> DiscLibrary | None:
     """What was found at the first call, for good: the library is the same for all mechanisms."""
     try:
         compilers = find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", ""))
-        return DiscLibrary(load_library(compilers, _sources(), _MAIN, cache_folder(), build=True))
+        return DiscLibrary(load_library(compilers, _sources(), _MAIN, _SYMBOLS, cache_folder(), build=True))
     except (CompilerError, OSError):
         return None
 

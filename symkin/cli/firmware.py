@@ -12,6 +12,7 @@ from symkin.cli.help import OUTPUT
 from symkin.cli.options import MechArgument, choice
 from symkin.cli.poses import EulerOption, PoseReader, RpyOption
 from symkin.cli.reading import loaded, reads_robots, say_left_out
+from symkin.cli.streams import say
 from symkin.formats.read_options import ReadOptions
 
 
@@ -85,6 +86,7 @@ def firmware(
     With --given and --find: the map between joints of any mechanism, both ways, with Jacobian, rates and torques.
     """
     from symkin.codegen.folder import write_firmware
+    from symkin.codegen.own_test import can_run
 
     mechanism = loaded(mech, read)
     reader = PoseReader(mechanism, rpy, euler)
@@ -97,6 +99,8 @@ def firmware(
     )  # fmt: skip
     if given is None and find is None:
         say_left_out(mechanism)
+    if not can_run():
+        say("note: there is no C compiler here: the code's own test has not run; `make test` in the folder runs it")
     for path in files:
         print(path)
 

@@ -82,12 +82,14 @@ def reads_robots(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def loaded(mech: str, read: ReadOptions) -> Mechanism:
-    """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr."""
+    """The mechanism of a command; what is odd about a mechanism file's numbers is said on stderr, of a robot's file its limits."""
     from symkin.formats.load import is_robot, load
-    from symkin.model.oddities import oddities
+    from symkin.model.oddities import degrees_question, oddities
 
     mechanism = load(mech, read)
-    for text in () if is_robot(Path(mech)) else oddities(mechanism):
+    question = degrees_question(mechanism)
+    of_robot = () if question is None else (question,)
+    for text in of_robot if is_robot(Path(mech)) else oddities(mechanism):
         say(f"note: {text}")
     return mechanism
 

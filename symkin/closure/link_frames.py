@@ -90,17 +90,23 @@ def _frames(sides: Sequence[Side]) -> list[ca.SX]:
     """Position and quaternion of each side; those that begin alike are built on each other, so that a long chain costs its length."""
     known: dict[tuple[int, ...], tuple[ca.SX, ca.SX]] = {}
 
+    def key(side: Side) -> tuple[int, ...]:
+        return (0 if isinstance(side, Chain) else id(side.pose), *map(id, side.steps))
+
     def frame(side: Side) -> tuple[ca.SX, ca.SX]:
-        key = (0 if isinstance(side, Chain) else id(side.pose), *map(id, side.steps))
-        if key not in known:
-            if not side.steps:
-                known[key] = side.move(ca.SX(3, 1)) / side.weight, side.quaternion
-            else:
-                position, quaternion = frame(replace(side, steps=side.steps[:-1]))
-                step = side.steps[-1]
-                moved = position + rotate(quaternion, step.move(ca.SX(3, 1)))
-                known[key] = moved, multiply(quaternion, step.quaternion)
-        return known[key]
+        begun, longer = side, []
+        while key(begun) not in known and begun.steps:
+            longer.append(begun)
+            begun = replace(begun, steps=begun.steps[:-1])
+        if key(begun) not in known:
+            known[key(begun)] = begun.move(ca.SX(3, 1)) / begun.weight, begun.quaternion
+        position, quaternion = known[key(begun)]
+        for each in reversed(longer):
+            step = each.steps[-1]
+            position = position + rotate(quaternion, step.move(ca.SX(3, 1)))
+            quaternion = multiply(quaternion, step.quaternion)
+            known[key(each)] = position, quaternion
+        return position, quaternion
 
     return [ca.vertcat(*frame(side)) for side in sides]
 

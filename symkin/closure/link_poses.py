@@ -63,6 +63,24 @@ def joint_readings(closure: Closure, poses: LinkPoses) -> dict[str, np.ndarray]:
     return found
 
 
+def reading_expressions(closure: Closure) -> dict[str, tuple[ca.SX, ...]]:
+    """What single coordinates read, over the closure's variables at the geometry of the description: a length (of a screw its angle) as one
+    expression, an angle as its cosine and sine. Joints at links that may spin, which no expression places, are left out."""
+    found = link_frames(closure)
+    hung = [set(bridge.links) for bridge in found.bridges]
+    symbols = ca.vertcat(ca.SX(0, 1), *(symbol for symbol, _ in found.geometry.values()))
+    numbers = ca.SX(ca.DM([value for _, value in found.geometry.values()]))
+    read: dict[str, tuple[ca.SX, ...]] = {}
+    for joint, (before, after) in found.joints.items():
+        if joint.type == "S" or any((before in links) != (after in links) for links in hung):
+            continue
+        first, last = (Pose(found.frames[link][:3], found.frames[link][3:]) for link in (before, after))
+        parts = _reading_parts(joint, first.inverse() @ last)
+        for c, values in zip(joint.coordinates, parts, strict=True):
+            read[c.name] = tuple(ca.substitute(value, symbols, numbers) for value in values)
+    return read
+
+
 # --- links that the closure places ---------------------------------------------------------------------------------
 
 
@@ -144,3 +162,30 @@ def _turn_about(axis: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndar
     """The angle about an axis from one direction to another, as seen along it."""
     flat = start - dot(axis, start) * axis
     return np.asarray(np.arctan2(dot(axis, cross(flat, end)), dot(flat, end)))
+
+
+def _reading_parts(joint: Joint, between: Pose) -> list[tuple[ca.SX, ...]]:
+    """As `_readings`, of one displacement in symbols: an angle as its cosine and sine."""
+    axis, point, q = ca.SX(ca.DM(joint.axis)), ca.SX(ca.DM(joint.point)), between.quaternion
+    slide = ca.dot(axis, between.apply(point) - point)
+    if joint.type in ("P", "H"):
+        return [(joint.zero + (slide if joint.type == "P" else 2.0 * np.pi * slide / joint.pitch),)]
+    if joint.type in ("R", "C"):
+        s, w = ca.dot(axis, q[1:]), q[0]
+        turn = _unit_parts(w * w - s * s, 2.0 * w * s, joint.zero)
+        return [turn] if joint.type == "R" else [turn, (slide,)]
+    axis2 = ca.SX(ca.DM(joint.axis2))
+    (c1, s1), (c2, s2) = _turn_parts(axis, axis2, rotate(q, axis2)), _turn_parts(axis2, axis, rotate(conjugate(q), axis))
+    return [_unit_parts(c1, s1), _unit_parts(c2, -s2)]
+
+
+def _turn_parts(axis: ca.SX, start: ca.SX, end: ca.SX) -> tuple[ca.SX, ca.SX]:
+    flat = start - ca.dot(axis, start) * axis
+    return ca.dot(flat, end), ca.dot(axis, ca.cross(flat, end))
+
+
+def _unit_parts(cosine: ca.SX, sine: ca.SX, zero: float = 0.0) -> tuple[ca.SX, ca.SX]:
+    """Cosine and sine of an angle, from multiples of these, moved on by `zero`."""
+    length = ca.sqrt(cosine * cosine + sine * sine)
+    c, s = cosine / length, sine / length
+    return (c, s) if zero == 0.0 else (c * np.cos(zero) - s * np.sin(zero), s * np.cos(zero) + c * np.sin(zero))

@@ -25,6 +25,7 @@ from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.closure.pose_forms import PlatformPose, StudyPose, UnitPose
 from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
 from symkin.model.bar import Bar
+from symkin.model.graph import Coupling
 from symkin.model.joint import BASE, POSE_CONDITIONS, Coordinate, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.spatial.backend import cross, dot
@@ -125,11 +126,18 @@ class RowBuilder(BodyBuilder):
                 wanted = sum((c * self.coordinates[name][1] ** k for k, c in enumerate(coupling.polynomial)), ca.SX(0))
             else:
                 wanted = sum((factor * self.coordinates[name][1] for name, factor in coupling.terms), ca.SX(coupling.offset))
-            gap = value - wanted
-            if coupling.is_periodic(angles):
-                gap = 2 * ca.sin(0.5 * gap)
+            gap = self._periodic_gap(coupling) if {coupling.joint, *coupling.names} <= angles else value - wanted
             gap = gap * (size if coordinate.is_angular else 1.0)
             self._add(f"coupling of {coupling.joint}", "coupling", [gap], [gap])
+
+    def _periodic_gap(self, coupling: Coupling) -> ca.SX:
+        """What vanishes where n joint = n1 first + n2 second + ... + n offset but for whole turns; the gap itself to first order."""
+        own, numbers = coupling.whole_numbers or (1, ())
+        wanted = sum(
+            (n * self.coordinates[name][1] for n, name in zip(numbers, coupling.names, strict=True)),
+            ca.SX(own * coupling.constant),
+        )
+        return 2 / own * ca.sin(0.5 * (own * self.coordinates[coupling.joint][1] - wanted))
 
     def _add(self, limb: str, relation: str, rows: Sequence[ca.SX], errors: Sequence[ca.SX]) -> None:
         self.rows.extend(rows)

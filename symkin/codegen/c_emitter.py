@@ -18,6 +18,7 @@ import numpy as np
 from symkin.closure.expression_graph import walk
 from symkin.closure.snapping import snap
 from symkin.computed_once import cached_property
+from symkin.text import c_comment
 
 _INFIX = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
 _CALLS = {ca.OP_SQRT: "sqrt", ca.OP_SIN: "sin", ca.OP_COS: "cos", ca.OP_ATAN2: "atan2", ca.OP_FABS: "fabs"}
@@ -43,7 +44,9 @@ class Real:
         return function + self.suffix
 
     def literal(self, value: float) -> str:
-        """The shortest decimal that reads back as the same number of this type."""
+        """The shortest decimal that reads back as the same number of this type; NAN and INFINITY for what is none."""
+        if not math.isfinite(value):
+            return self.hexadecimal(value)
         text = str(np.float32(value)) if self.name == "float" else repr(float(value))
         if not any(mark in text for mark in ".e"):
             text += ".0"
@@ -102,7 +105,9 @@ class _Graph:
         numbers = [self._number(k) for k in operands]
         if op in _INFIX and None not in numbers:
             a, b = (float(number) for number in numbers if number is not None)
-            return self.constant({ca.OP_ADD: a + b, ca.OP_SUB: a - b, ca.OP_MUL: a * b, ca.OP_DIV: a / b if b else math.nan}[op])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                quotient = float(np.divide(a, b))
+            return self.constant({ca.OP_ADD: a + b, ca.OP_SUB: a - b, ca.OP_MUL: a * b, ca.OP_DIV: quotient}[op])
         if op in _SINGLE and numbers[0] is not None and (op != ca.OP_INV or numbers[0]):
             return self.constant(_SINGLE[op](numbers[0]))
         if op == ca.OP_MUL and 1.0 in numbers:
@@ -155,6 +160,7 @@ class Emitter:
     _text: dict[int, str] = field(default_factory=dict)
     _inverse: dict[int, str] = field(default_factory=dict)
     _comments: int = 0
+    _taken: int = 0
 
     @cached_property
     def _graph(self) -> _Graph:
@@ -189,9 +195,14 @@ class Emitter:
         triplets = zip(*self.function.sparsity_out(0).get_triplet(), strict=True)
         return {place: k for k, place in enumerate(triplets)}
 
+    def take(self) -> list[str]:
+        """The statements that were made since the last time."""
+        new, self._taken = self.lines[self._taken :], len(self.lines)
+        return new
+
     def comment(self, text: str) -> None:
-        """Add a line of comment; names of temporaries do not count it."""
-        self.lines.append(f"/* {text} */")
+        """Add a line of comment, whatever text it is; names of temporaries do not count it."""
+        self.lines.append(f"/* {c_comment(text)} */")
         self._comments += 1
 
     def assign(self, text: str) -> str:
@@ -264,3 +275,13 @@ def indexed(name: str, count: int, first: int = 0) -> list[str]:
 def indent(lines: Sequence[str], depth: int = 1) -> str:
     """Join lines, indented by four spaces a level."""
     return "\n".join("    " * depth + line if line else "" for line in lines)
+
+
+def indented_by_braces(lines: Sequence[str]) -> list[str]:
+    """Indent lines by the braces that are open before them."""
+    depth, found = 0, []
+    for line in lines:
+        depth -= line.startswith("}")
+        found.append("    " * depth + line)
+        depth += line.endswith("{")
+    return found

@@ -43,6 +43,7 @@ def common_values(name: str, real: Real, *, struct: bool) -> dict[str, object]:
         "COLD": f"{name.upper()}_COLD", "SHARED": f"{name.upper()}_SHARED",
         "gp": f"const {name}_geometry *geometry, " if struct else "", "ga": "geometry, " if struct else "",
         "use": "    (void)geometry;" if struct else "",
+        "checked": f"{name}_check_geometry(geometry, status)" if struct else "status",
         "fabs": real.call("fabs"), "sqrt": real.call("sqrt"),
         "zero": real.literal(0.0), "one": real.literal(1.0), "two": real.literal(2.0), "four": real.literal(4.0), "half": real.literal(0.5),
         "before": "", "huge": "HUGE_VALF" if real.name == "float" else "HUGE_VAL",

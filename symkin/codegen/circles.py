@@ -171,9 +171,8 @@ class _Reader:
         cosine, sine = ca.cos(angle.offset), ca.sin(angle.offset)
         for (i, k), factor in angle.factors.items():
             own = self.numbers[i][k]
-            assert own.cosine is not None  # noqa: S101 - only angles stand in sums
-            assert own.sine is not None  # noqa: S101
-            c, s = own.cosine, own.sine if factor > 0 else -own.sine
+            c, s = (ca.cos(own.value), ca.sin(own.value)) if own.cosine is None or own.sine is None else (own.cosine, own.sine)
+            s = s if factor > 0 else -s
             for _ in range(abs(round(factor))):
                 cosine, sine = cosine * c - sine * s, sine * c + cosine * s
         return cosine, sine

@@ -16,8 +16,10 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts, numbers_of, of_circle
+from symkin.codegen.formula_guards import unimplied
 from symkin.codegen.joint_map import Direction, JointMap, Part
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.line_bounds import Span, bend_of
+from symkin.codegen.newton_kernel import rounded, rounded_up
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
@@ -31,6 +33,10 @@ _BEND = 1.5
 _SEEN = 0.02
 """Share of their usual sizes that the conditions before a bent one have at the samples."""
 _POINTS = 400
+_STEPS = 60
+"""Steps by which the largest samples are followed uphill."""
+_MOST_GIVEN = 3
+"""Known values of which waves are summed: their samples grow by a power with each."""
 _FAR = 1.0
 """How far from the reference bends are sampled: in half turns, and in sizes."""
 
@@ -112,6 +118,12 @@ class ClosedDirection:
         else:
             slope = ca.jacobian(system.rows, system.unknown)
             value = by_numbers(ca.solve(slope, -ca.substitute(system.rows, system.unknown, 0)), [(system.known, read)])
+            # at its zeros the unknowns are infinite
+            determinant = snapped_expression(
+                by_numbers(ca.det(slope), [(system.known, read)]), [self.known, self.signs, self.roots]
+            )
+            if not determinant.is_constant():
+                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), determinant, None))
             for k, c in enumerate(system.unknowns):
                 circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
                 numbers[c.name] = [Numbers(value[k], *circle)]
@@ -136,17 +148,32 @@ class ClosedDirection:
     def conditions(self) -> list[_Condition]:
         """Discriminants, and the divisors that none of them implies: A^2 + B^2 is no less than A^2 + B^2 - C^2."""
         _, everything = self._solved
-        roots = [c for c in everything if c.root is not None]
-        kept = []
+        of_roots = np.array([c.root is not None for c in everything], bool)
         values = self._numbers_of_conditions(everything)
-        for j, one in enumerate(everything):
-            implied = one.root is None and any(
-                np.all(values[:, j] > 0.0) and np.all(values[:, j] >= values[:, everything.index(r)] * (1.0 - 1e-9))
-                for r in roots
+        free = set(np.flatnonzero(~of_roots)[unimplied(values[:, ~of_roots], values[:, of_roots])].tolist())
+        return [one for j, one in enumerate(everything) if of_roots[j] or j in free]
+
+    @cached_property
+    def divisors(self) -> list[int]:
+        """Numbers of the conditions that are divided by: they may be of either sign, which they keep."""
+        return [j for j, one in enumerate(self.conditions) if one.root is None]
+
+    def sizes_of_divisors(self, array: str) -> list[str]:
+        """Statements that leave the sizes of the divisors in an array of conditions."""
+        return [f"{array}[{j}] = {self.real.call('fabs')}({array}[{j}]);" for j in self.divisors]
+
+    @property
+    def _begin_sides(self) -> list[str]:
+        """Statements of the divisors' signs where a line begins, on which side they have to stay."""
+        zero, one = self.real.literal(0.0), self.real.literal(1.0)
+        return [
+            line
+            for j in self.divisors
+            for line in (
+                f"const {self.real.type} side{j} = (begin[{j}] < {zero}) ? -{one} : {one};",
+                f"begin[{j}] *= side{j};",
             )
-            if not implied:
-                kept.append(one)
-        return kept
+        ]
 
     def _numbers_of_conditions(self, conditions: list[_Condition]) -> np.ndarray:
         function = self._bound(ca.vertcat(ca.SX(0, 1), *(c.value for c in conditions)))
@@ -201,23 +228,41 @@ class ClosedDirection:
         values = np.array([np.asarray(function(s.values[places])).ravel() for s in self.made.samples])
         return np.array([rounded(float(v)) for v in np.median(values, axis=0)])
 
-    @cached_property
+    @property
     def bends(self) -> np.ndarray:
         """An eighth of the largest second derivative of each condition over its usual size, lengths over the machine's."""
+        return np.array([bend for bend, _ in self._bends])
+
+    @cached_property
+    def _bends(self) -> list[tuple[float, str]]:
+        """The same, and how each was found."""
         values = ca.SX.sym("v", len(self.direction.known))
         scales = np.array([1.0 if c.is_angular else self.made.size for c in self.direction.known])
         found = []
         all_values = self._numbers_of_conditions(self.conditions) / self.usual
+        all_values[:, self.divisors] = np.abs(all_values[:, self.divisors])
         for j, one in enumerate(self.conditions):
             expression = self._put_in(one.value, values) / self.usual[j]
-            hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
-            sizes = []
-            for point, numbers in zip(self._points, all_values, strict=True):
-                if np.all(numbers[:j] > _SEEN):
-                    scaled = np.asarray(hessian(point)) * np.outer(scales, scales)
-                    sizes.append(float(np.linalg.norm(scaled, 2)))
-            found.append(rounded(_BEND / 8.0 * max(sizes, default=1.0)))
-        return np.array(found)
+            bend, ground = self._proved_bend(ca.Function("g", [values], [expression]), scales), "proved"
+            if bend is None:
+                points = self._points[np.all(all_values[:, :j] > _SEEN, axis=1)]
+                hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
+                bend, ground = _BEND * _largest_norm(hessian, points, scales), "sampled"
+            found.append((rounded_up(bend / 8.0), ground))
+        return found
+
+    def _proved_bend(self, condition: ca.Function, scales: np.ndarray) -> float | None:
+        """The bound of a condition that is a sum of waves in bounded known values; None of another one."""
+        spans = []
+        for c in self.direction.known:
+            if not c.is_angular and c.limits is None:
+                return None
+            low, high = c.limits or (0.0, 0.0)
+            spans.append(Span(True) if c.is_angular else Span(False, 0.5 * (low + high), 0.5 * (high - low)))
+        if len(spans) > _MOST_GIVEN:
+            return None
+        bend = bend_of(lambda given: np.asarray(condition(given.T)).ravel(), spans)
+        return None if bend is None else float(np.max(bend.weights * scales**2))
 
     # --- text ------------------------------------------------------------------------------------------------------
 
@@ -234,9 +279,12 @@ class ClosedDirection:
             "signs": max(1, int(self.signs.shape[0])),
             "conditions": count,
             "bends": ", ".join(literal(float(b)) for b in self.bends) or literal(0.0),
+            "bend_grounds": ", ".join(ground for _, ground in self._bends) or "no condition",
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "near_one": literal(0.999),
             "least_part": literal(1.0 / 1024.0),
+            "sides": indent(self._begin_sides),
+            "sides_of_end": indent([f"end[{j}] *= side{j};" for j in self.divisors], 2),
             "home_signs": ", ".join(literal(float(s)) for s in self._signs_known) or literal(1.0),
         }
 
@@ -350,14 +398,33 @@ def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
     own = total.factors[0, 0]
     factors = {place: -factor / own for place, factor in total.factors.items() if place != (0, 0)}
     shift = -total.offset / own
-    value, cosine, sine = shift, ca.cos(shift), ca.sin(shift)
-    whole = all(factor == round(factor) for factor in factors.values())
+    value = sum((factor * read[k].value for (_, k), factor in factors.items()), shift)
+    cosine, sine = ca.cos(shift), ca.sin(shift)
     for (_, k), factor in factors.items():
-        n = read[k]
-        value = value + factor * n.value
-        for _ in range(abs(round(factor)) if whole else 0):
-            assert n.cosine is not None  # noqa: S101 - a sum of angles is of angles
-            assert n.sine is not None  # noqa: S101
-            c, s = n.cosine, n.sine if factor > 0 else -n.sine
+        c, s = read[k].cosine, read[k].sine
+        if c is None or s is None or factor != round(factor):
+            return Numbers(value, ca.cos(value), ca.sin(value))
+        s = s if factor > 0 else -s
+        for _ in range(abs(round(factor))):
             cosine, sine = cosine * c - sine * s, sine * c + cosine * s
-    return Numbers(value, cosine, sine) if whole else Numbers(value, ca.cos(value), ca.sin(value))
+    return Numbers(value, cosine, sine)
+
+
+def _largest_norm(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> float:
+    """The largest norm of a matrix over points (n, width), the eight largest followed uphill by random steps that shrink; 1 of none."""
+    if not len(points):
+        return 1.0
+
+    def norms(at: np.ndarray) -> np.ndarray:
+        found = np.array([np.asarray(hessian(point)) for point in at]) * np.outer(scales, scales)
+        return np.asarray(np.nan_to_num(np.linalg.norm(found, 2, axis=(1, 2))))
+
+    rng, sizes = np.random.default_rng(8), norms(points)
+    chosen = np.argsort(sizes)[-8:]
+    at, best = points[chosen], sizes[chosen]
+    for k in range(_STEPS):
+        tried = at + 0.5 * 0.9**k * rng.uniform(-1, 1, at.shape) * scales
+        tried_sizes = norms(tried)
+        better = tried_sizes > best
+        at, best = np.where(better[:, None], tried, at), np.where(better, tried_sizes, best)
+    return float(best.max())

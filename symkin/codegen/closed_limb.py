@@ -1,6 +1,7 @@
 """Write the C of a limb that has a closed form: its joints and their rates by the pose, and which branch a configuration is on.
 
-Of each choice between two values the reference's is taken. A discriminant below zero means that no configuration has the pose.
+Of each choice between two values the reference's is taken. A discriminant below zero means that no configuration has the pose, as do
+rows that the formulas leave over and that do not close; where a divisor vanishes the limb is singular.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_emitter import Emitter, Real, indent, indented_by_braces, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.newton_kernel import rounded
@@ -31,7 +32,10 @@ def closed_limb_text(made: LimbPlatform, block: LimbBlock, common: Mapping[str, 
     assert block.formulas is not None  # noqa: S101 - the caller has looked
     written, count = LimbFormulas(made, block, block.formulas), len(actuated_places(block)) * int(block.sides.shape[1])
     values = {**common, "k": f"{made.name}_{block.name}", "count": block.system.width, "rates": count}
-    text = fill("closed_limb.c", values | {"joints_lines": indent(written.joints)})
+    within = f", {made.real.type} within" if block.is_checked else ""
+    words = "; its rows may be off by `within`" if block.is_checked else ""
+    own = {"joints_lines": indent(written.joints), "within": within, "within_words": words}
+    text = fill("closed_limb.c", values | own)
     if not count or block.kernel is not None:
         return text
     return text + fill("closed_rates.c", values | {"rates_lines": indent(written.rates)})
@@ -61,9 +65,14 @@ class LimbFormulas:
     @cached_property
     def usual_roots(self) -> np.ndarray:
         """How large roots are at sampled configurations."""
-        known = self.made.inverse.known_coordinates
-        poses = np.array([self.made.inverse.select_values(s.values, known) for s in self.made.samples])
-        return np.asarray(np.sqrt(np.median(np.abs(self.formulas.discriminants_at(poses, self.signs)), axis=0)))
+        discriminants = self.formulas.discriminants_at(self.made.sampled_poses, self.signs)
+        return np.asarray(np.sqrt(np.median(np.abs(discriminants), axis=0)))
+
+    @cached_property
+    def _usual_divisors(self) -> np.ndarray:
+        """How large the divisors with guards of their own are at sampled configurations."""
+        divisors = self.formulas.divisors_at(self.made.sampled_poses, self.signs)
+        return np.asarray(np.median(np.abs(divisors[:, list(self.block.free_divisors)]), axis=0))
 
     @cached_property
     def _discriminants(self) -> ca.SX:
@@ -101,34 +110,66 @@ class LimbFormulas:
 
     def _lines(self, results: ca.SX, least: float, array: str, refused: str) -> list[str]:
         """Statements of discriminants, their roots, the results and the status: refused where a root is below the `least` share of its
-        usual size."""
+        usual size, SINGULAR where a divisor is."""
         limits = [self.real.literal(rounded((least * root) ** 2)) for root in self.usual_roots]
-        known, roots = self.formulas.system.known, self.formulas.roots
-        outputs = [snapped_expression(ca.densify(part), [known, roots]) for part in (self._discriminants, results)]
+        known, roots, free = self.formulas.system.known, self.formulas.roots, self.block.free_divisors
+        divisors = self.signed(ca.vertcat(ca.SX(0, 1), *(self.formulas.divisors[j] for j in free)))
+        outputs = [snapped_expression(ca.densify(part), [known, roots]) for part in (self._discriminants, results, divisors)]
         function = ca.Function("limb", [known, roots], outputs, {"cse": True})
         count = int(roots.shape[0])
         emitter = Emitter(function, [indexed("c", int(known.shape[0])), [f"r{k + 1}" for k in range(count)]], self.real)
-        lines, tests, one = emitter.lines, [], self.real.literal(1.0)
-        for k in range(count):
-            text = emitter.value(0, k)
-            real, sqrt = self.real.type, self.real.call("sqrt")
-            lines.append(
+        name, zeros = self.made.name.upper(), [f"{array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))]
+        status = [f"{self.made.name}_status status = {name}_{refused};"]
+        written, closings, tests = list(status if free else []), list[list[str]](), []
+        for k in range(count + 1):
+            # a divisor is asked before anything is divided by it
+            own = [j for j in range(len(free)) if self._last_root(divisors[j]) == k]
+            if own:
+                conditions = [self._above(emitter.value(2, j), least * float(self._usual_divisors[j])) for j in own]
+                written += [*emitter.take(), f"if ({' && '.join(conditions)}) {{"]
+                closings.append(["} else {", "/* what is divided by vanishes */", f"status = {name}_SINGULAR;", *zeros, "}"])
+            if k == count:
+                break
+            text, real, sqrt = emitter.value(0, k), self.real.type, self.real.call("sqrt")
+            emitter.lines.append(
                 f"const {real} d{k + 1} = {text}; /* above 0 where {c_comment(self.formulas.names[k])} has two values */"
             )
-            lines.append(f"const {real} r{k + 1} = (d{k + 1} > {limits[k]}) ? {sqrt}(d{k + 1}) : {one};")
+            emitter.lines.append(
+                f"const {real} r{k + 1} = (d{k + 1} > {limits[k]}) ? {sqrt}(d{k + 1}) : {self.real.literal(1.0)};"
+            )
             tests.append(f"(d{k + 1} > {limits[k]})")
-        made = len(lines)
+        written += emitter.take()
+        if tests:
+            # only where the roots are there: then nothing that is divided by vanishes with them
+            written += [*([] if free else status), f"if {tests[0] if len(tests) == 1 else '(' + ' && '.join(tests) + ')'} {{"]
+            closings.append(["} else {", *zeros, "}"])
         stores = [f"{array}[{i}] = {emitter.value(1, i)};" for i in range(int(results.shape[0]))]
-        name, given = self.made.name.upper(), [*lines[made:], *stores]
-        if not tests:
-            return [*lines[:made], *given, f"return {name}_OK;"]
-        # only where the roots are there: then nothing that is divided by vanishes with them
-        condition = tests[0] if len(tests) == 1 else "(" + " && ".join(tests) + ")"
+        written += [*emitter.take(), *stores]
+        checks, result = self._row_checks if array == "x" and self.block.is_checked else ([], f"{name}_OK")
+        ending = [f"status = {result};", *(line for lines in reversed(closings) for line in lines), "return status;"]
+        return indented_by_braces([*written, *checks, *(ending if closings else [f"return {result};"])])
+
+    def _last_root(self, expression: ca.SX) -> int:
+        """Number, from 1, of the last root that an expression reads; 0 for none."""
+        reads = ca.which_depends(expression, self.formulas.roots, 1, False) if int(self.formulas.roots.shape[0]) else []
+        return max((k + 1 for k, is_read in enumerate(reads) if is_read), default=0)
+
+    def _above(self, text: str, least: float) -> str:
+        return f"({self.real.call('fabs')}({text}) > {self.real.literal(rounded(least))})"
+
+    @property
+    def _row_checks(self) -> tuple[list[str], str]:
+        """Statements of the limb's rows at the joints, and the status that they leave: a pose off what the mechanism can take has no answer."""
+        system, capital = self.block.system, self.made.name.upper()
+        errors = snapped_expression(ca.densify(system.errors), [system.unknown, system.known])
+        function = ca.Function("rows", [system.unknown, system.known], [errors], {"cse": True})
+        emitter = Emitter(function, [indexed("x", system.width), indexed("c", int(system.known.shape[0]))], self.real, prefix="e")
+        texts = [emitter.value(0, i) for i in range(int(errors.shape[0]))]
+        closes = " && ".join(f"({self.real.call('fabs')}({text}) <= within)" for text in texts)
         return [
-            *lines[:made], f"{self.made.name}_status status = {name}_{refused};", f"if {condition} {{", *("    " + line for line in given),
-            f"    status = {name}_OK;", "} else {",
-            *(f"    {array}[{i}] = {self.real.literal(0.0)};" for i in range(int(results.shape[0]))), "}", "return status;",
-        ]  # fmt: skip
+            "/* the rows that the formulas leave over */",
+            *emitter.lines,
+        ], f"({closes}) ? {capital}_OK : {capital}_OUT_OF_RANGE"
 
 
 def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: float) -> str:

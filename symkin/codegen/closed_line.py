@@ -22,9 +22,10 @@ from symkin.codegen.arm_motion import ArmMotion
 from symkin.codegen.c_emitter import Emitter, Real, indent
 from symkin.codegen.c_templates import fill
 from symkin.codegen.closed_source import ClosedCode
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.newton_kernel import rounded_up
 from symkin.computed_once import cached_property
 from symkin.spatial.rotation import multiply
+from symkin.text import c_comment
 
 WAY = 2.0
 """By how much the second derivative of a square may be larger than at constant speed of the joints that the step reads."""
@@ -54,11 +55,10 @@ class LimitCheck:
 
 @dataclass(frozen=True, eq=False)
 class ClosedLine:
-    """The line check of one arm's closed form; `rounding` bounds the error of an answer's pose, as a length."""
+    """The line check of one arm's closed form."""
 
     code: ClosedCode
     motion: ArmMotion
-    rounding: float
 
     @property
     def plan(self) -> Plan:
@@ -169,7 +169,7 @@ class ClosedLine:
         lines = []
         for k, (row, i) in enumerate(zip(WAY * self.bends, self.code.guarded, strict=True)):
             lines += [
-                f"/* {self.plan.steps[i].reason} */",
+                f"/* {c_comment(self.plan.steps[i].reason)} */",
                 f"const {self.real.type} bend{k} = {self.sum_of(row)};",
                 f"const {self.real.type} lesser{k} = (a[{k}] < b[{k}]) ? a[{k}] : b[{k}];",
                 f"const {self.real.type} share{k} = bend{k} / ({self.real.literal(2.0)} * (a[{k}] + b[{k}]) + {self.real.literal(4.0)} * lesser{k});",
@@ -190,7 +190,7 @@ class ClosedLine:
     def sum_of(self, row: np.ndarray) -> str:
         """C text of weights times the squares of the ways."""
         squares = ["place", "turn", *(f"moved[{j}]" for j in range(len(self.plan.arm)))]
-        terms = [f"{self.real.literal(rounded(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING]
+        terms = [f"{self.real.literal(rounded_up(w))} * {square}" for w, square in zip(row, squares, strict=True) if w > _NOTHING]
         return " + ".join(terms) or self.real.literal(0.0)
 
     def text(self, limits: LimitCheck) -> str:
@@ -200,7 +200,7 @@ class ClosedLine:
             "turns": 2 * len(self.plan.arm), "read": indent(self._read_lines),
             "bends": indent(self._bend_lines), "longest2": self.longest2, "per_lengths": self.per_lengths,
             "per_size2": literal(size**-2), "size2": literal(size**2), "least": literal(_LEAST * self.real.epsilon),
-            "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "answer_rounding": literal(self.rounding), "huge": self.code.values["huge"],
+            "eight": literal(8.0), "quick": literal(0.2), "usual": literal(0.6), "shorter": literal(0.75), "far_shorter": literal(0.25), "near_one": literal(0.999), "turn_noise": literal(4.0 * self.real.epsilon), "least_part": literal(_LEAST_PART), "huge": self.code.values["huge"],
         }  # fmt: skip
         return limits.text + fill("closed_line.c", names | limits.names)
 

@@ -17,12 +17,13 @@ from symkin.closed.geometry import across
 from symkin.closed.plan import Plan
 from symkin.closed.steps import TOOL, Factor, Operand, Step, Word
 from symkin.closure.snapping import snapped_expression
-from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.c_emitter import Emitter, Real, indent, indented_by_braces, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.newton_source import NewtonCode
 from symkin.codegen.turns import angle_of_direction, rough_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
+from symkin.text import c_comment
 
 _LEAST = 256.0
 """Discriminants and strengths (squares over the size's) below so many roundings decide nothing."""
@@ -45,7 +46,7 @@ class _Written:
 
 @dataclass(frozen=True, eq=False)
 class ClosedCode:
-    """The closed form of one arm; `newton`: where the plan is that of an arm whose axes are nearly these, the method that has to
+    """The closed form of one arm; `misfit`: the largest error of an answer's pose, as a length; `newton`: where the plan is that of an arm whose axes are nearly these, the method that has to
     finish."""
 
     plan: Plan
@@ -151,7 +152,7 @@ class ClosedCode:
         text = "\n".join(emitter.lines)
         if self.real.name == "float":
             text = text.replace("atan2f(", f"{self.values['p']}_angle(")
-        return _indented(text.split("\n"))
+        return indented_by_braces(text.split("\n"))
 
     def _open_conditions(self, strength: str, discriminant: int, opened: list[str]) -> None:
         """What must hold before a step's solutions are formed, and what is said where it does not: nothing decides the joint, two
@@ -224,15 +225,14 @@ class ClosedCode:
     @property
     def text(self) -> str:
         """All functions of the closed form."""
-        first = f"{self.values['p']}_turn_near(" if self.newton is None else f"{self.values['p']}_settle(x, "
         sine = fill("closed_trigonometry.c", self.names) if any("_sine(" in line for line in self._near_lines) else ""
         angle = angle_of_direction(self.real, self.names) if any("_angle(" in line for line in self.body) else ""
-        return angle + sine + fill("closed.c", self.names | {"finish": self._finish, "settle": first})
+        return angle + sine + fill("closed.c", self.names | {"finish": self._finish})
 
     @property
     def _finish(self) -> str:
         if self.newton is None:
-            return ""
+            return fill("closed_hold.c", self.names | {"answer_rounding": self.real.literal(self.misfit)})
         literal, size = self.real.literal, self.plan.arm.size
         own = {"most_steps": _FINISH_STEPS, "longest2": literal((_FINISH_REACH * size) ** 2)}
         return fill("closed_finish.c", self.newton.factoring | self.names | own)
@@ -242,7 +242,7 @@ class ClosedCode:
         """The declarations, with the names of the choices."""
         prefix, names = self.values["P"], self.plan.branches
         flags = [
-            f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {self._joint_of(i)} */"
+            f"#define {prefix}_{name.upper()} ({1 << (len(names) - 1 - i)}U) /* the other solution of joint {c_comment(self._joint_of(i))} */"
             for i, name in enumerate(names)
         ]
         nearly = "" if self.newton is None else _NEARLY_CLOSED
@@ -261,13 +261,3 @@ class ClosedCode:
 
 def _is_number(text: str) -> bool:
     return text[0].isdigit()
-
-
-def _indented(lines: list[str]) -> list[str]:
-    """Lines indented by the braces that are open before them."""
-    depth, found = 0, []
-    for line in lines:
-        depth -= line.startswith("}")
-        found.append("    " * depth + line)
-        depth += line.endswith("{")
-    return found

@@ -201,7 +201,8 @@ class _Guarding:
             if root is None:
                 return Guard(name, *place, powers, 1.0, None, plain[0][-1].size, tuple(map(_plain, plain[0])))
             inner = self._bends(discriminants[root])
-            assert inner is not None  # noqa: S101 - its own guard was found
+            if inner is None:
+                continue
             weights = tuple(_with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True))
             size = plain[0][-1].size + plain[1][-1].size * float(np.sqrt(inner[-1].size))
             return Guard(name, *place, powers, 1.0, root, size, weights)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symkin.codegen.direct_values import DirectValues
-from symkin.codegen.newton_kernel import rounded
+from symkin.codegen.newton_kernel import rounded_up
 from symkin.text import c_comment
 
 _ARC = 0.117
@@ -116,7 +116,7 @@ class LineText:
         """C text of a sum of squared changes by weights of each reach; joints of about one weight are added first. `lines` get tables and
         sums."""
         real, parts = self.values.real, list[str]()
-        table = np.array([[rounded(float(1.0001 * v)) for v in part] for part in weights])
+        table = np.array([[rounded_up(float(v)) for v in part] for part in weights])
         left = [i for i in range(table.shape[1]) if np.any(table[:, i] > 0.0)]
         while left:
             alike = [i for i in left if np.all(np.abs(table[:, i] - table[:, left[0]]) <= _ALIKE * table[:, left[0]])]

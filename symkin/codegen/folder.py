@@ -20,6 +20,7 @@ from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.line_width import narrowed
 from symkin.codegen.linuxcnc import linuxcnc_text
 from symkin.codegen.options import Options, OptionValues
+from symkin.codegen.own_test import run_own_test
 from symkin.codegen.package import package_files
 from symkin.codegen.program import Program, build_program, is_closed
 from symkin.codegen.readme import readme
@@ -43,8 +44,9 @@ def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpac
     unit) about which pivots are chosen. `home_relative` and `home` are for platforms on six rods. `given` and `find` name joint
     coordinates, as many of each as the mobility: the code is then the map from one to the other and back, of any mechanism, graphs
     and files of robots too, with Jacobian, rates and torques. `also` asks for more files: "package" (PlatformIO, Arduino, Zephyr),
-    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). `compact` asks for the least code, at some cost of instructions. Raises InputError for a
-    mechanism that no code can be written for, options that do not fit it, and a folder that holds files of somebody else.
+    "linuxcnc" (a kinematics component), "cpp" (a header for C++17). `compact` asks for the least code, at some cost of instructions. Where a C compiler is at hand
+    the code's own test is compiled and run first. Raises InputError for a mechanism that no code can be written for, options that do not fit it,
+    code that fails its own test, and a folder that holds files of somebody else.
 
     >>> import symkin, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -61,9 +63,10 @@ def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpac
 
 def write_folder(mechanism: Mechanism, folder: Path, options: Options, measured: Mapping[str, Any] | None = None) -> list[Path]:
     """Writes the folder (made where it is missing) and returns its files; `measured`: figures of codegen/measured.json. Raises InputError where that would replace a file
-    that is not symkin's, is another mechanism's, or was edited."""
+    that is not symkin's, is another mechanism's, or was edited, and where a compiler finds that the code fails its own test."""
     check_folder(mechanism, folder)
     files = folder_files(mechanism, options, measured)
+    run_own_test(mechanism.name, files)
     try:
         _check_files(folder, files)
         folder.mkdir(parents=True, exist_ok=True)
@@ -261,10 +264,19 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
         f"#define {name.upper()}_VECTORS {len(vectors.joints)}",
         f"#define {name.upper()}_VECTOR_JACOBIANS {len(vectors.jacobians)}",
         f"#define {name.upper()}_VECTOR_SINGULAR {len(vectors.singular)}",
+        f"#define {name.upper()}_VECTOR_INFEASIBLE {len(vectors.infeasible)}",
+        f"#define {name.upper()}_VECTOR_PAST {len(vectors.past)}",
         f"#define {name.upper()}_VECTOR_FAR {int(_is_too_far(program, far, vectors))}", "",
     ]  # fmt: skip
     for label, table in tables:
         lines += _table(f"{kind} {name}_vector_{label}", table, real)
+    if len(vectors.infeasible):
+        lines += _table(f"{kind} {name}_vector_infeasible", vectors.infeasible, real)
+    if len(vectors.past):
+        lines += _table(f"{kind} {name}_vector_past", vectors.past, real)
+        lines.append(
+            f"static const int {name}_vector_blamed[{len(vectors.blamed)}] = {{ {', '.join(map(str, vectors.blamed))} }};"
+        )
     if len(vectors.singular):
         lines += _table(f"{kind} {name}_vector_singular", vectors.singular, real)
     if not isinstance(program.kind, SerialArm):

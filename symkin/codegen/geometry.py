@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -87,3 +88,16 @@ class Geometry:
             "typedef struct {", *members, f"}} {name}_geometry;", "",
             "/* Nominal geometry, as an initialiser. */", f"#define {prefix}_NOMINAL \\", "    { \\", *numbers, "    }", "",
         ])  # fmt: skip
+
+
+def finite_check(name: str, numbers: Sequence[str], real: Real) -> str:
+    """Write NAME_check_geometry, which keeps a status where all numbers of the struct are finite; nothing without a struct."""
+    if not numbers:
+        return ""
+    members = [f"        {text}{',' if k + 1 < len(numbers) else ''}" for k, text in enumerate(numbers)]
+    return "\n".join([
+        "/* NONFINITE where a number of the geometry is NaN or infinite, else `otherwise`. */",
+        f"static {name}_status {name}_check_geometry(const {name}_geometry *geometry, {name}_status otherwise)", "{",
+        f"    const {real.type} values[{len(members)}] = {{", *members, "    };",
+        f"    return {name}_check_finite(values, {len(members)}, otherwise);", "}", "", "",
+    ])  # fmt: skip

@@ -16,8 +16,10 @@ import numpy as np
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.circle_kernel import CircleKernel, circle_kernel, shortened
 from symkin.codegen.circles import AngleSum, numbers_at, sum_of_angles
+from symkin.codegen.formula_guards import is_firm
 from symkin.codegen.newton_kernel import Kernel
 from symkin.codegen.options import Options
+from symkin.codegen.passive_limits import PassiveLimit, passive_limits
 from symkin.codegen.samples import Configuration, followed
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
@@ -36,6 +38,8 @@ _MOST_TRIES = 8
 """Tries a sample."""
 _SPREAD, _TURN = 0.1, 0.4
 """How far the given coordinates of samples are from the reference: in sizes, and in radians."""
+_DRAWS = 10
+"""Sets of known values about the reference at which divisors are compared with those there."""
 _CLOSED = 1e-6
 """Closure error at the reference, in sizes, above which the loops are open there."""
 
@@ -83,17 +87,47 @@ class Direction:
     @cached_property
     def circles(self) -> CircleKernel:
         """Newton's iteration of this direction. Formulas read the numbers of known coordinates, which are then its known values too."""
-        return circle_kernel(self.name, self.problem.system, self.known, collected=not self.is_closed)
+        return circle_kernel(self.name, _with_continuous_couplings(self.problem), self.known, collected=not self.is_closed)
 
     @property
     def kernel(self) -> Kernel:
         return self.circles.kernel
 
 
+def _with_advancing_wheels(mechanism: Mechanism) -> Mechanism:
+    """The mechanism whose wheels of unlike ratios advance: from a guess's wheel of several places no driver's place follows, so that
+    the values themselves, whole turns included, must tell it."""
+    unlike = [
+        c.whole_numbers is not None and {1} != {c.whole_numbers[0], *map(abs, c.whole_numbers[1])} for c in mechanism.couplings
+    ]
+    if not any(unlike):
+        return mechanism
+    couplings = [replace(c, advances=some) for c, some in zip(mechanism.couplings, unlike, strict=True)]
+    return replace(mechanism, couplings=couplings)
+
+
+def _with_continuous_couplings(problem: Problem) -> System:
+    """The system with the tangent of half a coupling's gap in place of the sine, which changes its sign where an angle that is known
+    by cosine and sine passes a half turn."""
+    closure, rows = problem.closure, ca.vertsplit(problem.system.rows)
+    kinds = {c.name: c.kind for c in closure.coordinates}
+    couplings = {f"coupling of {c.joint}": c for c in problem.mechanism.couplings if c.advance_reason(kinds) is None}
+    for k, place in enumerate(problem.row_places or ()):
+        coupling = couplings.get(closure.row_sources[place].limb)
+        if coupling is None or coupling.whole_numbers is None:
+            continue
+        own, numbers = coupling.whole_numbers
+        joint, *others = (closure.variables[closure.slices[name]] for name in (coupling.joint, *coupling.names))
+        gap = own * joint - sum((n * v for n, v in zip(numbers, others, strict=True)), ca.SX(own * coupling.constant))
+        rows[k] = 2 * closure.characteristic_length / own * ca.sin(gap) / (1 + ca.cos(gap))
+    return replace(problem.system, rows=ca.vertcat(*rows))
+
+
 def _part(group: Problem) -> Part:
     """How a structure group is solved."""
     system = group.system
     (known, unknown) = (group.known_coordinates, system.unknowns)
+    periodic = any(c.kind == "angle" for c in (*unknown, *known))
     if len(unknown) == 1 and unknown[0].is_angular and int(system.rows.shape[0]) == 1:
         angular = [[c.is_angular for c in part for _ in range(c.width)] for part in (unknown, known)]
         total = sum_of_angles(system.rows, [system.unknown, system.known], angular)
@@ -101,10 +135,18 @@ def _part(group: Problem) -> Part:
             return Part(group, None, total, is_linear=False)
     if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
         return Part(group, None, None, is_linear=True)
+    sources = [group.closure.row_sources[place].relation for place in group.row_places or ()]
+    if periodic and "coupling" in sources:
+        # its row is of half an angle and changes its sign with every turn, and the choice of a formula with it
+        return Part(group, None, None, is_linear=False)
     reference = group.select_values(group.closure.reference, known)
     short = shortened(system, known)
-    found = closed_form(short, samples_about(short, reference))
-    return Part(group, None if found is None or found.has_conditions else found, None, is_linear=False)
+    found = closed_form(short, samples_about(short, reference, known))
+    if found is None or found.has_conditions:
+        return Part(group, None, None, is_linear=False)
+    signs = found.signs_at(group.select_values(group.closure.reference, unknown), reference)
+    near = np.vstack([samples_about(short, reference, known, seed) for seed in range(_DRAWS)])
+    return Part(group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +173,7 @@ class JointMap:
     def _whole(self) -> Problem:
         """All loops that hold a given or a found coordinate."""
         given, found = self.options.given, self.options.find
-        problem = build_problem(self.mechanism, "given", given, found)
+        problem = build_problem(_with_advancing_wheels(self.mechanism), "given", given, found)
         return _connected(problem, {*given, *found})
 
     @cached_property
@@ -163,6 +205,13 @@ class JointMap:
     def passive(self) -> tuple[Coordinate, ...]:
         """Coordinates that are neither given nor found."""
         return tuple(c for c in self.direct.unknown if c.name not in self.options.find)
+
+    @cached_property
+    def passive_limits(self) -> list[PassiveLimit]:
+        """Limits of joints that are neither given nor found and that move with them."""
+        closure = self._whole.closure
+        moving = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in self.coordinates))
+        return passive_limits(closure, (*self.given, *self.found), self.real, moving)
 
     @property
     def coordinates(self) -> tuple[Coordinate, ...]:

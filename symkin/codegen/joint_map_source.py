@@ -11,6 +11,7 @@ from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, farthest, fill
 from symkin.codegen.circles import number_counts, numbers_at
 from symkin.codegen.closed_direction import ClosedDirection
+from symkin.codegen.geometry import Geometry
 from symkin.codegen.home_sheet import HomeSheet, home_sheet
 from symkin.codegen.joint_map import Direction, JointMap
 from symkin.codegen.joint_map_rates import MapRates, step_columns
@@ -18,6 +19,7 @@ from symkin.codegen.joint_map_values import MapValues, places_among
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature
 from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.turns import angle_of_direction, cosine_and_sine
 from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
@@ -233,7 +235,7 @@ class JointMapSource:
                 f"static const {kind} sign[{names['signs']}] = {{ {names['home_signs']} }};",
                 f"{kind} k[{names['nk']}];", f"{kind} x[{names['ns']}];", f"{kind} d[{names['conditions']}];",
                 *self.numbers.circles("values", direction.known, "k", range(int(str(names["nk"])))),
-                f"{k}_formulas(k, sign, x, d);",
+                f"{k}_formulas(k, sign, x, d);", *closed.sizes_of_divisors("d"),
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", f"    if (!(d[i] > {names['resolved']})) {{",
                 f"        status = {self.name.upper()}_OUT_OF_RANGE;", "    }", "}",
                 *self.numbers.into_y("k", direction.known), *self.numbers.into_y("x", direction.unknown), *self._other_lines(direction, "x"),
@@ -347,7 +349,8 @@ class JointMapSource:
             for i, w in enumerate(weights)
         ]
         which = "direct" if direction.name == "direct" else "inverse"
-        return fill("map_direction.c", self._common | {
+        return self._passive_text(direction) + fill("map_direction.c", self._common | {
+            "passive": self._passive_call(direction),
             "about": f"The {which} problem: {c_comment(', '.join(c.name for c in wanted))} from {c_comment(', '.join(c.name for c in known))}.",
             "about_track": f"One step of the {which} problem from the last values.",
             "f": f"{name}_{direction.name}", "track": f"{name}_track" if direction.name == "direct" else f"{name}_track_inverse",
@@ -356,6 +359,30 @@ class JointMapSource:
             "blame_values": f"        {name}_blame(info, joints);" if values == "joints" else "",
             "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
             "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
+        })  # fmt: skip
+
+    def _passive_call(self, direction: Direction) -> str:
+        """Statements that hold passive joints of an answer against their limits."""
+        if not self.made.passive_limits:
+            return ""
+        values, _ = self._words(direction)
+        call = f"status = {self.name}_{direction.name}_check_passive(&w, {values});"
+        return indent([f"if (status == {self.name.upper()}_OK) {{", f"    {call}", "}"], 2)
+
+    def _passive_text(self, direction: Direction) -> str:
+        """The function that holds passive joints against their limits, where they have some."""
+        made, limits = self.made, self.made.passive_limits
+        if not limits:
+            return ""
+        values, _ = self._words(direction)
+        closure, geometry = made.direct.problem.closure, Geometry(made.direct.problem.closure, at_run_time=False)
+        numbers = indexed("w->x", sum(number_counts(direction.unknown)))
+        texts = dict(zip((c.name for c in direction.unknown), self.numbers.plain_values(direction.unknown, numbers), strict=True))
+        texts |= {c.name: f"{values}[{i}]" for i, c in enumerate(direction.known)}
+        variables = [texts.get(c.name, self.real.literal(0.0)) for c in closure.coordinates for _ in range(c.width)]
+        lines = limit_lines(limits, variables, geometry, self.real, f"{self.name.upper()}_OUT_OF_RANGE")
+        return fill("map_passive.c", self._common | {
+            "k": f"{self.name}_{direction.name}", "values": values, "nto": len(direction.known), "lines": indent(lines),
         })  # fmt: skip
 
     def _step(self, direction: Direction) -> dict[str, str]:
@@ -379,7 +406,7 @@ class JointMapSource:
             step = [
                 f"static const {self.name}_config usual = {{ {prefix}_TOLERANCE, {prefix}_MAX_STEPS, {prefix}_MAX_STEP }};",
                 f"{kind} sign[{names['signs']}];", f"{kind} d[{names['conditions']}];", f"{kind} least = {literal(1.0)};", place,
-                f"{k}_signs(w.k, w.x, sign, d);", f"{k}_formulas(w.k, sign, w.x, d);",
+                f"{k}_signs(w.k, w.x, sign, d);", f"{k}_formulas(w.k, sign, w.x, d);", *closed.sizes_of_divisors("d"),
                 f"for (int i = 0; i < {names['conditions']}; ++i) {{", "    least = (d[i] < least) ? d[i] : least;", "}",
                 f"status = (least > {literal(_NOT_DECIDED)}) ? {k}_finish(&w, 1U, least, &usual, info) : {prefix}_SINGULAR;",
             ]  # fmt: skip

@@ -8,6 +8,8 @@ import numpy as np
 
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.joint_map import JointMap, map_configurations
+from symkin.codegen.passive_limits import keeps_limits
+from symkin.codegen.refused_vectors import infeasible_values, joints_past
 from symkin.codegen.samples import Configuration
 from symkin.codegen.vectors import COUNT, JACOBIANS, rounded_to
 from symkin.computed_once import cached_property
@@ -18,6 +20,8 @@ _SPREAD, _TURN = 0.06, 0.3
 _NEAR = 2e-4
 """How far every other guess is from its answer: in radians, and in sizes."""
 _DIGITS = 13
+_PARTS = (1.0, 0.25, 0.0625)
+"""Shares of the way from the reference that are tried where limits of passive joints leave few configurations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +39,7 @@ class MapVectors:
         """Configurations whose given values are numbers of the type."""
         made, direct = self.made, self.made.direct.problem
         found = []
-        for case in map_configurations(made, COUNT, 20, _SPREAD, _TURN):
+        for case in self._configurations:
             given = rounded_to(self._real, np.round(case.known, _DIGITS))
             values = case.values.copy()
             values[direct.known_places] = given
@@ -44,6 +48,17 @@ class MapVectors:
         if not found:
             raise InputError(f"{made.name}: no regular configuration was found near the reference to test generated code with")
         return found
+
+    @property
+    def _configurations(self) -> list[Configuration]:
+        """Configurations about the reference; where passive joints have limits, within these, and nearer ones if they are few."""
+        made, found = self.made, list[Configuration]()
+        for part in _PARTS:
+            cases = map_configurations(made, COUNT, 20, _SPREAD * part, _TURN * part)
+            found += [case for case in cases if keeps_limits(made.passive_limits, made.direct.problem.closure, case.values)]
+            if not made.passive_limits or len(found) >= COUNT:
+                break
+        return found[:COUNT]
 
     def _of(self, values: np.ndarray, which: str) -> np.ndarray:
         coordinates = self.made.given if which == "joints" else self.made.found
@@ -77,6 +92,16 @@ class MapVectors:
         return self._of(values, "joints")
 
     @cached_property
+    def refused(self) -> dict[str, np.ndarray]:
+        """Values (n, coordinates) that code refuses, by name: those that no configuration has, and those beyond limits."""
+        made, home, found = self.made, self.made.reference, dict[str, np.ndarray]()
+        for what, coordinates, direction in (("joints", made.given, made.direct), ("found", made.found, made.inverse)):
+            infeasible = np.round(infeasible_values(made, direction, self.cases), 9)
+            found[f"infeasible_{what}"] = rounded_to(self._real, infeasible).reshape(-1, len(coordinates))
+            found[f"past_{what}"] = joints_past(coordinates, self._of(home, what))[0]
+        return found
+
+    @cached_property
     def jacobians(self) -> np.ndarray:
         """Jacobians (count, n * n) of the first cases."""
         return np.array([np.round(map_jacobian(self.made, case.values), 9).ravel() + 0.0 for case in self.cases[:JACOBIANS]])
@@ -105,6 +130,14 @@ class MapVectors:
         for label, table in [*self.tables.items(), ("jacobians", self.jacobians)]:
             rows = [f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }}," for row in table]
             lines += [f"static const {kind} {name}_vector_{label}[{table.shape[0]}][{table.shape[1]}] = {{", *rows, "};", ""]
+        for label, table in self.refused.items():
+            # an array of C has at least one row
+            rows = [
+                f"    {{ {', '.join(real.hexadecimal(float(v)) for v in row)} }},"
+                for row in (table if len(table) else np.zeros((1, table.shape[1])))
+            ]
+            lines += [f"#define {prefix}_VECTOR_{label.upper()} {len(table)}",
+                      f"static const {kind} {name}_vector_{label}[{len(rows)}][{table.shape[1]}] = {{", *rows, "};", ""]  # fmt: skip
         for label, which in (("home_joints", "joints"), ("home_found", "found")):
             row = self._of(self.made.reference, which)
             lines.append(

@@ -18,11 +18,13 @@ from symkin.closure.closure import Closure
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.direct_formulas import DirectFormulas, direct_formulas
+from symkin.codegen.formula_guards import free_divisors, is_firm, keeps_digits
 from symkin.codegen.geometry import Geometry
 from symkin.codegen.limbwise import Held
 from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
+from symkin.codegen.passive_limits import PassiveLimit, passive_limits
 from symkin.codegen.pose_core import PoseCore, pose_core
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
@@ -48,7 +50,8 @@ class LimbBlock:
     solves it. With both, the formulas give the joints, and the kernel's matrix their rates.
 
     `sides` are -dF/d(twist) (rows x freedom of the pose), the right-hand sides of the joint rates; for a rod d(rod)/d(twist). `name`
-    begins the names of the limb's functions."""
+    begins the names of the limb's functions. `free_divisors` are numbers of the formulas' divisors that no discriminant guards;
+    `is_checked`: the formulas' answer is put into the rows, some of which they leave over, or divide by what may be small."""
 
     name: str
     system: System
@@ -56,6 +59,8 @@ class LimbBlock:
     rod: ca.SX | None
     formulas: ClosedForm | None
     sides: ca.SX
+    free_divisors: tuple[int, ...] = ()
+    is_checked: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +116,16 @@ class LimbPlatform:
         return configurations(self.direct, self.closure.reference, 40, 3)
 
     @cached_property
+    def sampled_poses(self) -> np.ndarray:
+        """Known values (n, known) of the inverse problem at the samples."""
+        known = self.inverse.known_coordinates
+        return np.array([self.inverse.select_values(s.values, known) for s in self.samples])
+
+    @cached_property
     def core(self) -> PoseCore | None:
         """The direct problem over the pose alone, where all passive joints are taken out of the limbs' rows and a limb's branch is told by
-        the pose and its actuated joint."""
-        if self.geometry.at_run_time or not self.samples or self.direct_formulas is not None:
+        the pose and its actuated joint. Passive joints with limits are not taken out."""
+        if self.geometry.at_run_time or not self.samples or self.direct_formulas is not None or self.passive_limits:
             return None
         known = self.inverse.known_coordinates
         poses = np.array([self.inverse.select_values(s.values, known) for s in self.samples[:_COMPARED]])
@@ -143,6 +154,11 @@ class LimbPlatform:
         if self.geometry.at_run_time or not _tells_branch(self._closure_blocks):
             return None
         return direct_formulas(self.direct, [block.system for block in self._closure_blocks], self.samples, self.held)
+
+    @cached_property
+    def passive_limits(self) -> list[PassiveLimit]:
+        """Limits of joints that are not actuated."""
+        return passive_limits(self.closure, self.actuated, self.real)
 
     @property
     def limited_angles(self) -> tuple[bool, ...]:
@@ -185,12 +201,14 @@ class LimbPlatform:
             rod = snapped_expression(ca.substitute(system.errors, system.unknown, 0), [system.known, symbols])
         else:
             formulas = self._formulas(system)
-        if rod is None and (formulas is None or not _solves_any_pose(formulas, self.samples[0], self.inverse)):
+        left_over = formulas is not None and not _solves_any_pose(formulas, self.samples[0], self.inverse)
+        free = () if formulas is None else tuple(free_divisors(formulas, self.sampled_poses, self.home_signs(formulas)))
+        if rod is None and (formulas is None or left_over):
             # of a limb that not every pose lets close, rates are least squares over its rows
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
         sides = self.by_twist(system, system.rows if rod is None else rod)
         sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
-        return LimbBlock(f"limb{number}", system, kernel, rod, formulas, sides)
+        return LimbBlock(f"limb{number}", system, kernel, rod, formulas, sides, free, left_over or bool(free))
 
     def by_twist(self, system: System, expression: ca.SX) -> ca.SX:
         """Derivatives (entries, freedom of the pose) of an expression of a limb's system by the platform's twist."""
@@ -203,15 +221,17 @@ class LimbPlatform:
         """The closed form of a limb, where its numbers are constants and all samples are on the reference's branch."""
         if self.geometry.at_run_time or len(self.samples) < _COMPARED:
             return None
-        known = self.inverse.known_coordinates
-        poses = np.array([self.inverse.select_values(sample.values, known) for sample in self.samples])
+        poses = self.sampled_poses
         limbs = np.array([self.inverse.select_values(sample.values, system.unknowns) for sample in self.samples])
         found = closed_form(system, poses[:_COMPARED])
         if found is None:
             return None
         home = self.home_signs(found)
         alike = all(np.array_equal(found.signs_at(limb, pose), home) for limb, pose in zip(limbs, poses, strict=True))
-        return found if alike else None
+        here = self.inverse.select_values(self.home_values, self.inverse.known_coordinates)
+        if not alike or not is_firm(found, here, poses, home):
+            return None
+        return found if not found.has_conditions or keeps_digits(found, poses, home, self.real.epsilon) else None
 
     def home_signs(self, formulas: ClosedForm) -> np.ndarray:
         """The signs of the reference in a limb's closed form."""
@@ -294,7 +314,8 @@ def _solves_any_pose(formulas: ClosedForm, sample: Configuration, inverse: Probl
         return True
     if any(c.kind == "quaternion" for c in inverse.known_coordinates):
         return False
-    return formulas.closes(samples_about(formulas.system, inverse.select_values(sample.values, inverse.known_coordinates)))
+    pose = inverse.known_coordinates
+    return formulas.closes(samples_about(formulas.system, inverse.select_values(sample.values, pose), pose))
 
 
 def _angular(pose: Sequence[Coordinate]) -> list[bool]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -11,6 +12,7 @@ from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_direct_source import ClosedDirectSource
 from symkin.codegen.closed_limb import branch_text, closed_limb_text
+from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.limb_rates import LimbRates
@@ -18,16 +20,20 @@ from symkin.codegen.limb_source import limb_text, rates_text
 from symkin.codegen.line_parts import line_target
 from symkin.codegen.linear_solver import singular_condition
 from symkin.codegen.newton_kernel import curvature, rounded
-from symkin.codegen.newton_source import NewtonCode
+from symkin.codegen.newton_source import NewtonCode, tracked_error
+from symkin.codegen.passive_limits import limit_lines
 from symkin.codegen.platform_rates import closure_twist, decides_twist, rates_functions, square_twist
 from symkin.codegen.pose_coordinates import pose_coordinates_text, pose_text
 from symkin.codegen.pose_target import core_target
 from symkin.computed_once import cached_property
+from symkin.model.joint import Coordinate
 from symkin.numeric.system import System
 from symkin.text import c_comment
 
 _FIRST_TURN = 0.5
 """Turn of the actuated joints that is tried first (rad): most longer ones are refused."""
+_TRACKED = 4.0
+"""How many times the error that one step of tracking may predict rows of a guess may be off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +72,7 @@ class LimbPlatformSource:
             normalise_pose(values), fill("info.c", values), pose_coordinates_text(made.geometry, real, values),
             "" if made.direct_formulas is not None else pose_text(made.geometry, real, values),
             range_functions(ranges, real, values), *(self._limb_text(block) for block in made.blocks),
-            self._solve_limbs, *self._direct, "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,
+            self._solve_limbs, self._check_passive, *self._direct, "\n", self._inverse, "\n", rates_functions(made.mechanism, real, values), self._twist,
         ])  # fmt: skip
 
     @property
@@ -119,7 +125,58 @@ class LimbPlatformSource:
             "np": max(1, sum(c.width for c in made.passive)),
             "farthest": literal(farthest(made.closure.characteristic_length, made.mechanism.platform_position)),
             "turn": literal(2 * np.pi), "per_turn": literal(0.5 / np.pi), "many": literal(1e4), "minus_half": literal(-0.5),
+            **self._passive_checks,
+            "within": f", {self.real.type} within" if self._checks_rows else "", "feasible": self._within(self._feasible),
         }  # fmt: skip
+
+    @property
+    def _passive_checks(self) -> dict[str, str]:
+        """Statements that hold joints which are not actuated against their limits: of an inverse, of Newton's method, of formulas."""
+        ga = "geometry, " if self.made.geometry.at_run_time else ""
+        ok, count = f"status == {self._ok}", sum(c.width for c in self.made.passive)
+        names = ("inverse_passive", "direct_passive", "write_tracked", "begin_answer", "give_answer")
+        if not self.made.passive_limits:
+            return dict.fromkeys(names, "") | {
+                "answer": "pose",
+                "write_tracked": indent([f"{self.name}_write_pose({ga}&w, pose);"], 4),
+            }
+        of_state = f"{self.name}_check_passive({ga}&w.x[{count}], given, w.x)"
+        parts = (
+            indent([f"if ({ok}) {{", f"    status = {self.name}_check_passive({ga}c, q, passive);", "}"], 2),
+            indent([f"if ({ok}) {{", f"    status = {of_state};", "}"], 2),
+            indent([f"status = {of_state};", f"if ({ok}) {{", f"    {self.name}_write_pose({ga}&w, pose);", "}"], 4),
+            indent([f"{self.name}_pose answer;"], 3),
+            indent(
+                [
+                    f"if ({ok}) {{",
+                    f"    status = {self.name}_check_answer(&answer);",
+                    "}",
+                    f"if ({ok}) {{",
+                    "    *pose = answer;",
+                    "}",
+                ],
+                3,
+            ),
+        )
+        return dict(zip(names, parts, strict=True)) | {"answer": "&answer"}
+
+    @property
+    def _checks_rows(self) -> bool:
+        """Whether the formulas of a limb leave rows over."""
+        return any(block.is_checked for block in self.made.blocks)
+
+    @property
+    def _feasible(self) -> float:
+        return feasible_error(self.real.epsilon, self.made.closure.characteristic_length)
+
+    @property
+    def _guess_error(self) -> float:
+        """Largest closure error of a guess, which may be what one step of tracking has left."""
+        return max(self._feasible, _TRACKED * tracked_error(self.code.tuning, self.made.closure.characteristic_length))
+
+    def _within(self, error: float) -> str:
+        """An argument of NAME_solve_limbs: how far rows may be off."""
+        return f", {self.real.literal(rounded(error))}" if self._checks_rows else ""
 
     @cached_property
     def values(self) -> dict[str, object]:
@@ -145,7 +202,7 @@ class LimbPlatformSource:
         return [
             f"{real.type} c[{nc}];", f"{real.type} passive[{self._common['np']}] = {{ {real.literal(0.0)} }};",
             f"status = {p}_pose_coordinates({self._ga}guess, c);",
-            f"if (status == {self._ok}) {{", f"    status = {p}_solve_limbs({self._ga}c, w->at, passive);",
+            f"if (status == {self._ok}) {{", f"    status = {p}_solve_limbs({self._ga}c, w->at, passive{self._within(self._guess_error)});",
             *("    " + line for line in copy("w->x", "passive", passive) if passive),
             *([f"    {p}_turn_into_limits(w->at, joints);"] if any(self.made.limited_angles) else []),
             *(f"    w->x[{passive + i}] = c[{i}];" for i in range(nc)),
@@ -173,7 +230,7 @@ class LimbPlatformSource:
             if block.formulas is not None:
                 copies = [f"    {array}[{there}] = x[{here}];" for array, there, here in self._rates.places(block)]
                 lines += [f"if (status == {self._ok}) {{", f"    {self.real.type} x[{block.system.width}];",
-                          f"    status = {k}_joints(c, x);", *copies, "}"]  # fmt: skip
+                          f"    status = {k}_joints(c, x{', within' if block.is_checked else ''});", *copies, "}"]  # fmt: skip
                 continue
             copies = [f"    {array}[{there}] = w.x[{here}];" for array, there, here in self._rates.places(block)]
             lines += [f"if (status == {self._ok}) {{", f"    {k}_work w;", f"    status = {k}_follow_pose({self._ga}&w, c);",
@@ -196,12 +253,31 @@ class LimbPlatformSource:
         real, geometry = self.real, self.made.geometry
         function = ca.Function("conditions", [conditions.known, geometry.symbols], [conditions.rows], {"cse": True})
         emitter = Emitter(function, [indexed("c", int(conditions.known.shape[0])), geometry.names], real, prefix="v")
-        limit = real.literal(max(1e-6, 64 * real.epsilon) * conditions.characteristic_length)
+        limit = real.literal(feasible_error(real.epsilon, conditions.characteristic_length))
         tests = [f"({real.call('fabs')}({emitter.value(0, i)}) <= {limit})" for i in range(int(conditions.rows.shape[0]))]
         return [
             "/* what the pose alone must satisfy */", *emitter.lines,
             f"if (!({' && '.join(tests)})) {{", f"    status = {self.name.upper()}_OUT_OF_RANGE;", "}",
         ]  # fmt: skip
+
+    @property
+    def _check_passive(self) -> str:
+        """NAME_check_passive, where joints that are not actuated have limits."""
+        made, closure = self.made, self.made.closure
+        if not made.passive_limits:
+            return ""
+        arrays = {"actuated": "q", "passive": "passive", "pose": "c"}
+        names = {
+            c.name: text
+            for role, array in arrays.items()
+            for c, text in zip(closure.role(role), _indexed_by_width(array, closure.role(role)), strict=True)
+        }
+        variables = [text for c in closure.coordinates for text in names[c.name]]
+        lines = limit_lines(made.passive_limits, variables, made.geometry, self.real, f"{self.name.upper()}_OUT_OF_RANGE")
+        text = fill("check_passive.c", self._common | {"lines": indent(lines)})
+        if made.direct_formulas is None:
+            return text
+        return text + fill("check_answer.c", self._common | {"of_answer": self._within(self._guess_error)})
 
     # --- branches and turns ------------------------------------------------------------------------------------------
 
@@ -276,3 +352,9 @@ class LimbPlatformSource:
 def _flags(flags: tuple[bool, ...]) -> str:
     """C text of truth values."""
     return ", ".join("true" if flag else "false" for flag in flags)
+
+
+def _indexed_by_width(array: str, coordinates: Sequence[Coordinate]) -> list[list[str]]:
+    """C text of the numbers of each of some coordinates, which stand beside each other in an array."""
+    ends = np.cumsum([c.width for c in coordinates]).tolist()
+    return [indexed(array, c.width, end - c.width) for c, end in zip(coordinates, ends, strict=True)]

@@ -8,8 +8,10 @@ import casadi as ca
 
 from symkin.codegen.c_emitter import Emitter, Real, indexed
 from symkin.codegen.c_templates import copy
+from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
 from symkin.codegen.linear_solver import singular_condition
+from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.pose_coordinates import COLUMNS
 from symkin.model.names import identifiers
 from symkin.numeric.system import System
@@ -62,7 +64,9 @@ class LimbRates:
         actuated = [(there, *solved[here]) for array, there, here in self.places(block) if array == "q"]
         solve = [f"status = {k}_follow_pose({self.ga}&w, c);"]
         if block.formulas is not None:
-            solve = [f"status = {k}_joints(c, w.x);", *copy("w.k", "c", int(block.system.known.shape[0]))]
+            error = feasible_error(real.epsilon, made.closure.characteristic_length)
+            within = f", {real.literal(rounded(error))}" if block.is_checked else ""
+            solve = [f"status = {k}_joints(c, w.x{within});", *copy("w.k", "c", int(block.system.known.shape[0]))]
         body = [f"{k}_work w;", f"{real.type} sides[{m * len(columns)}];", *solve,
                 f"if (status == {self._ok}) {{", f"    {k}_twist_columns({self.ga}&w, sides);",
                 f"    if ({singular_condition(block.kernel, k, '&w', self.ga, compact=made.options.compact)}) {{",

@@ -7,6 +7,7 @@ trigonometry is left in the loop of platforms on rods.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -182,6 +183,15 @@ def curvature(
 def rounded(value: float) -> float:
     """Round to three digits: generated constants must not depend on the last bits of a linear algebra library."""
     return float(f"{value:.3g}")
+
+
+def rounded_up(value: float) -> float:
+    """Round a bound to three digits, away from zero."""
+    near = rounded(value)
+    if abs(near) >= abs(value):
+        return near
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - 2)
+    return rounded(near + math.copysign(step, value))
 
 
 def quaternion_place(coordinates: Sequence[Coordinate]) -> int | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,8 +20,10 @@ from symkin.text import c_comment
 _SURE = 25.0
 """Square of how much shorter than the second step a third one is that needs no fourth, though |J_0^-1| |s_0| is above the size: there
 curvatures of 1 / size leave the theorem silent, and three steps can contract towards a point where the rows have no root."""
-_ROWS = 8.0
+_ROWS = 64.0
 """Roundings of the size by which rows are off."""
+_LINE = 256.0
+"""Roundings of the size in the rows below which a line is none: then the state stays where it was, its rows held against the goal."""
 _COMMENT_WIDTH = 118
 """Characters of a comment line."""
 
@@ -41,12 +44,19 @@ def tolerance_of(real: Real, size: float) -> float:
     return real.epsilon * size * (1.0 if real.name == "float" else 1e4)
 
 
+def tracked_error(tuning: Tuning, size: float) -> float:
+    """The error of one step, up to the size, from which another one comes below the tolerance: an error e leaves kappa e^2 after
+    one more, nothing where the rows are linear."""
+    kappa = math.sqrt(tuning.kappa2)
+    return min(math.sqrt(tuning.tolerance) / math.sqrt(kappa), size) if kappa else size
+
+
 def tuning_of(kernel: Kernel, real: Real, kappa: float) -> Tuning:
-    """Choose tolerances near what the type resolves."""
-    resolution = real.epsilon * kernel.characteristic_length
-    return Tuning(
-        tolerance_of(real, kernel.characteristic_length), 64.0 * resolution, 64.0 * resolution, 8.0 * resolution, kappa**2
-    )
+    """Choose tolerances near what the type resolves. Of rows that are linear a step of the size is taken to leave the tolerance."""
+    size = kernel.characteristic_length
+    resolution, tolerance = real.epsilon * size, tolerance_of(real, size)
+    kappa = max(kappa, tolerance / size**2)
+    return Tuning(tolerance, 64.0 * resolution, 64.0 * resolution, 8.0 * resolution, kappa**2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +148,8 @@ class NewtonCode:
     @property
     def driver(self) -> str:
         """Newton's method along the line of known values."""
-        return fill("newton.c", self._values)
+        side = fill("side.c", self._values) if self._has_side else ""
+        return side + fill("newton.c", self._values)
 
     @property
     def text(self) -> str:
@@ -174,7 +185,7 @@ class NewtonCode:
         for row in range(kernel.m):
             if kernel.m > 1:
                 about = kernel.meaning.each_row[row] if kernel.meaning.each_row else ""
-                emitter.comment(c_comment(f"row {row + 1}: {about}" if about else f"row {row + 1}"))
+                emitter.comment(f"row {row + 1}: {about}" if about else f"row {row + 1}")
             text = emitter.value(0, row)
             emitter.lines.append(f"w->f[{row}] = {text};")
             for shared in range(count * row // kernel.m, count * (row + 1) // kernel.m):
@@ -232,6 +243,11 @@ class NewtonCode:
         }  # fmt: skip
 
     @property
+    def _has_side(self) -> bool:
+        """Whether there are more rows than unknowns, so that factors have no determinant of their own."""
+        return self.kernel.m > self.kernel.n
+
+    @property
     def _members(self) -> dict[str, object]:
         """Members of the work space that not every kernel has, and what its arrays hold."""
         kernel, kind = self.kernel, self.real.type
@@ -255,6 +271,12 @@ class NewtonCode:
                 )
             ),
             "r": "" if kernel.is_square else f"    {kind} r[{square}]; /* R of QR, reciprocals on its diagonal */",
+            "sides": f"    {kind} q[{kernel.m * kernel.n}]; /* Q at the part of the line that is done */\n"
+            "    int8_t side; /* sign of the determinant there, 0 before the line has begun */"
+            if self._has_side
+            else "",
+            "no_side": "    w->side = 0;" if self._has_side else "",
+            "side": indent(["if (turn != 0) {", f"    turn = {self.k}_side(w, taken == 0U);", "}"], 3) if self._has_side else "",
             "factors": factors,
             "members": "\n".join(f"    {line}" for line in self.members),
         }
@@ -317,20 +339,31 @@ class NewtonCode:
         """Below which squared length a step is rounding: what the rows' rounding makes of it where pivots are small, unless they are so
         small that the rounding could reach a singularity. Of rods, whose matrix is well scaled, a constant."""
         literal, floor = self.real.literal, self.real.literal(self.tuning.floor**2)
-        if self.retarget:
-            return {"still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh"}
-        epsilon = self.real.epsilon
-        rounding, least, most = (
-            (_ROWS * epsilon * self.kernel.characteristic_length) ** 2,
-            (64.0 / _ROWS) ** 2,
-            1.0 / (8.0 * _ROWS * epsilon),
-        )
-        test = f"(w->spread > {literal(least)}) && (w->spread < {literal(rounded(most))})"
-        return {
-            "still2": "still2", "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
-            # what follows a step that is rounding or nothing tells no ratio of steps
-            "moved": " && (before > still2)", "by_kappa": f"(fresh || !(before > {literal(0.0)}))",
-            "noise": indent([f"still2 = ({test}) ? ({literal(rounding)} * w->spread) : {floor};"], 3),
+        epsilon, state = self.real.epsilon, int(self.kernel.state.shape[0])
+        rounding = literal((_ROWS * epsilon * self.kernel.characteristic_length) ** 2)
+        test = f"(w->spread > {literal((64.0 / _ROWS) ** 2)}) && (w->spread < {literal(rounded(1.0 / (8.0 * _ROWS * epsilon)))})"
+        # what follows a step that is rounding or nothing tells no ratio of steps
+        line = literal((_LINE * epsilon * self.kernel.characteristic_length) ** 2)
+        common = {"row_noise2": line, "moved": " && (before > still2)", "by_kappa": f"(fresh || !(before > {literal(0.0)}))"}
+        if not self.retarget:
+            return common | {
+                "still2": "still2",
+                "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
+                "noise": indent([f"still2 = ({test}) ? ({rounding} * w->spread) : {floor};"], 3),
+                "accept": indent(["bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));"], 2),
+                "or_noise": "",
+                "stay": indent(copy_loop("w->x", "w->x0", state), 3),
+            }
+        # asked only where a step is not shorter than it has to be, so that the usual way costs nothing
+        accept = [
+            f"const bool noise = !(size <= limit) && (taken > 0U) && {test}",
+            f"    && (size <= {rounding} * w->spread); /* what rounding makes of the rows */",
+            f"bool accepted = (size <= limit) || noise || ((taken > 0U) && (size <= {floor}));",
+        ]
+        put_back = [f"(void){self.name}_normalise_pose({self._ga}w->guess, w->x);", f"{self.k}_set_target({self._ga}w, to);"]
+        return common | {
+            "still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh", "accept": indent(accept, 2),
+            "or_noise": " || noise", "stay": indent(put_back, 3),
         }  # fmt: skip
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from shlex import quote
 from typing import Literal, TypedDict, Unpack
 
 from symkin.codegen.rod_kernel import is_rod_platform
@@ -101,5 +102,5 @@ class Options:
         if self.compact:
             parts.append("--compact")
         if self.is_map:
-            parts += [f"--given {','.join(self.given)}", f"--find {','.join(self.find)}"]
+            parts += [f"--given {quote(','.join(self.given))}", f"--find {quote(','.join(self.find))}"]
         return " ".join([*parts, *(f"--{name}" for name in self.also)])

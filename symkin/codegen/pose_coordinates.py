@@ -9,6 +9,7 @@ import numpy as np
 
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
+from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.geometry import Geometry
 from symkin.spatial.rotation import conjugate, multiply
 
@@ -88,7 +89,7 @@ def pose_coordinates_text(geometry: Geometry, real: Real, values: dict[str, obje
     lines = [
         "/* Pose coordinates of a pose. */",
         f"static {values['p']}_status {values['p']}_pose_coordinates({values['gp']}const {values['p']}_pose *pose, {real.type} c[{count}])",
-        "{", *([f"{values['use']}"] if values["use"] else []), f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_normalise_pose(pose, x);",
+        "{", f"    {real.type} x[7];", f"    {values['p']}_status status = {values['p']}_normalise_pose({values['ga']}pose, x);",
         f"    if (status == {values['P']}_OK) {{", indent(body, 2), "    }", "    return status;", "}", "", "",
     ]  # fmt: skip
     return "\n".join(lines)
@@ -122,7 +123,7 @@ def pose_text(geometry: Geometry, real: Real, values: dict[str, object]) -> str:
 
 def off_motion(geometry: Geometry, real: Real) -> float:
     """How far a pose may be off the platform's motion, a length."""
-    return max(1e-6, 64 * real.epsilon) * geometry.closure.characteristic_length
+    return feasible_error(real.epsilon, geometry.closure.characteristic_length)
 
 
 def _reference(geometry: Geometry) -> ca.SX:

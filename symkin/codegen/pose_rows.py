@@ -95,7 +95,7 @@ def _limb(system: System, poses: np.ndarray) -> _Limb | None:
         rows = polynomial_rows(ring, system, system.rows, {})
     except NotPolynomialError:
         return None
-    work = Workspace(ring, rows, set(), [system.known], poses)
+    work = Workspace(ring, rows, set(), [system.known], poses, system.characteristic_length)
     rows = [work.tidied(row) for row in rows]
     if any(not c.is_constant() for row in rows for m, c in row.terms.items() if m != ring.one):
         return None

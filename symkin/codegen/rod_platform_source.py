@@ -74,8 +74,8 @@ class RodSource:
         return self._common | {
             "farthest": literal(farthest(self.platform.mechanism.characteristic_length, self.platform.home.position)),
             "copy_joints": indent(copy("joints", "w.k", 6), 3),
-            "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose(guess, w->x);"]), "leave": indent(leave),
-            "check_branch": "", "unwrap": "", "keep_known": "", "to": "joints", "whole": "",
+            "enter": indent(["w->guess = guess;", f"status = {p}_normalise_pose({self._common['ga']}guess, w->x);"]), "leave": indent(leave),
+            "check_branch": "", "direct_passive": "", "write_tracked": indent([f"{p}_write_pose({self._common['ga']}&w, pose);"], 4), "unwrap": "", "keep_known": "", "to": "joints", "whole": "",
             "track_factor": singular_condition(self.kernel, f"{p}_direct", "&w", str(self._common["ga"]), compact=self.code.compact),
             "kappa": literal(float(np.sqrt(self.code.tuning.kappa2))), "track2": literal((self.platform.mechanism.characteristic_length / 24) ** 2),
         }  # fmt: skip

@@ -16,7 +16,7 @@ from symkin.closed.plan import Plan, plan_of
 from symkin.closed.screws import arm_screws
 from symkin.closure.snapping import snapped_expression
 from symkin.codegen.arm_motion import ArmMotion
-from symkin.codegen.arm_speeds import arm_speeds
+from symkin.codegen.arm_speeds import arm_error, arm_speeds
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import FARTHEST, common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_limits import limit_check
@@ -231,7 +231,7 @@ class ArmSource:
         far = farthest(size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3])
         literal = self.arm.real.literal
         return common | {"nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
-                         "farthest_joint": literal(FARTHEST * max(size, 1.0)),
+                         "farthest_joint": literal(FARTHEST * max(size, 1.0)), "per_size": literal(1.0 / size),
                          "closed": "" if self.closed is None else self.closed.header, "line_words": self._line_words}  # fmt: skip
 
     @property
@@ -277,7 +277,7 @@ class ArmSource:
         if self.closed is None or not self.arm.follows_closed_form:
             return None
         assert self.motion is not None  # noqa: S101 - a closed form is one of screws
-        return ClosedLine(self.closed, self.motion, self.closed.misfit)
+        return ClosedLine(self.closed, self.motion)
 
     @property
     def _solving(self) -> dict[str, object]:
@@ -309,7 +309,7 @@ class ArmSource:
         line = "" if self.line is None else self.line.text(limit_check(self.line))
         return "".join([
             normalise_pose(values), fill("info.c", values), range_functions(ranges, arm.real, values),
-            self._forward, newton, closed, line, functions, self._speeds,
+            self._forward, arm_error(arm.actuated, arm.real, arm.mechanism.characteristic_length, values), newton, closed, line, functions, self._speeds,
         ])  # fmt: skip
 
     @property

@@ -11,7 +11,9 @@ import numpy as np
 from symkin.closure.closure import Closure
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.limb_platform import LimbPlatform
+from symkin.codegen.passive_limits import keeps_limits
 from symkin.codegen.pose_coordinates import COLUMNS
+from symkin.codegen.refused_vectors import infeasible_poses, joints_past
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.samples import Configuration, configurations
 from symkin.codegen.serial_arm import NEARLY, SerialArm, closed_misfit
@@ -32,6 +34,8 @@ _CLEAR = 4096.0
 256. Of an arm whose axes are off by NEARLY it is as much as these."""
 _ASIDE = 1e-3
 """Distance of vectors from limits, as a share of the range: code refuses what is too near to one to be decided."""
+_PARTS = (1.0, 0.25, 0.0625)
+"""Shares of the usual way from home that are tried where limits of passive joints leave few configurations."""
 COUNT = 24
 JACOBIANS = 4
 
@@ -40,7 +44,8 @@ JACOBIANS = 4
 class Vectors:
     """Arrays by name: one row a case. `joints` and `guesses` make the direct problem's (or inverse's) cases, `poses` its
     answers (or targets), `bounds` the error allowed of each case (length unit, angles times the size). `singular` holds
-    a start at which the matrix is singular, if one is known."""
+    a start at which the matrix is singular, if one is known. `infeasible` are poses that the mechanism cannot take, `past` joint values of
+    which the joint that is `blamed` is beyond a limit."""
 
     joints: np.ndarray
     guesses: np.ndarray
@@ -50,6 +55,9 @@ class Vectors:
     bounds: np.ndarray
     home: np.ndarray
     singular: np.ndarray
+    infeasible: np.ndarray
+    past: np.ndarray
+    blamed: tuple[int, ...]
 
 
 _Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]
@@ -69,7 +77,15 @@ def build_vectors(kind: RodPlatform | LimbPlatform | SerialArm) -> Vectors:
             "geometry by `symkin show`, the joints' limits and the pose of [platform]"
         )
     joints, guesses, poses, inverse, bounds = (np.array(column) for column in zip(*rows, strict=True))
+    infeasible = infeasible_poses(kind, _cases(kind, kind.direct)) if isinstance(kind, LimbPlatform) else np.zeros((0, 7))
+    zero = 0.0 if isinstance(kind, SerialArm) else kind.zero
+    past, blamed = joints_past(kind.mechanism.actuated, joints[0], zero)
     return Vectors(
+        infeasible=np.array([_tidy(row, _pose_scales(kind.mechanism.characteristic_length)) for row in infeasible]).reshape(
+            -1, 7
+        ),
+        past=past,
+        blamed=tuple(blamed),
         joints=joints,
         guesses=guesses,
         poses=poses,
@@ -116,7 +132,7 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
     home = kind.home_values
     lengths, seven = _joint_scales(mechanism.actuated, size), _pose_scales(size)
     tolerance = real.epsilon * size * (1.0 if real.name == "float" else 1e4)
-    cases = configurations(direct, home, COUNT, 20, spread=0.06, turn=0.15)
+    cases = _cases(kind, direct)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
     for number, case in enumerate(cases):
@@ -135,6 +151,18 @@ def _parallel(kind: RodPlatform | LimbPlatform) -> _Found:
             jacobians.append(_tidy(rates(closure, values), size).ravel())
     here = rounded_to(real, _tidy(kind.stated(pose_of(closure, home)), seven))
     return rows, jacobians, here, kind.singular_starts
+
+
+def _cases(kind: RodPlatform | LimbPlatform, direct: Problem) -> list[Configuration]:
+    """Configurations about home; where joints that are not actuated have limits, within these, and nearer ones if they are few."""
+    limits = [] if isinstance(kind, RodPlatform) else kind.passive_limits
+    found: list[Configuration] = []
+    for part in _PARTS:
+        cases = configurations(direct, kind.home_values, COUNT, 20, spread=0.06 * part, turn=0.15 * part)
+        found += [case for case in cases if keeps_limits(limits, direct.closure, case.values)]
+        if not limits or len(found) >= COUNT:
+            break
+    return found[:COUNT]
 
 
 def _shifted(direct: Problem, case: Configuration, part: float) -> np.ndarray:
@@ -183,32 +211,27 @@ def _each(system: System) -> list[tuple[str, str]]:
     return [(c.role, c.name) for c in system.unknowns for _ in range(c.freedom)]
 
 
-def _decided(arm: SerialArm) -> list[bool]:
+def _decided(arm: SerialArm, branches: ca.Function | None) -> list[bool]:
     """For each sample of an arm whether the steps of its closed form decide their joints firmly there, as at most samples, and reach the
     pose as vectors have it. The pose of an arm of fewer than six joints is beside those that it can take by rounding, and a joint that
     is decided weakly passes that on."""
-    if arm.plan is None or len(arm.actuated) >= 6:
+    if branches is None or len(arm.actuated) >= 6:
         return [True] * len(arm.samples)
-    plan, _ = arm.plan
     size = arm.mechanism.characteristic_length
-    symbol = ca.SX.sym("pose", 7)
-    branches = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
-    strength = ca.Function("strengths", [symbol], [branches[0].strengths])
-    joints = ca.Function("joints", [symbol], [branch.joints for branch in branches])
-    found = np.array([np.asarray(strength(_canonical(pose))).ravel() for _, pose in arm.samples])
+    found = np.array([np.asarray(branches(_canonical(pose))[2]).ravel() for _, pose in arm.samples])
     firm = np.all(~(found < _FIRM * np.nanmedian(found, axis=0)), axis=1)
     gaps, rng = [], np.random.default_rng(22)
     for _, pose in arm.samples:
         target = rounded_to(arm.real, _tidy(_canonical(pose), _pose_scales(size)))
         # the code's own roundings are as large as those of such poses beside it
         beside = target + arm.real.epsilon * _ROUNDINGS * np.array(_pose_scales(size)) * rng.uniform(-1, 1, (_BESIDE, 7))
-        gaps.append(max(_reached(arm, joints, near) for near in (target, *beside)))
+        gaps.append(max(_reached(arm, branches, near) for near in (target, *beside)))
     return (firm & (np.array(gaps) < _REACHED * closed_misfit(arm.real, size))).tolist()  # type: ignore[no-any-return]
 
 
-def _reached(arm: SerialArm, joints: ca.Function, target: np.ndarray) -> float:
+def _reached(arm: SerialArm, branches: ca.Function, target: np.ndarray) -> float:
     """How far the nearest branch of a closed form is from a pose."""
-    ends = [np.asarray(values).ravel() for values in joints.call([target])]
+    ends = np.asarray(branches(target)[0]).T
     size = arm.mechanism.characteristic_length
     return min((_pose_gap(arm.forward_at(q), target, size) for q in ends if np.all(np.isfinite(q))), default=np.inf)
 
@@ -226,15 +249,15 @@ def _serial(arm: SerialArm) -> _Found:
     rng = np.random.default_rng(21)
     rows: list[_Row] = []
     jacobians: list[np.ndarray] = []
-    margin = _margin(arm)
-    for (q, _), firm in zip(arm.samples, _decided(arm), strict=True):
+    branches = _branches(arm)
+    for (q, _), firm in zip(arm.samples, _decided(arm, branches), strict=True):
         given = rounded_to(real, q)
         pose = _canonical(arm.forward_at(given))
         target = rounded_to(real, _tidy(pose, _pose_scales(size)))
         condition = system.condition(given, target)
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
         guess = rounded_to(real, _within(np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6), arm.actuated))
-        end = _followed(arm, guess, unit, margin)
+        end = _followed(arm, guess, unit, branches)
         if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not firm:
             continue
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
@@ -266,27 +289,28 @@ def _scales(arm: SerialArm) -> np.ndarray:
     return np.array([1.0 if c.is_angular else 0.1 * arm.mechanism.characteristic_length for c in arm.actuated])
 
 
-def _margin(arm: SerialArm) -> ca.Function | None:
-    """Joint values, and the least square by which a step decides there, of all branches at a pose, a column each; None without a closed
-    form."""
+def _branches(arm: SerialArm) -> ca.Function | None:
+    """At a pose the joint values of all branches of the closed form, a column each; the least square by which a step of each decides; the
+    strengths of the first one's steps. None without a closed form."""
     if arm.plan is None:
         return None
     plan, _ = arm.plan
     symbol = ca.SX.sym("pose", 7)
-    branches = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
-    columns = [ca.vertcat(b.joints, ca.mmin(ca.vertcat(b.strengths, b.discriminants))) for b in branches]
-    return ca.Function("margins", [symbol], [ca.horzcat(*columns)])
+    made = [plan.branch(symbol, signs) for signs in plan.signs.tolist()]
+    least = [ca.mmin(ca.vertcat(branch.strengths, branch.discriminants)) for branch in made]
+    outputs = [ca.horzcat(*(branch.joints for branch in made)), ca.horzcat(*least), made[0].strengths]
+    return ca.Function("branches", [symbol], outputs)
 
 
-def _is_apart(margin: ca.Function, q: np.ndarray, pose: np.ndarray, least: float) -> bool:
+def _is_apart(branches: ca.Function, q: np.ndarray, pose: np.ndarray, least: float) -> bool:
     """Whether the branch that the joints are of is clear of others and of singular ones."""
-    columns = np.asarray(margin(pose))
-    gaps = np.abs(np.angle(np.exp(1j * (columns[:-1] - q[:, None])))).max(axis=0)
+    joints, squares, _ = (np.asarray(part) for part in branches(pose))
+    gaps = np.abs(np.angle(np.exp(1j * (joints - q[:, None])))).max(axis=0)
     nearest = int(np.argmin(np.where(np.isfinite(gaps), gaps, np.inf)))
-    return bool(columns[-1, nearest] > least)
+    return bool(squares[0, nearest] > least)
 
 
-def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, margin: ca.Function | None) -> np.ndarray | None:
+def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: ca.Function | None) -> np.ndarray | None:
     """The joints after the line of poses from the guess's to the target, in small steps; None where one is long, leaves limits, or is
     too near to another branch for a closed form's check of lines."""
     least = NEARLY if arm.plan is not None and arm.plan[1] else _CLEAR * arm.real.epsilon
@@ -299,7 +323,7 @@ def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, margin: ca.
         moved = arm.inverse.system.polish(q, pose, 6)
         if np.max(np.abs(moved - q) / _scales(arm)) > 0.1 or np.any(moved != _within(moved, arm.actuated)):
             return None
-        if margin is not None and not _is_apart(margin, moved, pose, least):
+        if branches is not None and not _is_apart(branches, moved, pose, least):
             return None
         q = moved
     return q

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import NamedTuple
@@ -14,7 +15,9 @@ from symkin.elimination.eliminating import combine_lengths, cut_by_line, defer_d
 from symkin.elimination.polynomial import Ring
 from symkin.elimination.rows import NotPolynomialError, polynomial_rows
 from symkin.elimination.solving import solve_deferred, solve_single
+from symkin.elimination.term_sizes import term_sizes
 from symkin.elimination.workspace import Workspace
+from symkin.model.joint import Coordinate
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.system import System
 
@@ -22,9 +25,9 @@ _SAMPLES = 3
 _NEAR = 0.05
 """How far samples lie from the given values: in radians, and in sizes."""
 _DOUBLE = 1e-9
-"""Share of a discriminant's usual size below which two solutions may be one."""
+"""Share of the terms of a discriminant below which two solutions may be one."""
 _VANISHING = 1e-7
-"""Share of a divisor's usual size below which a formula may lose a solution, or has lost its digits."""
+"""Share of the terms of a divisor below which a formula may lose a solution, or has lost its digits."""
 _CLOSED = 1e-9
 """Closure error, in sizes, of a solution by formulas: rounding, with some digits lost."""
 _MOST_STEPS = 100
@@ -34,7 +37,7 @@ _MOST_SUMMED = 4
 
 class Solutions(NamedTuple):
     """Values (n, count, width) of the unknowns, which of them are `real` (n, count), and for which known values (n,) that is `clear`: no
-    discriminant is nearly zero, and no divisor."""
+    discriminant is nearly zero beside its terms, and no divisor."""
 
     values: np.ndarray
     real: np.ndarray
@@ -97,12 +100,19 @@ class ClosedForm:
 
     @cached_property
     def _mapped(self) -> Mapped:
-        whole = ca.vertcat(self.values, self.discriminants, self.divisors)
-        for k in reversed(range(int(self.roots.shape[0]))):
-            whole = ca.substitute(whole, self.roots[k], ca.sqrt(ca.fmax(self.discriminants[k], 0.0)))
+        """Values, discriminants, divisors and the sizes of the terms of these two, for signs and known values."""
         width, choices = self.system.width, int(self.signs.shape[0])
-        parts = [whole[:width], whole[width : width + choices], whole[width + choices :]]
+        whole = self.at_roots(ca.vertcat(self.values, self.discriminants, self.divisors), lambda d: ca.sqrt(ca.fmax(d, 0.0)))
+        inputs = ca.vertcat(self.signs, self.system.known)
+        sizes = term_sizes(whole[width:], inputs, ca.fabs(inputs))
+        parts = [whole[:width], whole[width : width + choices], whole[width + choices :], sizes]
         return Mapped.of([self.signs, self.system.known], parts)
+
+    def at_roots(self, whole: ca.SX, root: Callable[[ca.SX], ca.SX]) -> ca.SX:
+        """Expressions with the `root` of each discriminant put in."""
+        for k in reversed(range(int(self.roots.shape[0]))):
+            whole = ca.substitute(whole, self.roots[k], root(self.discriminants[k]))
+        return whole
 
     @cached_property
     def _signs(self) -> ca.Function:
@@ -137,26 +147,21 @@ class ClosedForm:
 
     def solutions(self, known: np.ndarray) -> Solutions:
         """All solutions for known values (n, known)."""
-        values, discriminants, divisors = self._evaluated(known)
-        typical_discriminants, typical_divisors = self._typical
-        clear = (
-            np.isfinite(values).all(axis=(1, 2))
-            & (np.abs(discriminants) > _DOUBLE * typical_discriminants).all(axis=(1, 2))
-            & (np.abs(divisors) > _VANISHING * typical_divisors).all(axis=(1, 2))
-        )
+        with np.errstate(all="ignore"):
+            values, discriminants, divisors, sizes = self._evaluated(known)
+            choices = discriminants.shape[2]
+            clear = (
+                np.isfinite(values).all(axis=(1, 2))
+                & (np.abs(discriminants) > _DOUBLE * sizes[:, :, :choices]).all(axis=(1, 2))
+                & (np.abs(divisors) > _VANISHING * sizes[:, :, choices:]).all(axis=(1, 2))
+            )
         return Solutions(values, np.asarray((discriminants >= 0.0).all(axis=2)), clear)
 
     def _evaluated(self, known: np.ndarray) -> list[np.ndarray]:
-        """Values (n, count, width), discriminants and divisors."""
+        """Values (n, count, width), discriminants, divisors, and the sizes of the terms of these two."""
         signs = np.tile(self.choices, (len(known), 1))
         parts = self._mapped(signs, np.repeat(known, self.count, axis=0))
         return [np.asarray(part).reshape(len(known), self.count, -1) for part in parts]
-
-    @cached_property
-    def _typical(self) -> tuple[np.ndarray, np.ndarray]:
-        """How large discriminants and divisors are at the samples."""
-        _, discriminants, divisors = self._evaluated(self.samples)
-        return np.nanmax(np.abs(discriminants), axis=(0, 1)), np.nanmax(np.abs(divisors), axis=(0, 1))
 
     def closes(self, known: np.ndarray) -> bool:
         """Whether all real solutions for known values (n, known), of which there are some, satisfy the system."""
@@ -189,11 +194,12 @@ def closed_form(system: System, samples: np.ndarray) -> ClosedForm | None:
     return None
 
 
-def samples_about(system: System, near: np.ndarray, seed: int = 0) -> np.ndarray:
-    """Random known values (samples, known) about those of a configuration, for formulas that hold whatever is given."""
-    rng = np.random.default_rng(seed)
-    scale = np.clip(np.abs(near), 1.0, system.characteristic_length) if len(near) else near
-    return np.asarray(near + _NEAR * rng.uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale)
+def samples_about(system: System, near: np.ndarray, coordinates: Sequence[Coordinate], seed: int = 0) -> np.ndarray:
+    """Random values (samples, known) of the known coordinates about those of a configuration, for formulas that hold whatever is
+    given."""
+    lengths = [c.kind == "length" for c in coordinates for _ in range(c.width)]
+    scale = np.where(np.array(lengths, dtype=bool), system.characteristic_length, 1.0)
+    return np.asarray(near + _NEAR * np.random.default_rng(seed).uniform(-1.0, 1.0, size=(_SAMPLES, len(near))) * scale)
 
 
 def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace, dict[int, int]]:
@@ -201,7 +207,9 @@ def _begun(system: System, rows: ca.SX, samples: np.ndarray) -> tuple[Workspace,
     ring, chosen = Ring(system.unknowns), None
     for before in _sums(system):
         polynomials = polynomial_rows(ring, system, rows, before)
-        work = Workspace(ring, polynomials, set(range(len(system.unknowns))), [system.known], samples)
+        work = Workspace(
+            ring, polynomials, set(range(len(system.unknowns))), [system.known], samples, system.characteristic_length
+        )
         work.rows = [work.tidied(row) for row in polynomials]
         terms = sum(len(row.terms) for row in work.rows)
         if chosen is None or terms < chosen[0]:

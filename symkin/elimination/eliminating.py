@@ -14,8 +14,6 @@ from symkin.elimination.solving import independent_pair
 from symkin.elimination.sums import constant_basis, cross, determinant, product, total
 from symkin.elimination.workspace import Deferred, Workspace
 
-_RANK = 1e-9
-"""Share of the largest coefficient below which another is rounding."""
 _MOST_LENGTHS = 2
 """Lengths that are taken out together."""
 
@@ -45,7 +43,7 @@ def combine_lengths(work: Workspace) -> bool:
             matrix = [[_coefficient(work, row, k) for k in unknowns] for row in linear]
             factors = [(-1) ** i * determinant(matrix[:i] + matrix[i + 1 :]) for i in range(count + 1)]
             factors = [work.define(f, "n") for f in factors]
-            if not np.all(np.any(np.abs(work.numbers(factors)) > _RANK, axis=1)):
+            if count > 1 and not _independent(work, matrix):
                 continue
             rest = Polynomial({})
             for factor, row in zip(factors, linear, strict=True):
@@ -56,6 +54,12 @@ def combine_lengths(work: Workspace) -> bool:
             work.steps.append(f"{work.names(unknowns)} taken out of {count + 1} rows that are linear in them, by a combination")
             return True
     return False
+
+
+def _independent(work: Workspace, matrix: list[list[ca.SX]]) -> bool:
+    """Whether at each sample some two of three rows with two coefficients each are independent."""
+    parallel = [work.agree(u[0] * v[1], u[1] * v[0]) for u, v in combinations(matrix, 2)]
+    return not np.all(parallel, axis=0).any()
 
 
 def turn_angle(work: Workspace) -> bool:
@@ -106,7 +110,7 @@ def _by_length(work: Workspace, unknown: int, rows: list[Polynomial]) -> bool:
     square = work.tidied(ring.product(a1, a1).plus(ring.product(b1, b1)))
     other = ring.product(a2, a2).plus(ring.product(b2, b2))
     across = ring.product(a1, a2).plus(ring.product(b1, b2))
-    if not (_vanishes(work, other.plus(square, -1.0), square) and _vanishes(work, across, square)):
+    if any(work.tidied(rest).terms for rest in (other.plus(square, -1.0), across)):
         return False
     length = _one_way(work, unknown, two) or [ring.product(r1, r1).plus(ring.product(r2, r2)).plus(square, -1.0)]
     _defer(work, (unknown,), two, [*length, *free], rows)
@@ -274,13 +278,6 @@ def _coefficient(work: Workspace, row: Polynomial, unknown: int) -> ca.SX:
 def _knowns(work: Workspace, row: Polynomial, unknown: int) -> tuple[ca.SX, ca.SX, Polynomial]:
     a, b, rest = work.ring.linear_in(row, unknown)
     return ca.SX(work.ring.scalar(a)), ca.SX(work.ring.scalar(b)), rest
-
-
-def _vanishes(work: Workspace, polynomial: Polynomial, beside: Polynomial) -> bool:
-    """Whether a polynomial is zero to rounding of another."""
-    largest = np.max(np.abs(work.numbers(list(beside.terms.values()))), axis=1, initial=0.0)
-    own = np.max(np.abs(work.numbers(list(polynomial.terms.values()))), axis=1, initial=0.0)
-    return bool(np.all(own <= _RANK * largest))
 
 
 def _defer(

@@ -18,6 +18,8 @@ from symkin.model.joint import Coordinate
 Monomial = tuple[int, ...]
 """Exponents of the generators."""
 Part = Literal["value", "cosine", "sine"]
+_CANCELLED = 1e-13
+"""Share of two constants below which their sum is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +33,7 @@ class Polynomial:
         terms = dict(self.terms)
         for monomial, coefficient in other.terms.items():
             more = coefficient if isinstance(factor, float) and factor == 1.0 else factor * coefficient
-            terms[monomial] = terms[monomial] + more if monomial in terms else more
+            add_term(terms, monomial, more)
         return Polynomial(terms)
 
     def times(self, factor: float | ca.SX) -> Polynomial:
@@ -86,7 +88,7 @@ class Ring:
         for a, x in first.terms.items():
             for b, y in second.terms.items():
                 monomial = tuple(i + j for i, j in zip(a, b, strict=True))
-                terms[monomial] = terms[monomial] + x * y if monomial in terms else x * y
+                add_term(terms, monomial, x * y)
         return self._reduced(terms)
 
     def _reduced(self, terms: dict[Monomial, ca.SX]) -> Polynomial:
@@ -99,10 +101,10 @@ class Ring:
                 found: dict[Monomial, ca.SX] = {}
                 for monomial, coefficient in terms.items():
                     if monomial[sine] < 2:
-                        found[monomial] = found[monomial] + coefficient if monomial in found else coefficient
+                        add_term(found, monomial, coefficient)
                         continue
                     for lower, sign in ((_moved(monomial, {sine: -2}), 1), (_moved(monomial, {sine: -2, cosine: 2}), -1)):
-                        found[lower] = found.get(lower, ca.SX(0)) + sign * coefficient
+                        add_term(found, lower, sign * coefficient)
                 terms = found
         return Polynomial(terms)
 
@@ -136,6 +138,20 @@ class Ring:
         if any(monomial != self.one for monomial in polynomial.terms):
             return None
         return polynomial.terms.get(self.one, ca.SX(0))
+
+
+def add_term(terms: dict[Monomial, ca.SX], monomial: Monomial, coefficient: ca.SX) -> None:
+    """Add to a coefficient. Constants that cancel to rounding leave nothing, since a sum of constants forgets its terms."""
+    before = terms.get(monomial)
+    whole = coefficient if before is None else before + coefficient
+    if before is not None and whole.is_constant() and abs(float(whole)) <= _CANCELLED * _absolute(before, coefficient):
+        whole = ca.SX(0)
+    terms[monomial] = whole
+
+
+def _absolute(first: ca.SX, second: ca.SX) -> float:
+    """|a| + |b| of constants, 0 of others."""
+    return abs(float(first)) + abs(float(second)) if first.is_constant() and second.is_constant() else 0.0
 
 
 def _moved(monomial: Monomial, changes: dict[int, int]) -> Monomial:

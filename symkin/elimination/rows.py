@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 
 from symkin.closure.expression_graph import walk
-from symkin.elimination.polynomial import Monomial, Polynomial, Ring
+from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term
 from symkin.numeric.system import System
 
 
@@ -213,7 +213,7 @@ def _whole(ring: Ring, row: Polynomial, halves: set[int]) -> Polynomial:
             base = tuple(0 if place in (cosine, sine) else e for place, e in enumerate(monomial))
             for place, part in _of_whole(monomial[cosine], monomial[sine], cosine, sine):
                 whole = base if place is None else tuple(e + (k == place) for k, e in enumerate(base))
-                terms[whole] = terms.get(whole, ca.SX(0)) + part * coefficient
+                add_term(terms, whole, part * coefficient)
         row = Polynomial(terms)
     return row
 

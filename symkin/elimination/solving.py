@@ -8,15 +8,13 @@ two such rows                     cos t and sin t by Cramer's rule
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import casadi as ca
-import numpy as np
 
 from symkin.elimination.polynomial import Polynomial
 from symkin.elimination.sums import determinant, total
 from symkin.elimination.workspace import Deferred, Workspace
-
-_INDEPENDENT = 1e-9
-"""Sine of the angle between two vectors of coefficients above which they are independent."""
 
 
 def solve_deferred(work: Workspace) -> bool:
@@ -25,8 +23,7 @@ def solve_deferred(work: Workspace) -> bool:
         rows = [work.known_put_in(row) for row in entry.rows]
         if set().union(*map(work.ring.held, rows)) <= set(entry.unknowns):
             work.deferred.remove(entry)
-            _from_rows(work, entry, rows)
-            return True
+            return _from_rows(work, entry, rows)
     return False
 
 
@@ -86,7 +83,7 @@ def _harmonic_angle(work: Workspace, unknown: int, rows: list[Polynomial]) -> bo
         return False
     a, b, c = (work.define(v, n) for v, n in zip(_scalars(work, row, unknown), "ABC", strict=True))
     square = work.divisor(a * a + b * b, "N")
-    if work.vanishes(square - c * c, square):
+    if work.agree(square, c * c).all():
         work.steps.append(f"{work.name(unknown)} stands alone in A cos + B sin + C = 0 with A^2 + B^2 = C^2: one value")
         work.solve(unknown, [-a * c / square, -b * c / square])
         return True
@@ -100,15 +97,16 @@ def _harmonic_angle(work: Workspace, unknown: int, rows: list[Polynomial]) -> bo
 # --- deferred unknowns -------------------------------------------------------------------------------------------------
 
 
-def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> None:
-    """Solve linear rows for a deferred angle, or for lengths: rows that are more than the lengths agree with each other."""
+def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> bool:
+    """Solve linear rows for a deferred angle, or for lengths: rows that are more than the lengths agree with each other. False where
+    they do not decide the angle."""
     unknowns, ring = entry.unknowns, work.ring
     work.steps.append(f"{work.names(unknowns)} from the rows out of which taken")
     if ring.unknowns[unknowns[0]].is_angular:
         pair = independent_pair(work, rows, unknowns[0])
-        assert pair is not None  # noqa: S101 - the step that defers an angle has looked
-        _cramer(work, unknowns[0], pair)
-        return
+        if pair is not None:
+            _cramer(work, unknowns[0], pair)
+        return pair is not None
     count = len(unknowns)
     matrix = [[row.terms.get(ring.power(ring.places[k][0]), ca.SX(0)) for k in unknowns] for row in rows]
     right = [-row.terms.get(ring.one, ca.SX(0)) for row in rows]
@@ -123,6 +121,7 @@ def _from_rows(work: Workspace, entry: Deferred, rows: list[Polynomial]) -> None
     for j, unknown in enumerate(unknowns):
         replaced = [[right[i] if k == j else v for k, v in enumerate(line)] for i, line in enumerate(matrix)]
         work.solve(unknown, [determinant(replaced) / whole])
+    return True
 
 
 def _cramer(work: Workspace, unknown: int, pair: tuple[Polynomial, Polynomial]) -> None:
@@ -133,19 +132,14 @@ def _cramer(work: Workspace, unknown: int, pair: tuple[Polynomial, Polynomial]) 
 
 def independent_pair(work: Workspace, rows: list[Polynomial], unknown: int) -> tuple[Polynomial, Polynomial] | None:
     """Two rows, linear in an angle with known coefficients, that decide its cosine and sine."""
-    vectors = []
+    known = []
     for row in rows:
         a, b, _ = work.ring.linear_in(row, unknown)
-        known = [work.ring.scalar(part) for part in (a, b)]
-        vectors.append(None if any(v is None for v in known) else work.numbers([ca.SX(v) for v in known]))
-    for i, first in enumerate(vectors):
-        for j in range(i + 1, len(vectors)):
-            second = vectors[j]
-            if first is None or second is None:
-                continue
-            across = np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
-            if np.all(across > _INDEPENDENT * np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)):
-                return rows[i], rows[j]
+        parts = [work.ring.scalar(part) for part in (a, b)]
+        known += [] if any(v is None for v in parts) else [(row, *map(ca.SX, parts))]
+    for (first, a1, b1), (second, a2, b2) in combinations(known, 2):
+        if not work.agree(a1 * b2, b1 * a2).any():
+            return first, second
     return None
 
 

@@ -1,7 +1,8 @@
 """What is left to solve: rows, unknowns, and the formulas so far.
 
 Coefficients are compared at random known values: an expression that vanishes at all of them is zero, and one that is the same at all
-of them is constant, with probability one.
+of them is constant, with probability one. It vanishes where it is rounding beside the terms that it was made of (`term_sizes`), so that
+neither the unit of length nor the place of the machine decides.
 """
 
 from __future__ import annotations
@@ -14,14 +15,15 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snap
-from symkin.elimination.polynomial import Polynomial, Ring
+from symkin.elimination.polynomial import Monomial, Polynomial, Ring, add_term
+from symkin.elimination.term_sizes import sized_numbers
 
-_ZERO = 1e-10
-"""Share of the largest coefficient of a row below which one is rounding."""
+ROUNDING = 1e-10
+"""Share of the terms that a value was made of, and of the largest coefficient of its row, below which it is rounding."""
 _SAME = 1e-12
 """Relative spread over the samples within which a coefficient is a constant."""
-_PARALLEL = 1e-10
-"""Sine of the angle between vectors of coefficients below which they are parallel."""
+_FEWEST = 2
+"""Samples by which what is constant is told from what is not."""
 
 
 class Choice(NamedTuple):
@@ -46,8 +48,9 @@ class Deferred(NamedTuple):
 class Workspace:
     """Rows in some unknowns, and what has been found of them.
 
-    `symbols` are the known values and what has been defined from them, with `samples` of both; `definitions` in their order;
-    `values` are the symbols of solved generators; `divisors` are what formulas divide by; `own` stand for a solution's generators.
+    `symbols` are the known values and what has been defined from them, with `samples` of both and their `sizes` (see `term_sizes`);
+    lengths are compared in units of `length`; `definitions` in their order; `values` are the symbols of solved generators; `divisors`
+    are what formulas divide by; `own` stand for a solution's generators.
     """
 
     ring: Ring
@@ -55,6 +58,7 @@ class Workspace:
     active: set[int]
     symbols: list[ca.SX]
     samples: np.ndarray
+    length: float
     definitions: list[tuple[ca.SX, ca.SX]] = field(default_factory=list)
     values: dict[int, ca.SX] = field(default_factory=dict)
     choices: list[Choice] = field(default_factory=list)
@@ -62,8 +66,10 @@ class Workspace:
     deferred: list[Deferred] = field(default_factory=list)
     steps: list[str] = field(default_factory=list)
     own: list[ca.SX] = field(init=False)
+    sizes: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
+        self.sizes = np.abs(self.samples)
         self.own = [ca.SX.sym(f"{part}_{self.name(number)}") for number, part in self.ring.generators]
 
     def name(self, unknown: int) -> str:
@@ -81,32 +87,44 @@ class Workspace:
         function = ca.Function("numbers", [ca.vertcat(*self.symbols)], [ca.vertcat(*expressions)])
         return np.array([np.asarray(function(sample)).ravel() for sample in self.samples])
 
+    def _numbers_and_sizes(self, expressions: Sequence[ca.SX]) -> tuple[np.ndarray, np.ndarray]:
+        """Expressions (samples, expressions) at the sampled values, and the sizes of their terms."""
+        if not expressions:
+            return np.zeros((len(self.samples), 0)), np.zeros((len(self.samples), 0))
+        return sized_numbers(ca.vertcat(*expressions), ca.vertcat(*self.symbols), self.samples, self.sizes)
+
     def tidied(self, row: Polynomial) -> Polynomial:
         """The same row without coefficients that are zero, and with numbers for those that are constant."""
-        values = self.numbers(list(row.terms.values()))
-        largest = np.max(np.abs(values), axis=1, initial=0.0)
+        values, sizes = self._numbers_and_sizes(list(row.terms.values()))
+        units = np.array([self._unit(monomial) for monomial in row.terms])
+        largest = np.max(np.abs(values) * units, axis=1, initial=0.0, keepdims=True)
+        vanishing = np.all(np.abs(values) <= ROUNDING * np.maximum(sizes, largest / units), axis=0)
         terms = {}
-        for (monomial, coefficient), column in zip(row.terms.items(), values.T, strict=True):
-            if not np.all(np.abs(column) <= _ZERO * largest):
-                terms[monomial] = self._plain(coefficient, column)
+        for k, (monomial, coefficient) in enumerate(row.terms.items()):
+            if not vanishing[k]:
+                terms[monomial] = self._plain(coefficient, values[:, k], sizes[:, k])
         return Polynomial(terms)
 
-    def _plain(self, expression: ca.SX, column: np.ndarray) -> ca.SX:
+    def _unit(self, monomial: Monomial) -> float:
+        """What a monomial is where its lengths are as large as the system."""
+        parts = (self.ring.generators[place][1] for place, e in enumerate(monomial) for _ in range(e))
+        return float(self.length ** sum(part == "value" for part in parts))
+
+    def _plain(self, expression: ca.SX, column: np.ndarray, sizes: np.ndarray) -> ca.SX:
         """The number of an expression that is constant."""
         spread = float(np.ptp(column))
-        return ca.SX(snap(float(column[0]))) if spread <= _SAME * float(np.max(np.abs(column))) else expression
+        constant = spread <= _SAME * float(np.max(np.abs(column)))
+        return ca.SX(snap(float(column[0]), float(sizes[0]))) if constant else expression
 
     def is_parallel(self, first: Sequence[ca.SX], second: Sequence[ca.SX]) -> bool:
         """Whether two vectors of coefficients are parallel at all samples."""
-        a, b = self.numbers(first), self.numbers(second)
-        lengths = np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1)
-        across = np.linalg.norm(a * np.sum(a * b, axis=1, keepdims=True) - b * np.sum(a * a, axis=1, keepdims=True), axis=1)
-        return bool(np.all(across <= _PARALLEL * lengths * np.linalg.norm(a, axis=1)))
+        largest = int(np.argmax(np.min(np.abs(self.numbers(first)), axis=0)))
+        return all(bool(self.agree(a * second[largest], first[largest] * b).all()) for a, b in zip(first, second, strict=True))
 
-    def vanishes(self, expression: ca.SX, beside: ca.SX) -> bool:
-        """Whether an expression is zero to rounding of another at all samples."""
-        found = np.abs(self.numbers([expression, beside]))
-        return bool(np.all(found[:, 0] <= _ZERO * found[:, 1]))
+    def agree(self, first: ca.SX, second: ca.SX) -> np.ndarray:
+        """Samples at which two expressions differ by rounding only."""
+        values, sizes = self._numbers_and_sizes([first, second])
+        return np.asarray(np.abs(values[:, 0] - values[:, 1]) <= ROUNDING * np.sum(sizes, axis=1))
 
     def multiple(self, expression: ca.SX, of: ca.SX) -> float | None:
         """The constant by which an expression is a multiple of another, if it is one at all samples."""
@@ -120,16 +138,18 @@ class Workspace:
 
     def define(self, expression: ca.SX, label: str) -> ca.SX:
         """A symbol for an expression, which later formulas read; constants stay numbers."""
-        column = self.numbers([expression])
-        plain = self._plain(expression, column[:, 0])
-        return plain if plain.is_constant() else self._symbol(expression, label, column)
-
-    def _symbol(self, expression: ca.SX, label: str, column: np.ndarray) -> ca.SX:
+        column, sizes = self._numbers_and_sizes([expression])
+        plain = self._plain(expression, column[:, 0], sizes[:, 0])
+        if plain.is_constant():
+            return plain
         symbol = ca.SX.sym(label)
-        self.symbols.append(symbol)
-        self.samples = np.hstack([self.samples, column])
+        self._add(symbol, column, sizes)
         self.definitions.append((symbol, expression))
         return symbol
+
+    def _add(self, symbol: ca.SX, column: np.ndarray, sizes: np.ndarray) -> None:
+        self.symbols.append(symbol)
+        self.samples, self.sizes = np.hstack([self.samples, column]), np.hstack([self.sizes, sizes])
 
     def divisor(self, expression: ca.SX, label: str) -> ca.SX:
         """As `define`, of what a formula divides by."""
@@ -142,12 +162,19 @@ class Workspace:
         """The root of a discriminant with its sign: a choice between two values."""
         under = self.define(discriminant, f"D_{name}")
         root, sign = ca.SX.sym(f"root_{name}"), ca.SX.sym(f"sign_{name}")
-        # a sample without real values takes part as if it had some
-        numbers = np.sqrt(np.abs(self.numbers([under])))
-        self.symbols += [root, sign]
-        self.samples = np.hstack([self.samples, numbers, np.ones_like(numbers)])
+        self._both_signs(root, sign, under)
         self.choices.append(Choice(name, sign, root, under, tells))
         return sign * root
+
+    def _both_signs(self, root: ca.SX, sign: ca.SX, under: ca.SX) -> None:
+        """Each sample with both values of a choice: what holds for one of them need not hold for the other. Of samples without real
+        values, which take part as if they had some, none where others are left."""
+        real = self.numbers([under])[:, 0] > 0.0
+        kept = real if np.sum(real) >= _FEWEST else np.ones_like(real)
+        self.samples, self.sizes = (np.tile(part[kept], (2, 1)) for part in (self.samples, self.sizes))
+        self._add(root, *self._numbers_and_sizes([ca.sqrt(ca.fabs(under))]))
+        both = np.repeat([1.0, -1.0], len(self.samples) // 2)[:, None]
+        self._add(sign, both, np.abs(both))
 
     def solve(self, unknown: int, values: Sequence[ca.SX]) -> None:
         """Note the values of an unknown's generators, and put them into all rows."""
@@ -166,8 +193,7 @@ class Workspace:
                 for _ in range(left[place]):
                     coefficient = coefficient * value
                 left[place] = 0
-            key = tuple(left)
-            terms[key] = terms[key] + coefficient if key in terms else coefficient
+            add_term(terms, tuple(left), coefficient)
         return self.tidied(Polynomial(terms))
 
     def without_repeats(self) -> None:

@@ -60,13 +60,19 @@ class Meeting:
 
     def __str__(self) -> str:
         """Which modes meet, in words."""
-        own = "the mode followed" if self.own is None else f"mode {self.own}"
-        listed = f"of the {self.count} that `modes` lists at {self.parameter:.9g} of the path ({self.completeness})"
-        if not self.others:
+        place = f"at {self.parameter:.9g} of the path ({self.completeness})"
+        if not self.count:
+            return f"`modes` lists no mode {place}, so that none is named that meets the mode followed"
+        listed = f"of the {self.count} that `modes` lists {place}"
+        *most, last = [str(k) for k in self.others] or [""]
+        several = f"modes {', '.join(most)} and {last}" if most else f"mode {last}"
+        if self.own is None:
+            return f"the mode followed is none {listed}" + (f"; {several} {'are' if most else 'is'} near it" if last else "")
+        own = f"mode {self.own}"
+        if not last:
             return f"{own} {listed} was followed, and no other one is listed near it"
-        *most, last = (str(k) for k in self.others)
         if most:
-            return f"{own} {listed} meets modes {', '.join(most)} and {last}"
+            return f"{own} {listed} meets {several}"
         signs = {True: ", with determinants of opposite sign", False: ", with determinants of one sign", None: ""}
         return f"{own} {listed} meets mode {last}{signs[self.opposite_signs]}"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,8 +12,8 @@ from typing import Any
 
 from symkin.errors import InputError, MechanismError
 from symkin.formats.joint_graph import Direction
-from symkin.formats.xml_text import LARGEST_FILE
 from symkin.model.joint import JointType
+from symkin.regular_file import open_regular
 from symkin.text import first_of, not_among, shown
 
 _CLOSURES: dict[str, JointType] = {"3d": "S", "6d": "weld"}
@@ -20,6 +21,10 @@ YAML_ENDINGS = (".yaml", ".yml")
 _AXES: dict[str, Direction] = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 _UNIVERSAL = re.compile(r"UJOINT_([XYZ])([XYZ])")
 _KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
+_LARGEST = 200_000
+"""Bytes of a YAML file: loops and motors take a few thousand, and PyYAML reads a tenth of a megabyte in a second."""
+_MOST_VALUES = 100_000
+"""Values that a YAML file may hold, its aliases written out."""
 
 Retyped = tuple[JointType, tuple[Direction, Direction] | None]
 """A joint's type in place of that in the URDF, and the axes of a universal one in the joint's frame."""
@@ -68,7 +73,7 @@ def _loops(file: Path, data: Mapping[str, Any]) -> LoopsBeside:
     if unknown is not None:
         raise MechanismError(f"type: {not_among(unknown, _CLOSURES)}")
     closures = tuple((_CLOSURES[kind.lower()], first, second) for kind, (first, second) in zip(kinds, pairs, strict=True))
-    other = [str(key) for key in data if key not in _KEYS]
+    other = [key if isinstance(key, str) else shown(key) for key in data if key not in _KEYS]
     notes = (f"{file.name}: left out, of no meaning here: {first_of(other)}",) if other else ()
     return LoopsBeside(file, closures, tuple(_names(data, "name_mot")), _retyped(data), notes)
 
@@ -112,7 +117,7 @@ def _mapping(text: str) -> Mapping[str, Any]:
             "loops written in YAML beside a URDF need the package PyYAML: pip install 'symkin[urdf]' installs it"
         ) from None
     try:
-        data = yaml.safe_load(text)
+        data = _loaded(yaml, text)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         mark = getattr(error, "problem_mark", None)
         line = "" if mark is None else f"line {mark.line + 1}: "
@@ -122,13 +127,38 @@ def _mapping(text: str) -> Mapping[str, Any]:
     return data
 
 
+def _loaded(yaml: Any, text: str) -> Any:
+    """The value of a YAML text. Raises MechanismError for one whose aliases repeat too much."""
+    loader = yaml.SafeLoader(text)
+    try:
+        node = loader.get_single_node()
+        if node is not None and _size(node, {}) > _MOST_VALUES:
+            raise MechanismError(
+                f"its aliases (*name) make more than {_MOST_VALUES} values of it; write out the few that are needed"
+            )
+        return None if node is None else loader.construct_document(node)
+    finally:
+        loader.dispose()
+
+
+def _size(node: Any, known: dict[int, float]) -> float:
+    """How many values a node of YAML holds with its aliases written out; infinitely many where it holds itself."""
+    if id(node) not in known:
+        known[id(node)] = math.inf
+        parts = node.value if isinstance(node.value, list) else []
+        flat = [part for entry in parts for part in (entry if isinstance(entry, tuple) else (entry,))]
+        known[id(node)] = 1.0 + sum(_size(part, known) for part in flat)
+    return known[id(node)]
+
+
 def _text(file: Path) -> str:
     try:
-        content = file.read_bytes()
+        with open_regular(file) as opened:
+            content = opened.read(_LARGEST + 1)
     except OSError as error:
         raise InputError(f"{file}: the file cannot be read ({error.strerror or error})") from None
-    if len(content) > LARGEST_FILE:
-        raise MechanismError(f"{file}: the file has more than {LARGEST_FILE / 1e6:g} MB")
+    if len(content) > _LARGEST:
+        raise MechanismError(f"{file}: the file has more than {_LARGEST / 1e6:g} MB, which are allowed for loops beside a URDF")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:

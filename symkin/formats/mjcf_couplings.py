@@ -77,19 +77,18 @@ def _tendon_of(compiled: CompiledModel, equality: Equality, end: int) -> Terms:
     found = compiled.tendon(number)
     if found is None:
         raise MechanismError(
-            f"{equality.where}: its tendon {compiled.model.tendon(number).name!r} is a spatial one; only fixed tendons are read"
+            f"{equality.where}: its tendon {compiled.names['tendon'][number]!r} is a spatial one; only fixed tendons are read"
         )
     return found
 
 
 def driven_by(compiled: CompiledModel, actuator: int) -> list[int]:
     """Hinges and slides that an actuator drives, directly or through a fixed tendon."""
-    model, transmissions = compiled.model, compiled.mujoco.mjtTrn
-    kind, target = int(model.actuator_trntype[actuator]), int(model.actuator_trnid[actuator][0])
+    kind, target = compiled.kinds["actuator"][actuator], int(compiled.model.actuator_trnid[actuator][0])
     joints: list[int] = []
-    if kind in (int(transmissions.mjTRN_JOINT), int(transmissions.mjTRN_JOINTINPARENT)):
+    if kind in ("joint", "jointinparent"):
         joints = [target]
-    elif kind == int(transmissions.mjTRN_TENDON):
+    elif kind == "tendon":
         joints = [joint for joint, _ in compiled.tendon(target) or ()]
     return [joint for joint in joints if compiled.joint_type(joint) in ("hinge", "slide")]
 
@@ -112,7 +111,7 @@ def without_kinematics(compiled: CompiledModel) -> Iterator[str]:
 def idle_actuators(compiled: CompiledModel) -> Iterator[str]:
     """Notes on actuators that drive no joint, and on a file without any."""
     model = compiled.model
-    idle = [model.actuator(k).name or f"number {k + 1}" for k in range(model.nu) if not driven_by(compiled, k)]
+    idle = [compiled.names["actuator"][k] or f"number {k + 1}" for k in range(model.nu) if not driven_by(compiled, k)]
     if idle:
         yield f"actuators that drive no hinge or slide, directly or by a fixed tendon, are left out: {first_of(idle)}"
     if not model.nu:

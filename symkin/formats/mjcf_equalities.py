@@ -36,7 +36,7 @@ def active_equalities(compiled: CompiledModel, notes: list[str]) -> list[Equalit
     those that are no kinematics of links."""
     model, found = compiled.model, []
     written = list(_written(compiled.root, compiled.path))
-    tags = [_kind(compiled, k) for k in range(model.neq)]
+    tags = list(compiled.kinds["equality"])
     for k, kind in enumerate(tags):
         where = _place(compiled, written, tags, k)
         equality = Equality(kind, k, (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])), where)
@@ -57,9 +57,7 @@ def _place(compiled: CompiledModel, written: list[Element], tags: list[str], num
     same = [element for element in written if element.tag == kind]
     if len(same) == tags.count(kind):
         return same[tags[:number].count(kind)].where
-    flex = int(compiled.mujoco.mjtObj.mjOBJ_FLEX)
-    number_of = int(compiled.model.eq_obj1id[number])
-    name = compiled.mujoco.mj_id2name(compiled.model, flex, number_of) if kind.startswith("flex") else ""
+    name = compiled.names["flex"][int(compiled.model.eq_obj1id[number])] if kind.startswith("flex") else ""
     maker = next(
         (e for e in compiled.root.walk() if name and e.tag.startswith("flex") and e.attributes.get("name") == name), None
     )
@@ -84,7 +82,7 @@ def held_values(compiled: CompiledModel, equalities: list[Equality], notes: list
 def body_of(compiled: CompiledModel, equality: Equality, end: int) -> int:
     """The body at one end of a connect or weld."""
     number = equality.objects[end]
-    return int(compiled.model.site_bodyid[number]) if _by_sites(compiled, equality) else max(number, 0)
+    return int(compiled.model.site_bodyid[number]) if compiled.by_sites[equality.number] else max(number, 0)
 
 
 def is_rigid(compiled: CompiledModel, equality: Equality) -> bool:
@@ -95,7 +93,7 @@ def is_rigid(compiled: CompiledModel, equality: Equality) -> bool:
 def frames_on_bodies(compiled: CompiledModel, equality: Equality) -> tuple[Pose, Pose]:
     """The frames of a connect or weld in those of its two bodies."""
     numbers = compiled.model.eq_data[equality.number]
-    if _by_sites(compiled, equality):
+    if compiled.by_sites[equality.number]:
         return compiled.site_pose(equality.objects[0]), compiled.site_pose(equality.objects[1])
     if equality.kind == "connect":
         return _at(numbers[0:3]), _at(numbers[3:6])
@@ -105,15 +103,6 @@ def frames_on_bodies(compiled: CompiledModel, equality: Equality) -> tuple[Pose,
 
 def _at(point: np.ndarray) -> Pose:
     return Pose(point.copy(), np.array([1.0, 0.0, 0.0, 0.0]))
-
-
-def _by_sites(compiled: CompiledModel, equality: Equality) -> bool:
-    return int(compiled.model.eq_objtype[equality.number]) == int(compiled.mujoco.mjtObj.mjOBJ_SITE)
-
-
-def _kind(compiled: CompiledModel, number: int) -> str:
-    kind = str(compiled.mujoco.mjtEq(int(compiled.model.eq_type[number])).name)
-    return kind.removeprefix("mjEQ_").lower()
 
 
 def _written(element: Element, file: Path, depth: int = 0) -> Iterator[Element]:

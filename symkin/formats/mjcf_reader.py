@@ -33,10 +33,7 @@ class Reader:
         self.notes: list[str] = []
         self.equalities = active_equalities(compiled, self.notes)
         self.held = held_values(compiled, self.equalities, self.notes)
-        self.data = compiled.mujoco.MjData(self.model)
-        for joint, value in self.held.items():
-            self.data.qpos[self.model.jnt_qposadr[joint]] = value
-        compiled.mujoco.mj_kinematics(self.model, self.data)
+        self.data = compiled.placed
         self.free = {int(self.model.jnt_bodyid[j]) for j in range(self.model.njnt) if self._type(j) == "free"}
         self.floating = self._floating()
         self.part_of = self._parts()
@@ -143,7 +140,7 @@ class Reader:
         for equality in self.equalities:
             if equality.kind in ("connect", "weld"):
                 ends = [self.link_names[body_of(self.compiled, equality, end)] for end in (0, 1)]
-                own = model.equality(equality.number).name or f"{equality.kind}_{ends[0]}_{ends[1]}"
+                own = self.compiled.names["equality"][equality.number] or f"{equality.kind}_{ends[0]}_{ends[1]}"
                 number, name = 2, own
                 while name in used:
                     number, name = number + 1, f"{own}_{number}"

@@ -11,13 +11,25 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from symkin.errors import MechanismError
 from symkin.formats.parts import Parts
 from symkin.model.graph import Coupling, LinkJoint
+from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
 
 ClosureType = Literal["S", "U", "R", "C", "P", "H", "weld"]
 """What a closure leaves free: S holds a point, weld all; R, C, P and H have the z axis of both frames in common; U turns about the z
 axis of the first frame and about the x axis of the second, which stay square to each other."""
+
+MOST_JOINTS = 3 * MOST_PARTS
+"""Joints or bodies of a file at most, fixed ones too, which become part of a link: each takes two milliseconds."""
+
+
+def refuse_too_many(where: str, joints: int, movable: int) -> None:
+    """Raise MechanismError for a robot of more joints than a mechanism may have, before they are placed; `joints` counts fixed ones too."""
+    if movable > MOST_PARTS or joints > MOST_JOINTS:
+        told = f"{joints} joints or bodies" + (f", {movable} joints of which move" if movable > MOST_PARTS else "")
+        raise MechanismError(f"{where}: {told}; allowed: {MOST_JOINTS}, of which {MOST_PARTS} move")
 
 
 @dataclass(frozen=True)

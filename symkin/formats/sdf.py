@@ -14,7 +14,7 @@ from symkin.formats.joint_graph import Direction, GraphJoint, JointGraph, place,
 from symkin.formats.naming import robot_name
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.robot import Mesh, Robot
+from symkin.formats.robot import Mesh, Robot, refuse_too_many
 from symkin.formats.sdf_frames import FIRST_WITH_FRAMES, WORLD, Scope, SdfFrames, sdf_version
 from symkin.formats.sdf_joint import TYPES, refuse_model_frame, sdf_axis, sdf_limits, sdf_pitch, sdf_type
 from symkin.formats.sdf_world import robot_model
@@ -51,6 +51,8 @@ class _Reader(GraphReader):
         self.frames = SdfFrames(self.packages)
         scope = Scope("", "__model__", sdf_version(root), self.model, (path,))
         self.frames.add_model(self.model, scope)
+        elements = [element for element, _ in self.frames.joints]
+        refuse_too_many(self.model.where, len(elements), sum(e.attributes.get("type") != "fixed" for e in elements))
         self.poses = {link: self.frames.pose(link) for link in self.frames.links}
         self.poses[WORLD] = Pose.identity()
 

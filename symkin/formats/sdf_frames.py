@@ -7,13 +7,16 @@ model's frame, a frame that is attached in the frame it is attached to, a joint 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from symkin.errors import InputError
 from symkin.formats.packages import Packages
+from symkin.formats.robot import MOST_JOINTS
 from symkin.formats.xml_text import Element, read_xml
+from symkin.model.mechanism import MOST_PARTS
 from symkin.spatial.pose import Pose
 from symkin.text import meant
 
@@ -24,6 +27,8 @@ FIRST_WITH_FRAMES = (1, 7)
 """From this version on relative_to and expressed_in name frames; before it `frame` on a pose had no meaning."""
 WORLD = "world"
 _MODEL = "__model__"
+_MOST_FRAMES = 3 * MOST_JOINTS
+"""Links, joints, models and frames of a file and those that it includes: as many of each as joints may be."""
 _MOST_FILES = 20
 """Files within each other."""
 
@@ -58,6 +63,8 @@ class SdfFrames:
     frames: dict[str, _Frame] = field(default_factory=dict)
     links: dict[str, tuple[Element, Scope]] = field(default_factory=dict)
     joints: list[tuple[Element, Scope]] = field(default_factory=list)
+    includes: int = 0
+    roots: dict[Path, Element] = field(default_factory=dict)
     scopes: list[Scope] = field(default_factory=list)
     known: dict[str, Pose] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -180,7 +187,10 @@ class SdfFrames:
     def _include(self, element: Element, scope: Scope) -> None:
         """The model of another file, under its own name or that of the include, or merged into this model."""
         path = _included(element, scope.files, self.packages)
-        root = read_xml(path, "sdf")
+        self.includes += 1
+        if self.includes > MOST_PARTS:
+            raise element.error(f"it is include number {self.includes}, with those of included files; allowed: {MOST_PARTS}")
+        root = self.roots[path] = self.roots.get(path) or read_xml(path, "sdf")
         model = root.needed("model")
         given = element.one("name")
         name = given.text.strip() if given is not None else model.attribute("name")
@@ -197,6 +207,8 @@ class SdfFrames:
         self.frames[model] = _Frame(frame.pose, told_in, frame.attached, frame.element, frame.placement)
 
     def _new(self, key: str, element: Element) -> str:
+        if len(self.frames) >= _MOST_FRAMES:
+            raise element.error(f"the file has more than {_MOST_FRAMES} links, frames and models; no robot has so many")
         if key in self.frames or key == WORLD:
             raise element.error(f"the name {key!r} is taken; names of links, frames and models must be unique")
         return key
@@ -237,7 +249,9 @@ def sdf_version(root: Element) -> Version:
     text = root.attribute("version")
     parts = text.split(".")
     version = (
-        tuple(int(part) for part in parts[:2]) if len(parts) >= 2 and all(p.isascii() and p.isdigit() for p in parts) else (0, 0)
+        tuple(int(part) for part in parts[:2])
+        if len(parts) >= 2 and all(re.fullmatch("[0-9]{1,3}", p) for p in parts)
+        else (0, 0)
     )
     found = (version[0], version[1])
     if not OLDEST <= found <= NEWEST:

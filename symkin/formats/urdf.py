@@ -15,7 +15,7 @@ from symkin.formats.naming import robot_name
 from symkin.formats.packages import Packages
 from symkin.formats.parts import JOINTS_TAG
 from symkin.formats.read_options import AS_IT_IS, ReadOptions
-from symkin.formats.robot import Mesh, Robot
+from symkin.formats.robot import Mesh, Robot, refuse_too_many
 from symkin.formats.urdf_loops import LOOP_TAGS, loops_within
 from symkin.formats.urdf_motors import mimics, with_motors
 from symkin.formats.urdf_parts import direction, origin, parts_within, plain_tag
@@ -93,6 +93,8 @@ class _Reader(GraphReader):
         self.root, self.parts = root, parts_within(root)
         self.links = self._links()
         self.elements = root.all("joint", "drake:joint")
+        count = max(len(self.links), sum(e.tag in ("joint", "drake:joint", *LOOP_TAGS) for e in root.children))
+        refuse_too_many(root.where, count, sum(e.attributes.get("type") != "fixed" for e in self.elements))
         self.beside = loops_beside(path)
 
     def graph(self) -> JointGraph:

@@ -1,23 +1,19 @@
-"""Expand xacro, the macros of URDF, by its own package."""
+"""Expand xacro, the macros of URDF, by its own package, in a process of its own."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from importlib import import_module
-from io import StringIO
+from importlib.util import find_spec
 from pathlib import Path
-from threading import Lock
-from types import ModuleType
-from typing import Any
-from xml.parsers import expat
 
 from symkin.errors import InputError, MechanismError
+from symkin.formats.child import ChildError, answer_of
 from symkin.formats.packages import Packages
 from symkin.formats.xml_text import Element, parse_xml, read_text
-from symkin.text import first_of, meant, one_line, shown
+from symkin.text import first_of, meant, shown
 
+_WORKER = Path(__file__).with_name("xacro_worker.py")
 _INSTALL = "is written in xacro, which takes the package `xacro`; pip install 'symkin[urdf]' installs it"
 _ARGUMENT = re.compile(r"""<xacro:arg\b[^>]*?\bname\s*=\s*["']([^"']+)|\$\(arg\s+([^)\s]+)\s*\)""")
 """Where an argument is declared, or used."""
@@ -43,24 +39,17 @@ def expanded(path: Path, arguments: Mapping[str, str], packages: Packages) -> El
 
     Raises InputError without the package, MechanismError with what xacro says of a file that is not right.
     """
-    xacro: Any = _package(path)
-    with _ALONE, _told(xacro, packages):
-        xacro.all_includes = []
-        try:
-            document = xacro.process_file(str(path), mappings=dict(arguments), verbosity=0)
-        except (MechanismError, InputError):
-            raise
-        except expat.ExpatError as error:
-            place = f"{_place(xacro, path)}: line {error.lineno}"
-            raise MechanismError(f"{place}: xacro: not XML: {expat.ErrorString(error.code)}") from None
-        except RecursionError:
-            raise MechanismError(f"{_place(xacro, path)}: xacro: its macros or includes call themselves") from None
-        except Exception as error:
-            # expressions in the file raise whatever Python does
-            raise MechanismError(f"{_place(xacro, path)}: xacro: {_sentence(error)}") from None
-        _refuse_unknown(arguments, [path, *(Path(file) for file in xacro.all_includes)])
-    text = document.toprettyxml(indent="  ")
-    return parse_xml(text.encode(), f"{path} (xacro expanded)", "robot")
+    if find_spec("xacro") is None:
+        raise InputError(f"{path}: {_INSTALL}")
+    task = {"path": str(path), "arguments": dict(arguments), "folders": [str(folder) for folder in packages.folders]}
+    try:
+        told = answer_of(_WORKER, task)
+    except ChildError as error:
+        raise MechanismError(f"{path}: xacro {error}") from None
+    if "error" in told:
+        raise MechanismError(told["error"])
+    _refuse_unknown(arguments, [path, *(Path(file) for file in told["files"])])
+    return parse_xml(told["text"].encode(), f"{path} (xacro expanded)", "robot")
 
 
 def _refuse_unknown(arguments: Mapping[str, str], files: list[Path]) -> None:
@@ -72,58 +61,3 @@ def _refuse_unknown(arguments: Mapping[str, str], files: list[Path]) -> None:
         raise InputError(
             f"arguments: {files[0]} has no argument {shown(wrong)}{meant(wrong, known)}; its arguments: {first_of(known, 20) or 'none'}"
         )
-
-
-def _package(path: Path) -> ModuleType:
-    try:
-        return import_module("xacro")
-    except ImportError:
-        raise InputError(f"{path}: {_INSTALL}") from None
-
-
-_ALONE = Lock()
-"""Held while xacro expands: it keeps its state in its module."""
-
-
-@contextmanager
-def _told(xacro: Any, packages: Packages) -> Iterator[None]:
-    """Let xacro find packages where they are told, read files of no entities and of bounded size only, and print nothing."""
-    substitutions: Any = import_module("xacro.substitution_args")
-    find, inner, parse = substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse
-
-    def found(name: str) -> str:
-        folder = packages.folder(name)
-        if folder is None:
-            raise MechanismError(
-                f"{_place(xacro, packages.file)}: the package {name!r} of $(find {name}) is not found; name the folder that holds it by "
-                "packages (--packages)"
-            )
-        return str(folder)
-
-    def safe(text: Any, filename: str | None = None) -> Any:
-        if text is None and filename is not None and Path(filename).is_file():
-            parse_xml(read_text(Path(filename)), filename)
-        return parse(text, filename)
-
-    substitutions._eval_find = substitutions._eval_dict["find"] = found
-    xacro.parse = safe
-    try:
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
-            yield
-    finally:
-        substitutions._eval_find, substitutions._eval_dict["find"], xacro.parse = find, inner, parse
-
-
-def _place(xacro: Any, path: Path) -> str:
-    """The file that is being expanded."""
-    inner = (xacro.filestack or [None])[-1]
-    return f"{path}" if inner in (None, str(path)) else f"{path}: {inner}"
-
-
-def _sentence(error: Exception) -> str:
-    if type(error).__name__ == "ArgException" or "Undefined substitution argument" in str(error):
-        name = str(error).rpartition(" ")[2]
-        return f"its argument {shown(name)} is not told and has no default; give arguments (--arguments {name}=VALUE)"
-    text = one_line(str(error)) or type(error).__name__
-    names = [macro for macro in getattr(error, "macros", []) if macro]
-    return text + (f" (in macros {', '.join(str(m.body.getAttribute('name')) for m in names)})" if names else "")

@@ -14,6 +14,7 @@ from xml.parsers import expat
 
 from symkin.errors import InputError, MechanismError
 from symkin.model.file import no_such_file
+from symkin.regular_file import open_regular
 from symkin.text import first_of, shown
 
 LARGEST_FILE = 8_000_000
@@ -201,7 +202,7 @@ class _Builder:
 def read_text(path: Path) -> bytes:
     """A file's content, at most one byte more than is allowed. Raises InputError for one that cannot be read."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return file.read(LARGEST_FILE + 1)
     except FileNotFoundError:
         raise InputError(no_such_file(path)) from None

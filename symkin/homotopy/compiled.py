@@ -26,6 +26,7 @@ from symkin.numeric.tolerances import ROOT_POLISHED, ROWS_CONTRADICT
 DATA = Path(__file__).resolve().parent / "data"
 SOURCES = ("tracker.c", "elimination.h", "lanes.h")
 """Files of the engine that are the same for every closure, the one to compile first."""
+SYMBOLS = ("symkin_track", "symkin_newton")
 OFF = "numpy"
 """Value of the environment variable SYMKIN_ENGINE that forbids compiled code."""
 
@@ -108,7 +109,7 @@ def load(system: AlgebraicSystem, *, build: bool = True) -> tuple[CompiledTracke
 def _load(system: AlgebraicSystem, named: str, path: str, folder: Path, build: bool) -> tuple[CompiledTracker | None, str]:
     """What was found for good. Raises NotBuiltError where it may be found later."""
     try:
-        library = load_library(find_compilers(named, path), dict(_sources(system)), SOURCES[0], folder, build=build)
+        library = load_library(find_compilers(named, path), dict(_sources(system)), SOURCES[0], SYMBOLS, folder, build=build)
     except NotBuiltError:
         raise
     except (CompilerError, NotImplementedError, OSError) as error:

@@ -197,7 +197,8 @@ def unsuitable(problem: Problem) -> str | None:
     """Why a problem has no complex start system, if it has none."""
     for c in problem.system.unknowns:
         if c.kind == "turns":
-            return f"the closure is not algebraic in {c.name} (helical joint)"
+            reason = problem.mechanism.advancing.get(c.name)
+            return f"the closure is not algebraic in {c.name} ({'helical joint' if reason is None else reason})"
         if c.kind == "quaternion" and c.role not in ("pose", "body"):
             return f"{c.name} is a spherical joint that the closure keeps"
     bodies = floating_bodies(problem.system.unknowns) if problem.kind == "given" else ()

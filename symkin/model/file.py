@@ -9,6 +9,7 @@ import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from symkin.model.joint import BASE, PLATFORM, Joint, interval
 from symkin.model.limb import LIMB_LINKS, Limb, Rod, RodLimb
 from symkin.model.mechanism import ANGLE_UNITS, Example, Mechanism, serial_arm_from_dh
 from symkin.model.names import name_fault
+from symkin.regular_file import open_regular
 from symkin.text import meant, shown
 
 _SHIPPED = Path(__file__).resolve().parent.parent / "mechanisms"
@@ -43,7 +45,8 @@ def shipped(name: str) -> Mechanism:
 def read(path: Path) -> Mechanism:
     """The mechanism that a file describes."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        with open_regular(path) as file, TextIOWrapper(file, encoding="utf-8-sig") as lines:
+            text = lines.read()
     except FileNotFoundError:
         raise InputError(no_such_file(path)) from None
     except UnicodeDecodeError:

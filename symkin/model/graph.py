@@ -6,11 +6,14 @@ axes are in the base frame at the reference configuration, so that every link's 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from math import lcm
 
 import numpy as np
 
+from symkin.computed_once import cached_property
 from symkin.errors import MechanismError
 from symkin.model.bar import Bar, RodEnd
 from symkin.model.joint import Coordinate, Joint, finite, interval, link_pair, vector3
@@ -18,6 +21,11 @@ from symkin.model.limb import coincide
 
 MOST_POWERS = 4
 """Highest power of a joint that a coupling may hold, as in the equalities of MJCF."""
+MOST_TEETH = 12
+"""Largest whole number of a ratio whose wheels are counted modulo whole turns. A wheel of n teeth has n places beside the same
+place of its driver; a train of larger ratios is taken to advance, one place for each value of what drives it."""
+_RATIO_ROUNDING = 1e-12
+"""Of a factor: by how much a ratio of whole numbers may miss it, digits of files and rounding."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +126,8 @@ class Coupling:
 
     `of` maps names of coordinates to factors, `offset` is added; or `of` is one name and `polynomial` its coefficients
     c0 + c1 q + c2 q^2 + ..., at most of degree 4. Coordinates are in radians and the length unit. Raises MechanismError for a
-    coupling of a joint to itself and for keys that do not go together.
+    coupling of a joint to itself and for keys that do not go together. Where all are angles and the ratios are of whole numbers up to
+    12, whole turns of the joints are not told apart, but if it `advances`.
 
     >>> import symkin
     >>> symkin.Coupling("finger2", {"finger1": -1.0}).terms
@@ -129,6 +138,7 @@ class Coupling:
     of: Mapping[str, float] | str | Sequence[tuple[str, float]]
     offset: float = 0.0
     polynomial: Sequence[float] | None = None
+    advances: bool = False
 
     def __post_init__(self) -> None:
         where = f"coupling of {self.joint!r}"
@@ -168,9 +178,49 @@ class Coupling:
         """The coordinates on which the joint depends."""
         return (self.of,) if isinstance(self.of, str) else tuple(name for name, _ in self.terms)
 
-    def is_periodic(self, angles: Collection[str]) -> bool:
-        """Whether whole turns of any of its joints leave it as it is: all are `angles`, and all factors whole numbers."""
-        return {self.joint, *self.names} <= set(angles) and bool(self.terms) and all(f == round(f) for _, f in self.terms)
+    @property
+    def line(self) -> tuple[tuple[str, float], ...] | None:
+        """Names and factors where the joint is linear in the others, polynomials of degree 1 included; else None."""
+        if self.polynomial is None:
+            return self.terms
+        return None if any(self.polynomial[2:]) else ((self.names[0], self.polynomial[1]),)
+
+    @property
+    def constant(self) -> float:
+        """The joint's value where all others are 0."""
+        return self.offset if self.polynomial is None else self.polynomial[0]
+
+    @cached_property
+    def whole_numbers(self) -> tuple[int, tuple[int, ...]] | None:
+        """The least whole numbers (n, (n1, n2, ...)) of n joint = n1 first + n2 second + ... + n offset; None where some would be
+        larger than `MOST_TEETH`, and for polynomials.
+
+        >>> import symkin
+        >>> symkin.Coupling("slow", {"fast": 0.5, "other": 2 / 3}).whole_numbers
+        (6, (3, 4))
+        """
+        factors = [factor for _, factor in self.line or ()]
+        ratios = [Fraction(factor).limit_denominator(MOST_TEETH) for factor in factors]
+        own = lcm(*(ratio.denominator for ratio in ratios))
+        numbers = tuple(int(own * ratio) for ratio in ratios)
+        exact = all(abs(f - r) <= _RATIO_ROUNDING * abs(f) for f, r in zip(factors, ratios, strict=True))
+        return (own, numbers) if numbers and exact and max(own, *map(abs, numbers)) <= MOST_TEETH else None
+
+    def advance_reason(self, kinds: Mapping[str, str]) -> str | None:
+        """Why whole turns of its angles do not leave it as it is, if they do not: other `kinds` of coordinates than angles, or
+        factors that no small whole numbers tell."""
+        other = next((name for name in (self.joint, *self.names) if kinds.get(name) != "angle"), None)
+        if other is not None:
+            what = "the length" if kinds.get(other) == "length" else "the helical joint"
+            return f"the coupling of {self.joint} ties angles to {what} {other}"
+        if self.advances:
+            return f"the coupling of {self.joint} advances"
+        if self.line is None:
+            return f"the coupling of {self.joint} is a polynomial"
+        if self.whole_numbers is None:
+            factors = ", ".join(f"{factor:.6g}" for _, factor in self.line)
+            return f"the ratio of the coupling of {self.joint} ({factors}) is none of whole numbers up to {MOST_TEETH}"
+        return None
 
 
 def coupling_scale(own: float, other: float, power: int) -> float:

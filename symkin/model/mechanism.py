@@ -159,19 +159,45 @@ class Mechanism:
     @cached_property
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Every coordinate of joints and actuated rods in file order: those of limbs, then of joints and of rods between links.
-        Angles that a coupling with other than whole factors names advance without end: a whole turn of one gear is none of the
-        other."""
+        Angles of `advancing` couplings are no angles modulo a turn: a whole turn of one gear is none of the other."""
+        advancing = self.advancing
+        return tuple(replace(c, kind="turns") if c.kind == "angle" and c.name in advancing else c for c in self._as_described)
+
+    @cached_property
+    def _as_described(self) -> tuple[Coordinate, ...]:
+        """Every coordinate, couplings left aside."""
         found: list[Coordinate] = []
         for limb in self.limbs:
             found.extend(c for joint in limb.joints for c in joint.coordinates)
             found.extend(bar.coordinate for bar in limb.bars(self.reference_pose) if bar.coordinate is not None)
         found.extend(c for entry in self.link_joints for c in entry.joint.coordinates)
         found.extend(rod.coordinate for rod in self.link_rods if rod.actuated)
-        angles = {c.name for c in found if c.kind == "angle"}
-        # what is coupled to an angle that advances advances too
-        for _ in self.couplings:
-            angles -= {name for c in self.couplings if not c.is_periodic(angles) for name in (c.joint, *c.names)}
-        return tuple(replace(c, kind="turns") if c.kind == "angle" and c.name not in angles else c for c in found)
+        return tuple(found)
+
+    @cached_property
+    def advancing(self) -> Mapping[str, str]:
+        """Why angles that couplings name advance without end, by their names; an angle coupled to one that advances does too."""
+        kinds: dict[str, str] = {c.name: c.kind for c in self._as_described}
+        naming: dict[str, list[Coupling]] = {}
+        todo: list[tuple[str, Coupling]] = []
+        for coupling in self.couplings:
+            for name in (coupling.joint, *coupling.names):
+                naming.setdefault(name, []).append(coupling)
+            reason = coupling.advance_reason(kinds)
+            todo += [] if reason is None else [(reason, coupling)]
+        found: dict[str, str] = {}
+        while todo:
+            reason, coupling = todo.pop()
+            for name in (coupling.joint, *coupling.names):
+                if kinds.get(name) == "angle" and name not in found:
+                    found[name] = reason
+                    todo += [(reason, other) for other in naming[name]]
+        return found
+
+    @cached_property
+    def pitches(self) -> Mapping[str, float]:
+        """Lengths per turn of the coordinates of helical joints, by their names."""
+        return {c.name: joint.pitch for joint in self.all_joints if joint.type == "H" for c in joint.coordinates}
 
     @cached_property
     def actuated(self) -> tuple[Coordinate, ...]:
@@ -196,6 +222,13 @@ class Mechanism:
         """The largest distance between the joints' `places`, centres and rod ends at the reference, by which angles become
         lengths; where all of them coincide, that to the platform origin, or 1."""
         return self._spread(self.places) or 1.0
+
+    @cached_property
+    def farthest(self) -> float:
+        """The largest coordinate of a point of the description at the reference: numbers as large as this are added and cancel."""
+        ends = [end.at_reference(self.reference_pose) for bar in self.bars for end in (bar.start, bar.end)]
+        points = [*(joint.point for joint in self.all_joints), *ends, self.platform_position]
+        return float(np.max(np.abs(np.array(points))))
 
     def _spread(self, places: Mapping[str, np.ndarray]) -> float:
         """The largest distance between points of joints and rod ends."""

@@ -19,6 +19,10 @@ FULL_TURN = 2.0 * math.pi * (1.0 + 1e-3)
 """Radians from which an angle is more than a turn; files write a turn with three digits."""
 
 
+_MOST_DEGREES = 720.0
+"""Limits up to which degrees may be meant; larger ones stand for none."""
+
+
 def oddities(mechanism: Mechanism) -> tuple[str, ...]:
     """Sentences on numbers that are allowed and rarely meant: rods whose limits leave no positive length, a point far off all others,
     angles of more than a turn where the unit is rad."""
@@ -62,20 +66,29 @@ def _far_of(points: dict[str, tuple[float, ...]], unit: str) -> Iterator[str]:
         )
 
 
-def _degrees(mechanism: Mechanism) -> Iterator[str]:
+def degrees_question(mechanism: Mechanism) -> str | None:
+    """What is asked where angles and limits in radians are more than a turn, as in a file in degrees that does not say so."""
     if mechanism.angle_unit != "rad":
-        return
+        return None
     found = [f"{where} = {value:g}" for where, value in _angles(mechanism) if abs(value) > FULL_TURN]
-    if found:
-        yield f'{first_of(found, 3)}: more than a turn, and angle_unit is "rad"; are degrees meant? Then write angle_unit = "deg"'
+    for joint in mechanism.all_joints:
+        largest = max(map(abs, joint.limits or (0.0,)))
+        if joint.type in ("R", "H") and joint.limits is not None and FULL_TURN < largest <= _MOST_DEGREES:
+            found.append(f"{joint.name}.limits = {joint.limits[0]:g} to {joint.limits[1]:g}")
+    return f"{first_of(found, 3)}: more than a turn in radians; are degrees meant?" if found else None
+
+
+def _degrees(mechanism: Mechanism) -> Iterator[str]:
+    question = degrees_question(mechanism)
+    if question is not None:
+        yield f'{question} Then write angle_unit = "deg"'
 
 
 def _angles(mechanism: Mechanism) -> Iterator[tuple[str, float]]:
-    """Angles that a file gives, by where they stand there."""
+    """Angles that a file gives, limits left aside, by where they stand there."""
     for joint in mechanism.all_joints:
         if joint.type in ("R", "H"):
             yield f"{joint.name}.zero", joint.zero
-            yield from ((f"{joint.name}.limits", value) for value in joint.limits or ())
     for row in mechanism.dh.rows if mechanism.dh is not None else ():
         yield from ((f"{row.name}.theta", row.theta), (f"{row.name}.alpha", row.alpha))
     example = mechanism.example

@@ -2,32 +2,37 @@
 
 Libraries are built for the processor at hand. Their names hold a hash of the sources, the flags and the compiler's own
 macros (its version, and the instruction sets that it may use here), and one of their content: a library for another
-processor is never looked up, and a damaged one is never loaded.
+processor is never looked up, and a damaged one is never loaded. What is loaded is a copy of the bytes that were checked, which nobody
+else can reach: a file that is exchanged after the check is not run.
 """
 
 from __future__ import annotations
 
 import ctypes
 import hashlib
+import itertools
 import os
 import shlex
 import shutil
+import stat
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from symkin.computed_once import lru_cache
-from symkin.numeric.cache_folder import keep, read_kept
+from symkin.numeric.cache_folder import discard, folder_fault, keep, read_kept
 
 FLAGS = ("-O2", "-std=gnu11", "-fPIC", "-shared", "-fno-math-errno", "-fno-trapping-math", "-w")
 """No -ffast-math: a path that fails is seen by its NaN."""
 NATIVE = "-march=native"
 _LONGEST = 120.0
 """Seconds after which a compiler is given up."""
+_MOST_SLASHES = 3000
+"""Slashes in a path at most: a path may have 4096 characters."""
 
 
 class CompilerError(Exception):
@@ -48,14 +53,18 @@ class Compiler:
 
 
 def load_library(
-    compilers: Iterable[Compiler], sources: Mapping[str, str], main: str, folder: Path, *, build: bool
+    compilers: Iterable[Compiler], sources: Mapping[str, str], main: str, symbols: Sequence[str], folder: Path, *, build: bool
 ) -> ctypes.CDLL:
-    """The library of the source file `main` among `sources` (names and texts), from `folder` or, if `build`, made and put
-    there, by the first of the compilers that can. Raises CompilerError, NotBuiltError where `build` was needed."""
+    """The library of the source file `main` among `sources` (names and texts), which has the functions `symbols`, from the cache `folder`
+    or, if `build`, made and put there, by the first of the compilers that can. Raises CompilerError, where others may write in the
+    folder too, and NotBuiltError where `build` was needed."""
+    fault = folder_fault(folder)
+    if fault is not None:
+        raise CompilerError(fault)
     tried = []
     for compiler in compilers:
         key = _key(compiler, sources, main)
-        kept = _kept(folder, key)
+        kept = _kept(folder, key, symbols)
         if kept is not None:
             return kept
         tried.append((compiler, key))
@@ -64,7 +73,9 @@ def load_library(
     error = CompilerError("no C compiler was found")
     for compiler, key in tried:
         try:
-            return _built(compiler, sources, main, folder, key)
+            content = _compiled(compiler, sources, main)
+            keep(folder, key, ".so", content)
+            return _loaded(content, symbols)
         except CompilerError as reason:
             error = reason
     raise error
@@ -75,7 +86,7 @@ def find_compilers(named: str, path: str) -> Iterator[Compiler]:
     any of its kind. Raises CompilerError where there is none."""
     if sys.platform == "win32":
         raise CompilerError("not used on Windows, where compilers misplace wide vectors on the stack")
-    command, error, found = _command(named, path), None, False
+    command, error, found = compiler_command(named, path), None, False
     for flags in ((*FLAGS, NATIVE), FLAGS):
         try:
             yield _asked(command, flags)
@@ -95,7 +106,8 @@ def _asked(command: tuple[str, ...], flags: tuple[str, ...]) -> Compiler:
     return Compiler(command, flags, macros)
 
 
-def _command(named: str, path: str) -> tuple[str, ...]:
+def compiler_command(named: str, path: str) -> tuple[str, ...]:
+    """The command that `named` is, else cc, gcc or clang on a path. Raises CompilerError where there is none."""
     if named.strip():
         try:
             return tuple(shlex.split(named))
@@ -126,30 +138,82 @@ def _key(compiler: Compiler, sources: Mapping[str, str], main: str) -> str:
     return digest.hexdigest()[:32]
 
 
-def _built(compiler: Compiler, sources: Mapping[str, str], main: str, folder: Path, key: str) -> ctypes.CDLL:
-    """Compile in a folder of its own; load from the cache or, where nothing can be written there, from that folder."""
+def _compiled(compiler: Compiler, sources: Mapping[str, str], main: str) -> bytes:
+    """The bytes of the library, compiled in a folder of its own."""
     try:
+        _refuse_open_folder(tempfile.gettempdir())
         with tempfile.TemporaryDirectory() as work:
             for name, text in sources.items():
                 (Path(work) / name).write_text(text)
             library = Path(work) / "library.so"
             _run([*compiler.command, *compiler.flags, str(Path(work) / main), "-o", str(library), "-lm"])
-            kept = keep(folder, key, ".so", library.read_bytes())
-            if kept is not None:
-                with suppress(OSError):
-                    return _loaded(kept)
-            return _loaded(library)
+            return library.read_bytes()
     except OSError as error:
         raise CompilerError(f"the compiled library is not usable: {error}") from None
 
 
-def _kept(folder: Path, key: str) -> ctypes.CDLL | None:
-    """A whole library of the user's own from the cache."""
-    for place, _ in read_kept(folder, key, ".so"):
-        with suppress(OSError):
-            return _loaded(place)
+def _refuse_open_folder(folder: str) -> None:
+    """Raise CompilerError for a folder in which others may exchange what is not theirs; that of all users, where they may not (its sticky
+    bit), is a good one."""
+    about = os.stat(folder)
+    if about.st_mode & stat.S_IWOTH and not about.st_mode & stat.S_ISVTX and hasattr(os, "getuid"):
+        raise CompilerError(f"everybody may exchange files in the temporary folder {folder}; TMPDIR may name another one")
+
+
+def _kept(folder: Path, key: str, symbols: Sequence[str]) -> ctypes.CDLL | None:
+    """A whole library of the user's own from the cache; one that cannot be loaded, or lacks a function, is removed."""
+    for place, content in read_kept(folder, key, ".so"):
+        try:
+            return _loaded(content, symbols)
+        except CompilerError:
+            discard(place)
     return None
 
 
-def _loaded(place: Path) -> ctypes.CDLL:
-    return ctypes.CDLL(str(place))
+def _loaded(content: bytes, symbols: Sequence[str]) -> ctypes.CDLL:
+    """The library of some bytes, from a copy in memory, or in a temporary file where the system has no such copies.
+    Raises CompilerError for one that cannot be loaded or lacks a function."""
+    error: OSError | None = None
+    for copied in (_in_memory, _in_a_file):
+        try:
+            with copied(content) as path:
+                library = ctypes.CDLL(path)
+        except OSError as reason:
+            error = reason
+            continue
+        missing = next((name for name in symbols if not hasattr(library, name)), None)
+        if missing is not None:
+            raise CompilerError(f"the compiled library is not usable: it has no function {missing}")
+        return library
+    raise CompilerError(f"the compiled library is not usable: {error}")
+
+
+_copies = itertools.count()
+
+
+@contextmanager
+def _in_memory(content: bytes) -> Iterator[str]:
+    """The path of a file in memory that has no name. The path is another one each time (the loader takes paths that it knows for
+    libraries that it has): the number of slashes tells copies apart."""
+    if not hasattr(os, "memfd_create"):
+        raise OSError("no files in memory here")
+    handle = os.memfd_create("symkin", os.MFD_CLOEXEC)
+    try:
+        with os.fdopen(os.dup(handle), "wb") as file:
+            file.write(content)
+        yield f"/proc/self/fd/{'/' * (next(_copies) % _MOST_SLASHES)}{handle}"
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def _in_a_file(content: bytes) -> Iterator[str]:
+    """The path of a temporary file that only the user may read and write."""
+    _refuse_open_folder(tempfile.gettempdir())
+    handle, path = tempfile.mkstemp(suffix=".so")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        yield path
+    finally:
+        discard(Path(path))

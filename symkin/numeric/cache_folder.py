@@ -1,7 +1,8 @@
 """The user's cache folder: starts and compiled closures of his own mechanisms.
 
 A file's name ends in a digest of its content, and only whole files of the user's own are read: one that was cut short,
-changed, or put there by somebody else is taken for missing. Processes may share a folder: files appear at once or not at
+changed, or put there by somebody else is taken for missing. A folder in which others may write is not used at all: they could
+exchange one file of the user for another. Processes may share a folder: files appear at once or not at
 all, and one that disappears is made anew. The folder is bounded: when it has grown beyond its size, the files that were
 not used for longest are removed.
 """
@@ -13,11 +14,13 @@ import os
 import stat
 import tempfile
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from symkin.computed_once import lru_cache
 from symkin.errors import InputError
+from symkin.regular_file import open_regular
 
 SIZE = 500.0
 """Megabytes that the folder may hold, unless SYMKIN_CACHE_SIZE says otherwise."""
@@ -57,34 +60,73 @@ def cache_size() -> float:
     return size * 1e6
 
 
-def read_kept(folder: Path, key: str, suffix: str) -> list[tuple[Path, bytes]]:
-    """Whole files of the user's own that are kept under a key, with their contents."""
-    found = []
+def folder_fault(folder: Path) -> str | None:
+    """Why a folder is not used: somebody else may write in it. None where that is not so, or there is no such folder yet."""
     try:
-        places = sorted(folder.glob(f"{key}-*{suffix}"))
+        return _fault_of(folder, folder.stat())
     except OSError:
-        return []
-    for place in places:
-        content = _own_file(place)
-        if content is None:
-            continue
-        if place.name == _name(key, content, suffix):
-            _note_use(place)
-            found.append((place, content))
-        else:
-            discard(place)
+        return None
+
+
+def _fault_of(folder: Path, about: os.stat_result) -> str | None:
+    """Access of other kinds (lists) shows in the group's bits, or needs the owner."""
+    if not hasattr(os, "getuid"):
+        return None
+    if about.st_uid not in (0, os.getuid()):
+        return f"{folder} belongs to another user, who may exchange what is in it; SYMKIN_CACHE may name a folder of your own"
+    if about.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+        return (
+            f"others may write in {folder}, and exchange what is in it; SYMKIN_CACHE may name a folder of your own (chmod go-w "
+            "closes this one)"
+        )
+    return None
+
+
+@contextmanager
+def _opened(folder: Path) -> Iterator[int | None]:
+    """The open folder, so that it stays the one that was checked; None on systems without such handles. Raises OSError for one that is
+    not there or not used."""
+    if os.open not in os.supports_dir_fd:
+        yield None
+        return
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    try:
+        fault = _fault_of(folder, os.fstat(handle))
+        if fault is not None:
+            raise PermissionError(fault)
+        yield handle
+    finally:
+        os.close(handle)
+
+
+def read_kept(folder: Path, key: str, suffix: str) -> list[tuple[Path, bytes]]:
+    """Whole files of the user's own that are kept under a key, with their contents; none of a folder in which others may write."""
+    found = []
+    with suppress(OSError), _opened(folder) as within:
+        names = os.listdir(folder if within is None else within)
+        for name in sorted(name for name in names if name.startswith(f"{key}-") and name.endswith(suffix)):
+            content = _own_file(folder / name if within is None else name, within)
+            if content is None:
+                continue
+            if name == _name(key, content, suffix):
+                _note_use(folder / name)
+                found.append((folder / name, content))
+            else:
+                discard(folder / name)
     return found
 
 
 def keep(folder: Path, key: str, suffix: str, content: bytes) -> Path | None:
-    """Put a file into the folder, at once or not at all; None where that cannot be done. Of a folder that is full the files
-    not used for longest go."""
+    """Put a file into the folder, at once or not at all; None where that cannot be done, or others may write there. Of a folder
+    that is full the files not used for longest go."""
     size = cache_size()
     if len(content) > size:
         return None
     place, part = folder / _name(key, content, suffix), None
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if folder_fault(folder) is not None:
+            return None
         handle, part = tempfile.mkstemp(dir=folder, suffix=".part")
         with os.fdopen(handle, "wb") as file:
             file.write(content)
@@ -101,16 +143,16 @@ def _name(key: str, content: bytes, suffix: str) -> str:
     return f"{key}-{hashlib.sha256(content).hexdigest()[:16]}{suffix}"
 
 
-def _own_file(place: Path) -> bytes | None:
-    """The content of a regular file of the user's own; opened so that a FIFO or a device does not block."""
-    try:
-        handle = os.open(place, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-        with os.fdopen(handle, "rb") as file:
-            about = os.fstat(handle)
-            mine = not hasattr(os, "getuid") or about.st_uid == os.getuid()
-            return file.read() if mine and stat.S_ISREG(about.st_mode) else None
-    except OSError:
-        return None
+def _own_file(place: Path | str, within: int | None) -> bytes | None:
+    """The content of a regular file that only the user may write, not of one that a link leads to."""
+    with suppress(OSError), open_regular(place, follow=False, within=within) as file:
+        return file.read() if is_own(os.fstat(file.fileno())) else None
+    return None
+
+
+def is_own(about: os.stat_result) -> bool:
+    """Whether a file is the user's, and nobody else may write it."""
+    return not hasattr(os, "getuid") or (about.st_uid == os.getuid() and not about.st_mode & (stat.S_IWGRP | stat.S_IWOTH))
 
 
 def _note_use(place: Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from symkin.numeric.system import System
+from symkin.numeric.newton import Rows
 
 Progress = Callable[[int, int], None]
 """Called with (starts finished, starts in all)."""
@@ -24,7 +24,7 @@ class Batch:
 
 
 def levenberg_marquardt(
-    system: System,
+    system: Rows,
     starts: np.ndarray,
     known: np.ndarray,
     *,

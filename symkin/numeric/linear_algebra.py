@@ -57,16 +57,16 @@ def _squared_extremes(matrices: np.ndarray) -> np.ndarray:
     return np.linalg.eigvalsh(gram)[:, [-1, 0]]
 
 
-def least_squares_steps(jacobians: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The shortest d (n, columns) that make |J d + F| least, for J (n, rows, columns) and F (n, rows); singular values below
-    `ROUNDED_STEP` of the largest are cut."""
+def least_squares_steps(jacobians: np.ndarray, values: np.ndarray, cut_below: float = ROUNDED_STEP) -> np.ndarray:
+    """The shortest d (n, columns) that make |J d + F| least, for J (n, rows, columns) and F (n, rows); singular values below a
+    share of the largest are cut."""
     count, rows, columns = jacobians.shape
     if min(count, rows, columns) == 0:
         return np.zeros((count, columns))
     steps, regular = _regular_steps(jacobians, values)
     if not regular.all():
         cut = ~regular
-        inverse = np.linalg.pinv(jacobians[cut], rcond=ROUNDED_STEP)
+        inverse = np.linalg.pinv(jacobians[cut], rcond=cut_below)
         steps[cut] = -(inverse @ values[cut, :, None])[:, :, 0]
     return steps
 

@@ -28,11 +28,12 @@ class Rank:
         return self.least >= _CLEAR and self.gap >= _CLEAR_GAP
 
     @staticmethod
-    def of(matrix: np.ndarray) -> Rank:
+    def of(matrix: np.ndarray, share: float = RANK_TOLERANCE) -> Rank:
+        """Count the singular values above a share of the largest."""
         if min(matrix.shape) == 0 or not np.all(np.isfinite(matrix)):
             return Rank(0, float("inf"))
         s = np.linalg.svd(matrix, compute_uv=False)
-        kept = int(np.sum(s > RANK_TOLERANCE * max(float(s[0]), float(np.finfo(float).tiny))))
+        kept = int(np.sum(s > share * max(float(s[0]), float(np.finfo(float).tiny))))
         dropped = float(s[kept]) if kept < len(s) else 0.0
         least = float(s[kept - 1] / s[0]) if kept else 1.0
         return Rank(kept, float(s[kept - 1]) / dropped if kept and dropped > 0.0 else float("inf"), least)

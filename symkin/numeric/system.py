@@ -7,7 +7,7 @@ quaternion), all in the length unit, so that columns are comparable and unit qua
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -17,6 +17,7 @@ from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import conditions
 from symkin.numeric.mapped import Mapped
 from symkin.numeric.newton import Polished, polish
+from symkin.numeric.tolerances import ROUNDED_COMPONENT
 from symkin.spatial.rotation import multiply, wrapped
 
 
@@ -24,7 +25,8 @@ from symkin.spatial.rotation import multiply, wrapped
 class System:
     """Rows F(z; k) of the unknown coordinates z given known values k, geometry bound.
 
-    `errors` are the full checks of the same constraints in the length unit.
+    `errors` are the full checks of the same constraints in the length unit; `farthest` is the largest coordinate of the points
+    that rows are written with, where that is more than the size: what is far from the origin rounds more.
     """
 
     unknowns: tuple[Coordinate, ...]
@@ -33,6 +35,7 @@ class System:
     rows: ca.SX
     errors: ca.SX
     characteristic_length: float
+    farthest: float = 0.0
 
     @cached_property
     def width(self) -> int:
@@ -135,6 +138,20 @@ class System:
             moved[:, place] = (q / np.sqrt(np.sum(q * q, axis=0))).T
         return moved
 
+    def difference(self, z: np.ndarray, there: np.ndarray) -> np.ndarray:
+        """The tangent steps (n, freedom) that `move` takes from points (n, width) to others."""
+        plain, columns, units, turns = self._retraction
+        step = np.empty((len(z), self.freedom))
+        step[:, columns] = (there[:, plain] - z[:, plain]) * units
+        for place, column in turns:
+            a, b = z[:, place], there[:, place]
+            turn = a[:, :1] * b[:, 1:] - b[:, :1] * a[:, 1:] - np.cross(b[:, 1:], a[:, 1:])
+            cosine = np.sum(a * b, axis=1, keepdims=True)
+            # no step leads to half a turn: a very long one
+            cosine = np.where(np.abs(cosine) > ROUNDED_COMPONENT, cosine, ROUNDED_COMPONENT)
+            step[:, column : column + 3] = 2.0 * self.characteristic_length * turn / cosine
+        return step
+
     @cached_property
     def _retraction(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[tuple[slice, int]]]:
         """Entries and tangent columns of single numbers, and tangent lengths that make one; (entries, first column) of
@@ -185,7 +202,7 @@ def split_blocks(system: System, together: Sequence[set[int]] = ()) -> tuple[Sys
         rows = [i for i, used in enumerate(rows_of) if used & group]
         errors = [i for i, used in enumerate(errors_of) if used & group]
         blocks.append(
-            System(unknowns, unknown, system.known, system.rows[rows, 0], system.errors[errors, 0], system.characteristic_length)
+            replace(system, unknowns=unknowns, unknown=unknown, rows=system.rows[rows, 0], errors=system.errors[errors, 0])
         )
     return tuple(blocks)
 
@@ -194,7 +211,7 @@ def constant_rows(system: System) -> System:
     """The rows that no unknown enters: conditions on the given values alone."""
     rows = [i for i, used in enumerate(incidence_of(system.rows, system)) if not used]
     errors = [i for i, used in enumerate(incidence_of(system.errors, system)) if not used]
-    return System((), ca.SX(0, 1), system.known, system.rows[rows, 0], system.errors[errors, 0], system.characteristic_length)
+    return replace(system, unknowns=(), unknown=ca.SX(0, 1), rows=system.rows[rows, 0], errors=system.errors[errors, 0])
 
 
 def incidence_of(rows: ca.SX, system: System) -> list[set[int]]:

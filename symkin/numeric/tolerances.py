@@ -17,8 +17,12 @@ Elsewhere the question is another one, and its constant stands beside it: whethe
 from __future__ import annotations
 
 CLOSURE_TOLERANCE = 1e-9
-"""Of the size: a configuration is a solution when no closure error exceeds this. Doubles leave 1e-15; geometry written with
-ten digits, 1e-10."""
+"""Of the size: a configuration is no solution when a closure error exceeds this. Doubles leave 1e-15; geometry written with
+ten digits, 1e-10. What lies within is judged together with its conditioning (see `root_checks`)."""
+
+CLOSURE_ROUNDING = 2.0**-47
+"""Of the size, or of the farthest coordinate where that is more: rows up to this are rounding. 32 units in the last place;
+roots that are polished leave 1 to 5."""
 
 RANK_TOLERANCE = 1e-8
 """Share of the largest singular value below which others count as zero: half of a double's digits, between the rounding of
@@ -49,6 +53,10 @@ more, rounding of a pose's numbers 1e-16."""
 
 ROUNDED_STEP = 1e-13
 """Share of the largest singular value below which a Newton step would follow rounding: such directions are left alone."""
+
+FREE_DIRECTION = 1e-10
+"""Share of the largest singular value below which a direction in which roots are not isolated is lost: near such a set a step along
+it follows what rounding and the curvature of the set leave there."""
 
 WELL_CONDITIONED = 1e8
 """Bound on |J| |J^-1| up to which elimination gives a Newton step as good as the singular value decomposition's."""

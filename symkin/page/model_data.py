@@ -184,6 +184,7 @@ def _coordinate(mechanism: Mechanism, closure: Closure, c: Coordinate, known: Se
         "kind": c.kind,
         "place": closure.slices[c.name].start,
         "known": c in known,
+        "actuated": c.role == "actuated",
         "joint": c.name in {other.name for other in mechanism.coordinates},
         "limits": None if c.limits is None else list(c.limits),
         "least": c.least,

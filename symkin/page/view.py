@@ -14,7 +14,7 @@ from symkin.computed_once import cached_property
 from symkin.errors import InputError, NoConfigurationError
 from symkin.files.outputs import check_output, write_output
 from symkin.model.mechanism import Mechanism, require_mechanism
-from symkin.numeric.cache_folder import cache_folder
+from symkin.numeric.cache_folder import cache_folder, folder_fault
 from symkin.page.page import PlayedPath, page_html
 from symkin.page.played_path import played_path
 from symkin.position.given import given_from
@@ -50,11 +50,14 @@ class View:
         """Write the page into the cache folder and show it in the browser; returns where it is."""
         place = cache_folder() / "pages" / f"{self.mechanism.name}.html"
         try:
-            place.parent.mkdir(parents=True, exist_ok=True)
+            place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(
                 f"{place.parent}: the folder cannot be made ({error.strerror}); write the page with --html"
             ) from None
+        fault = folder_fault(place.parent.parent) or folder_fault(place.parent)
+        if fault is not None:
+            raise InputError(f"{fault}; or write the page with --html")
         write_output(place, self.html)
         webbrowser.open(place.as_uri())
         return place

@@ -14,6 +14,7 @@ from symkin.plots.graph_figures import GraphBlock, GraphPanel, panels_of_graph
 from symkin.plots.graph_lines import reference_graph_lines, solution_lines
 from symkin.plots.mechanism_lines import lines_at, reference_lines
 from symkin.plots.panel_figure import Panel, PanelBlock, panel_figure
+from symkin.position.given import leaves_motion
 from symkin.position.solution import Solution
 from symkin.spatial.rotation import euler_from_quaternion
 
@@ -74,12 +75,13 @@ def _pose_text(solution: Solution) -> str:
     """Position and orientation: the angle of a motion with one, else roll, pitch and yaw, where the motion turns at all."""
     mechanism = solution.mechanism
     text = f"position {listed(_clean(solution.position, mechanism.characteristic_length))} {mechanism.length_unit}"
-    if "pose.gamma" in solution.values:
-        (angle,) = _clean([mechanism.angle_out(solution.values["pose.gamma"])], 1.0)
+    leaves = mechanism.is_graph and leaves_motion(mechanism, [solution.pose])
+    if mechanism.motion in ("schoenflies", "planar") and not leaves:
+        (angle,) = _clean([mechanism.angle_out(solution.gamma)], 1.0)
         return f"{text.removeprefix('position ')}, gamma {angle:.5g} {mechanism.angle_unit}"
     turn = euler_from_quaternion(np.asarray(solution.quaternion), "xyz")
     angles = f"roll, pitch, yaw {listed(_clean([mechanism.angle_out(float(v)) for v in turn], 1.0))} {mechanism.angle_unit}"
-    return {"spherical": angles, "translation": text}.get(mechanism.motion, f"{text}\n{angles}")
+    return {"spherical": angles, "translation": text}.get("" if leaves else mechanism.motion, f"{text}\n{angles}")
 
 
 def _clean(values: Sequence[float] | np.ndarray, size: float) -> list[float]:

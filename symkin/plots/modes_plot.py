@@ -40,14 +40,15 @@ def figure_of_modes(
 
 
 def shown_numbers(modes: Modes, chosen: str | Sequence[int] | None = None, most: int = DEFAULT_MOST) -> list[int]:
-    """Numbers of the modes that a picture shows: the chosen ones, else `most` of them, poses before branches. Raises InputError."""
+    """Numbers of the modes that a picture shows: the chosen ones, else `most` of them, poses and sets of actuated joints
+    before branches. Raises InputError."""
     if most < 1:
         raise InputError(f"most = {most} must be at least 1")
     if chosen is not None and len(modes):
         return chosen_numbers(chosen, len(modes))
-    first = {id(mode) for mode in modes.representatives}
+    first = set(modes.first_of_sets)
     numbers = range(1, len(modes) + 1)
-    return sorted(sorted(numbers, key=lambda k: (id(modes[k - 1]) not in first, k))[:most])
+    return sorted(sorted(numbers, key=lambda k: (k - 1 not in first, k))[:most])
 
 
 def left_out(modes: Modes, shown: Sequence[int]) -> str:
@@ -80,10 +81,8 @@ def _facts(modes: Modes) -> list[str]:
     """What is given, and the count of modes with its completeness."""
     mechanism = modes.problem.mechanism
     given = ", ".join(_given_text(key, values) for key, values in modes.given.items()) or "nothing"
-    count = len(modes)
-    found = f"{count} mode{'' if count == 1 else 's'}" if count else nothing_found(modes)
     units = f"{mechanism.length_unit}, {mechanism.angle_unit}"
-    statement = f"{found}; completeness: {modes.completeness}" + (f", {modes.starts} starts" if modes.starts else "")
+    statement = f"{modes.counted}; completeness: {modes.completeness}" + (f", {modes.starts} starts" if modes.starts else "")
     return [f"{modes.problem.name} problem at {given} [{units}]", statement]
 
 

@@ -177,6 +177,7 @@ def _of_mechanism(mechanism: Mechanism, seed: int) -> ClosedConfiguration:
         link_poses=dict(link_poses(closure, values[None]).at(0)),
         notes=account.warnings,
         reference=moved if closed else None,
+        infinitesimal=account.infinitesimal,
     )
 
 

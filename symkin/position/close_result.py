@@ -24,8 +24,9 @@ class LoopGap:
 class ClosedConfiguration(Result):
     """The closed configuration nearest to a file's own.
 
-    mobility = freedoms - rank, here as is `redundant`, the constraints that others imply (rows - rank where no motion is declared); `generic_rank` is that of closed configurations beside it,
-    None where it is not clear.
+    mobility = freedoms - rank, here as is `redundant`, the constraints that others imply (rows - rank where no motion is declared);
+    `generic_rank` is that of closed configurations beside it, None where it is not clear, `infinitesimal` counts freedoms of first
+    order that no motion follows there.
     `open_by` and `residual` are the largest of what the loops leave open in the file and here, `joints` the values of all joints in
     `units` (length, angle), `link_poses` the frames of links, and of bodies that are part of them, in the base frame. `closed` is
     False where no search closed the loops: then this is what comes nearest, and `notes` name the loop that resists. `reference` is
@@ -55,6 +56,7 @@ class ClosedConfiguration(Result):
     link_poses: Mapping[str, Pose]
     notes: tuple[str, ...] = ()
     reference: Mechanism | None = None
+    infinitesimal: int = 0
 
     @property
     def mobility(self) -> int:
@@ -96,7 +98,7 @@ class ClosedConfiguration(Result):
             "redundant": self.redundant,
             "generic": {
                 "rank": rank,
-                "mobility": None if rank is None else self.freedoms - rank,
+                "mobility": None if rank is None else self.freedoms - rank - self.infinitesimal,
                 "redundant": None if rank is None else self.redundant + self.rank - rank,
             },
             "actuated": list(self.actuated),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import casadi as ca
 import numpy as np
 
@@ -11,10 +9,9 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import lru_cache
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSED_CONFIGURATION
-
-_STARTS, _FEW_STARTS, _MANY_FREEDOMS = 8, 2, 40
-"""Random steps of each of three lengths; of a mechanism of many freedoms, whose single steps take long, fewer."""
+from symkin.numeric.tolerances import CLOSED_CONFIGURATION, CLOSURE_TOLERANCE
+from symkin.position.file_digits import LeastSquaresEnds, least_squares_from, rank_to_digits
+from symkin.position.own_component import Component, component_at_singular, regular_component
 
 
 @lru_cache(maxsize=128)
@@ -24,33 +21,36 @@ def whole_system(closure: Closure) -> System:
     return System(closure.coordinates, closure.variables, ca.SX(0, 1), rows, errors, closure.characteristic_length)
 
 
+@lru_cache(maxsize=128)
+def own_component(closure: Closure, seed: int) -> Component | None:
+    """Configurations of the assembly that the reference belongs to, or the nearest that closes where the reference is open; None
+    where least squares from there ends open."""
+    system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
+    start = closure.reference
+    if not system.residual(start, nothing) <= CLOSURE_TOLERANCE * size:
+        batch = levenberg_marquardt(system, start[None], nothing, max_iterations=200)
+        start = system.polish_many(batch.points, nothing).points[0]
+        if not system.residual(start, nothing) <= CLOSED_CONFIGURATION * size:
+            return None
+    found = regular_component(system, start, seed)
+    if found.infinitesimal:
+        # a singular file of few digits: what closes exactly beside it is less than what its digits mean
+        digits = rank_to_digits(system, least_squares_ends(closure, seed), found.rank.value)
+        return found if digits is not None else component_at_singular(system, start, seed)
+    return found
+
+
 def closed_configurations(closure: Closure, seed: int) -> list[np.ndarray]:
-    """Closed configurations from random steps off the reference; the reference itself where none closes."""
+    """Generic closed configurations of the reference's own assembly; of a reference that is open and near to none, those where least
+    squares ends, or itself where none closes."""
+    own = own_component(closure, seed)
+    if own is not None:
+        return list(own.points)
     ends = least_squares_ends(closure, seed)
     return list(ends.points[ends.closed]) or [closure.reference]
 
 
-@dataclass(frozen=True, eq=False)
-class LeastSquaresEnds:
-    """Where least squares from random steps off the reference end: variables (n, width), what each leaves the loops open by (length
-    unit), and which of them are closed configurations."""
-
-    points: np.ndarray
-    misfits: np.ndarray
-    closed: np.ndarray
-
-
+@lru_cache(maxsize=128)
 def least_squares_ends(closure: Closure, seed: int) -> LeastSquaresEnds:
-    """Least squares on all rows from random steps of three lengths off the reference."""
-    system = whole_system(closure)
-    rng = np.random.default_rng(seed)
-    each = _FEW_STARTS if system.freedom > _MANY_FREEDOMS else _STARTS
-    begin = np.tile(closure.reference, (3 * each, 1))
-    radii = np.repeat([0.03, 0.1, 0.3], each)[:, None] * closure.characteristic_length
-    starts = system.move(begin, radii * rng.normal(size=(3 * each, system.freedom)))
-    nothing = np.zeros(0)
-    batch = levenberg_marquardt(system, starts, nothing, max_iterations=200)
-    points = system.polish_many(batch.points, nothing).points
-    misfits = system.residuals(points, nothing)
-    closed = batch.converged & (misfits <= CLOSED_CONFIGURATION * closure.characteristic_length)
-    return LeastSquaresEnds(points, misfits, closed)
+    """Where least squares on all rows from random steps off the reference ends, in whatever assembly."""
+    return least_squares_from(whole_system(closure), closure.reference, seed)

@@ -45,10 +45,12 @@ def coordinates_text(closure: Closure) -> list[str]:
 
 def ranks_text(found: Mobility, rows: str) -> list[str]:
     """Rank, mobility and redundant constraints at generic closed configurations; `rows` is what the closure's rows are called."""
-    where = "the reference" if found.generic_rank != found.rank.value else "generic closed configurations"
+    alone = found.generic_rank != found.rank.value or (found.infinitesimal and not found.mobility)
+    where = "the reference" if alone else "generic closed configurations"
+    less = f" - {found.infinitesimal} of first order alone" if found.infinitesimal else ""
     return [
         f"  {rows} {found.rows}, rank at {where} {found.rank.value}, freedoms of the coordinates {found.freedoms}",
-        f"  mobility = {found.freedoms} - {found.rank.value} = {found.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
+        f"  mobility = {found.freedoms} - {found.rank.value}{less} = {found.mobility}   (Gruebler-Kutzbach, geometry and idle freedoms unseen: "
         f"{found.gruebler})",
         f"  redundant constraints: {found.redundant}{_whose(found)}",
     ]

@@ -15,7 +15,7 @@ from symkin.numeric.linear_algebra import null_space
 from symkin.numeric.rank import Rank, generic
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE, RANK_TOLERANCE
 from symkin.position.closed_configurations import closed_configurations, least_squares_ends, whole_system
-from symkin.position.mobility import rank_to_digits
+from symkin.position.file_digits import rank_to_digits
 from symkin.position.problem import Problem
 
 DIGITS = 1e-4

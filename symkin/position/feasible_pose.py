@@ -35,10 +35,11 @@ _STEPS = 40
 @dataclass(frozen=True, eq=False)
 class NearestPose:
     """Pose coordinates that close all loops, near given ones, and their distance: the largest difference of a coordinate, angles
-    times the size."""
+    times the size. `beyond_reach`: the given ones lie off them where joints are stretched, not only where they tie poses."""
 
     values: np.ndarray
     distance: float
+    beyond_reach: bool
 
 
 @lru_cache(maxsize=128)
@@ -48,12 +49,23 @@ def ties_poses(mechanism: Mechanism) -> bool:
     problem = build_problem(mechanism, "inverse")
     if not problem.closure.role("pose") or problem.generic_rank == int(problem.system.rows.shape[0]):
         return False
+    return all(both > joints for both, joints in _ranks(mechanism))
+
+
+def _joint_rank(mechanism: Mechanism) -> int:
+    """Independent motions of the rows by joints, at configurations where these are most."""
+    return max((joints for _, joints in _ranks(mechanism)), default=0)
+
+
+@lru_cache(maxsize=128)
+def _ranks(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
+    """Ranks of the rows by joints and pose, and by joints alone, at some closed configurations."""
+    problem = build_problem(mechanism, "inverse")
     whole, joints = _whole(problem), problem.system.freedom
-    found = []
-    for values in closed_configurations(problem.closure, 2)[:3]:
-        _, jacobian = whole.linearise_one(_take(problem, values), np.zeros(0))
-        found.append(Rank.of(jacobian).value > Rank.of(jacobian[:, :joints]).value)
-    return all(found)
+    jacobians = [
+        whole.linearise_one(_take(problem, values), np.zeros(0))[1] for values in closed_configurations(problem.closure, 2)[:3]
+    ]
+    return tuple((Rank.of(jacobian).value, Rank.of(jacobian[:, :joints]).value) for jacobian in jacobians)
 
 
 def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
@@ -75,8 +87,19 @@ def nearest_pose(mechanism: Mechanism, pose: np.ndarray) -> NearestPose | None:
             break
     if not whole.residual(z, np.zeros(0)) <= CLOSED_CONFIGURATION * whole.characteristic_length:
         return None
-    found = z[len(joints) :]
-    return NearestPose(found, float(np.max(np.abs(_difference(problem, found, pose)), initial=0.0)))
+    off = _to_pose(whole, problem.system.freedom, z, pose)
+    distance = float(np.max(np.abs(off), initial=0.0))
+    return NearestPose(z[len(joints) :], distance, _is_beyond_reach(problem, whole, z, off))
+
+
+def _is_beyond_reach(problem: Problem, whole: System, z: np.ndarray, off: np.ndarray) -> bool:
+    """Whether the way `off` from the nearest pose to the wanted one leads where joints could follow at other configurations."""
+    jacobian, count = whole.linearise_one(z, np.zeros(0))[1], problem.system.freedom
+    left, singular, _ = np.linalg.svd(jacobian[:, :count])
+    rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
+    lost = left[:, rank : _joint_rank(problem.mechanism)].T
+    away = lost @ jacobian[:, count:] @ off
+    return bool(np.max(np.abs(away), initial=0.0) > _CLOSED * whole.characteristic_length)
 
 
 def closing_poses(mechanism: Mechanism, poses: np.ndarray) -> np.ndarray:
@@ -120,27 +143,17 @@ def _step(problem: Problem, whole: System, z: np.ndarray, wanted: np.ndarray) ->
     left, singular, _ = np.linalg.svd(joints)
     rank = int(np.sum(singular > _HELD * max(float(singular[0]), 1e-300))) if singular.size else 0
     held = left[:, rank:].T
-    back = -_difference(problem, z[-len(wanted) :], wanted)
+    back = _to_pose(whole, count, z, wanted)
     tie = held @ pose
     x = back - np.linalg.lstsq(tie, held @ rows + tie @ back, rcond=1e-9)[0]
     q = np.linalg.lstsq(joints, -(rows + pose @ x), rcond=_HELD)[0]
     return np.concatenate([q, x])
 
 
-def _difference(problem: Problem, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Tangent vector (length unit) from the pose b to the pose a."""
-    size, parts, begin = problem.closure.characteristic_length, [], 0
-    for c in problem.known_coordinates:
-        place = slice(begin, begin + c.width)
-        begin += c.width
-        if c.kind == "quaternion":
-            p, q = a[place], b[place]
-            turn = np.array([p[1] * q[0] - p[0] * q[1], p[2] * q[0] - p[0] * q[2], p[3] * q[0] - p[0] * q[3]])
-            turn = turn - np.cross(p[1:], q[1:])
-            parts.append(2 * size * np.sign(p @ q) * turn)
-        else:
-            parts.append((size if c.is_angular else 1.0) * (a[place] - b[place]))
-    return np.concatenate(parts)
+def _to_pose(whole: System, joints: int, z: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """Tangent vector (length unit) from the pose at z, the last of its coordinates, to another."""
+    there = np.concatenate([z[: -len(pose)], pose])
+    return np.asarray(whole.difference(z[None], there[None])[0, joints:])
 
 
 @lru_cache(maxsize=64)

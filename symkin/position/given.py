@@ -237,6 +237,25 @@ def poses_coordinates(mechanism: Mechanism, position: np.ndarray, quaternion: np
             return quaternion.T.copy(), away.max(axis=0)
 
 
+def leaves_motion(mechanism: Mechanism, poses: Sequence[Pose]) -> bool:
+    """Whether any of some poses lies off the motion that is declared of the platform, by more than rounding: where joints carry the
+    platform, they decide how it moves."""
+    if mechanism.motion == "spatial" or not poses:
+        return False
+    position, quaternion = (np.array([getattr(pose, part) for pose in poses]).T for part in ("position", "quaternion"))
+    return bool(np.any(poses_coordinates(mechanism, position, quaternion)[1] > _ON_MOTION * mechanism.characteristic_length))
+
+
+def motion_note(mechanism: Mechanism, poses: Sequence[Pose]) -> str | None:
+    """What is said of poses that lie off the motion that is declared of the platform; None where none does."""
+    if not leaves_motion(mechanism, poses):
+        return None
+    return (
+        f"the platform's motion is declared {mechanism.motion}, and the joints that carry it move it otherwise too: whole poses are told; "
+        "leave the declaration out"
+    )
+
+
 def feasible_poses(mechanism: Mechanism, position: np.ndarray, quaternion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pose coordinates (n, numbers) that the mechanism can take, nearest to poses with position (3, n) and unit quaternion (4,
     n), and how far those that are more than rounding lie off them, 0 for others."""
@@ -268,12 +287,12 @@ def _given_pose(mechanism: Mechanism, given: Sequence[float] | Pose) -> Given:
 
 def _feasible(mechanism: Mechanism, values: np.ndarray) -> tuple[np.ndarray, float, tuple[str, ...]]:
     """Pose coordinates that the joints can take, where they tie them to each other: those of a pose with few digits are moved to
-    the nearest; a distance that is more than rounding, and what is said of it."""
+    the nearest; a distance that is more than that or beyond reach, and what is said of it."""
     nearest = nearest_pose(mechanism, values)
     if nearest is None:
         return values, 0.0, ()
     frame, unit = mechanism.frame_name, mechanism.length_unit
-    if nearest.distance <= PROJECTED * mechanism.characteristic_length:
+    if nearest.distance <= PROJECTED * mechanism.characteristic_length and not nearest.beyond_reach:
         note = (f"the pose was projected onto those that the {frame} can take, by {nearest.distance:.3g} {unit}",)
         return nearest.values, 0.0, note
     numbers = np.asarray(_pose_numbers(mechanism, nearest.values), dtype=float)

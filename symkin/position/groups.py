@@ -11,8 +11,9 @@ Source: A. L. Dulmage, N. S. Mendelsohn, Coverings of bipartite graphs, Canadian
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -36,38 +37,39 @@ _ZERO = 1e-9
 def structure_groups(problem: Problem) -> tuple[Problem, ...]:
     """The parts of a problem in the order of their solution, each a problem of its own: unknown are its coordinates, known those
     of the given ones and of earlier parts that its rows hold."""
-    rows, errors = (dependence_of(part, problem.closure) for part in (problem.system.rows, problem.system.errors))
+    closure = problem.closure
+    whole = dependence_of(problem.system.rows, closure)
+    rows, errors = (_held(part, closure) for part in (whole, dependence_of(problem.system.errors, closure)))
     found: list[Problem] = []
-    for places in _parts(problem, rows):
+    earlier: list[Coordinate] = []
+    for places in _parts(problem, whole):
         unknowns = tuple(problem.system.unknowns[i] for i in sorted(places))
-        earlier = tuple(c for part in found for c in part.system.unknowns)
         found.append(_part(problem, unknowns, earlier, (rows, errors)))
+        earlier += unknowns
     return tuple(found)
 
 
 def _part(
     problem: Problem,
     unknowns: tuple[Coordinate, ...],
-    earlier: tuple[Coordinate, ...],
-    dependence: tuple[np.ndarray, np.ndarray],
+    earlier: Sequence[Coordinate],
+    dependence: tuple[list[set[str]], list[set[str]]],
 ) -> Problem:
     closure = problem.closure
-    stacked = {c.name: closure.variables[closure.slices[c.name]] for c in closure.coordinates}
-    allowed = {c.name for c in (*unknowns, *earlier, *problem.known_coordinates)}
-    places, checks = (_rows_of(held, closure, unknowns, allowed) for held in dependence)
+    found = {c.name: c for c in (*unknowns, *problem.known_coordinates, *earlier)}
+    places, checks = (_rows_of(held, unknowns, found) for held in dependence)
     rows, errors = problem.system.rows[places, 0], problem.system.errors[checks, 0]
-    rows, errors = (without_later(part, closure, allowed) for part in (rows, errors))
-    held = ca.vertcat(rows, errors)
-    known = tuple(
-        c for c in (*problem.known_coordinates, *earlier) if ca.which_depends(held, stacked[c.name], 1, True).count(True)
-    )
+    rows, errors = (without_later(part, closure, found) for part in (rows, errors))
+    held = _coordinates_in(ca.vertcat(rows, errors), closure)
+    known = tuple(c for name, c in found.items() if name in held and c not in unknowns)
     system = System(
         unknowns,
-        ca.vertcat(*(stacked[c.name] for c in unknowns)),
-        ca.vertcat(ca.SX(0, 1), *(stacked[c.name] for c in known)),
+        _stacked(closure, unknowns),
+        ca.vertcat(ca.SX(0, 1), _stacked(closure, known)),
         rows,
         errors,
         closure.characteristic_length,
+        closure.mechanism.farthest,
     )
     return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
 
@@ -82,36 +84,46 @@ def is_linear(group: Problem) -> bool:
 
 def without_later(rows: ca.SX, closure: Closure, allowed: Collection[str]) -> ca.SX:
     """The same rows with the reference's values of coordinates that they hold with coefficients of rounding only."""
-    later = [c for c in closure.coordinates if c.name not in allowed]
+    held = _coordinates_in(rows, closure)
+    later = [c for c in closure.coordinates if c.name in held and c.name not in allowed]
     if not later:
         return rows
-    symbols = ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in later))
     values = np.concatenate([closure.reference[closure.slices[c.name]] for c in later])
-    return ca.substitute(rows, symbols, ca.SX(ca.DM(values)))
+    return ca.substitute(rows, _stacked(closure, later), ca.SX(ca.DM(values)))
+
+
+def _stacked(closure: Closure, coordinates: Sequence[Coordinate]) -> ca.SX:
+    """The symbols of coordinates, one below the other."""
+    return ca.vertcat(*(closure.variables[closure.slices[c.name]] for c in coordinates))
+
+
+def _coordinates_in(rows: ca.SX, closure: Closure) -> set[str]:
+    """Names of the coordinates on which rows depend."""
+    depends = np.array(ca.which_depends(rows, closure.variables, 1, False), dtype=bool)
+    return _held(depends[None, :], closure)[0]
 
 
 def dependence_of(rows: ca.SX, closure: Closure) -> np.ndarray:
-    """Which rows hold which numbers of the closure's variables (rows, variables)."""
+    """Which rows hold which numbers of the closure's variables (rows, variables); lengths are compared in sizes, as angles are."""
     rng = np.random.default_rng(0)
     values = [random_values(closure.coordinates, closure.characteristic_length, rng) for _ in range(_POINTS)]
     jacobian = ca.Function("j", [closure.variables], [ca.jacobian(rows, closure.variables)])
-    # derivatives by angles are lengths: those by lengths become so too, so that a small machine has the rows of a large one
-    unit = np.array(
-        [closure.characteristic_length if c.kind == "length" else 1.0 for c in closure.coordinates for _ in range(c.width)]
-    )
-    sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * unit
+    lengths = np.array([c.kind == "length" for c in closure.coordinates for _ in range(c.width)], dtype=bool)
+    units = np.where(lengths, closure.characteristic_length, 1.0)
+    sizes = np.max([np.abs(np.asarray(jacobian(v))) for v in values], axis=0) * units
     return np.asarray(sizes > _ZERO * np.max(sizes, axis=1, keepdims=True, initial=1e-300))
 
 
-def _rows_of(dependence: np.ndarray, closure: Closure, unknowns: tuple[Coordinate, ...], allowed: set[str]) -> list[int]:
+def _held(dependence: np.ndarray, closure: Closure) -> list[set[str]]:
+    """Names of the coordinates that each row holds, of the numbers (rows, variables) that it holds."""
+    owner = np.repeat(np.arange(len(closure.coordinates)), [c.width for c in closure.coordinates])
+    return [{closure.coordinates[k].name for k in set(owner[np.flatnonzero(line)].tolist())} for line in dependence]
+
+
+def _rows_of(dependence: Sequence[set[str]], unknowns: tuple[Coordinate, ...], allowed: Collection[str]) -> list[int]:
     """Places of the rows that hold some of the unknowns and nothing that is found later."""
     own = {c.name for c in unknowns}
-    kept: list[int] = []
-    for k, line in enumerate(dependence):
-        held = {c.name for c in closure.coordinates if line[closure.slices[c.name]].any()}
-        if held & own and held <= allowed:
-            kept.append(k)
-    return kept
+    return [k for k, held in enumerate(dependence) if held & own and all(name in allowed for name in held)]
 
 
 def _parts(problem: Problem, dependence: np.ndarray) -> list[set[int]]:
@@ -179,45 +191,18 @@ def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
 
 
 def _matching(holds: np.ndarray) -> list[int] | None:
-    """A row for each column (augmenting paths), None where there is none."""
-    row_of: list[int] = [-1] * holds.shape[1]
-
-    def augment(row: int, seen: set[int]) -> bool:
-        for column in np.flatnonzero(holds[row]).tolist():
-            if column in seen:
-                continue
-            seen.add(column)
-            if row_of[column] < 0 or augment(row_of[column], seen):
-                row_of[column] = row
-                return True
-        return False
-
-    return row_of if all(augment(row, set()) for row in range(holds.shape[0])) else None
+    """A row for each column of a square pattern, None where there is none: the diagonal of its block triangular form."""
+    pattern = ca.Sparsity.triplet(*holds.shape, *(places.tolist() for places in np.nonzero(holds)))
+    _, rows, columns, _, _, coarse, _ = pattern.btf()
+    # the coarse blocks before and after the well determined one are empty where every row has a column
+    if coarse[-1] - coarse[0] != len(holds) or coarse[1] > 0:
+        return None
+    return [row for _, row in sorted(zip(columns, rows, strict=True))]
 
 
 def _components(needs: list[set[int]]) -> list[set[int]]:
-    """Strongly connected components (Tarjan 1972), each after those that it needs."""
-    index: dict[int, int] = {}
-    low: dict[int, int] = {}
-    stack: list[int] = []
-    found: list[set[int]] = []
-
-    def visit(v: int) -> None:
-        index[v] = low[v] = len(index)
-        stack.append(v)
-        for w in sorted(needs[v]):
-            if w not in index:
-                visit(w)
-                low[v] = min(low[v], low[w])
-            elif w in stack:
-                low[v] = min(low[v], index[w])
-        if low[v] == index[v]:
-            part: set[int] = set()
-            while v not in part:
-                part.add(stack.pop())
-            found.append(part)
-
-    for v in range(len(needs)):
-        if v not in index:
-            visit(v)
-    return found
+    """Strongly connected components, each after those that it needs."""
+    pairs = [(other, place) for place, others in enumerate(needs) for other in sorted(others | {place})]
+    # of a pattern's components casadi lists each before those that its rows hold
+    places, ends = ca.Sparsity.triplet(len(needs), len(needs), *map(list, zip(*pairs, strict=True))).scc()[1:]
+    return [set(places[i:j]) for i, j in pairwise(ends)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,25 +12,27 @@ from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.rank import generic as generic_one
 from symkin.numeric.system import System
-from symkin.numeric.tolerances import CLOSED_CONFIGURATION, CLOSURE_TOLERANCE
-from symkin.position.closed_configurations import LeastSquaresEnds, least_squares_ends, whole_system
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.position.closed_configurations import (
+    least_squares_ends,
+    own_component,
+    whole_system,
+)
+from symkin.position.file_digits import BLUR, FILE_DIGITS, LeastSquaresEnds, ToDigits, rank_to_digits
 from symkin.position.gruebler import gruebler_kutzbach
 from symkin.position.limb_screws import limb_screws, per_freedom, platform_screws
 from symkin.position.loops import loops_at, redundant_constraints
-from symkin.position.mobility_result import FILE_DIGITS, Misfit, Mobility, ToDigits
-
-_CLEAR_DROP = 2e-2
-"""Of the smallest singular value that counts: what the next one has at most where a rank to the digits of a file is clear."""
-_BLUR = 30.0
-"""Singular values that are zero but for a misfit, over it (a share of the size): what loops are larger than their shortest links."""
+from symkin.position.mobility_result import Misfit, Mobility
+from symkin.position.own_component import Component
 
 
 def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
-    """Count the freedoms of a mechanism: rank of the closure at generic closed configurations near its reference.
+    """Count the freedoms of a mechanism: rank of the closure at generic configurations of the assembly that its file describes.
 
     mobility = freedoms of all coordinates - rank of dF / d(q, x, X) (the singular values below 1e-8 of the largest count as
-    zero). Constraint wrenches of the limbs and the platform's twists, reciprocal to them, are those at the reference where its
-    rank is the generic one, else at a configuration beside it. `seed` is that of the random steps off the reference. Raises
+    zero), less freedoms of first order that no motion follows. Generic are configurations to which steps lead from the
+    reference, along motions; other assemblies of the same links are told apart. Constraint wrenches of the limbs and the platform's twists, reciprocal to them, are those at the reference where its
+    rank is the generic one, else at a configuration beside it. `seed` is that of the steps' directions. Raises
     MechanismError for what is no Mechanism. Screws: Hunt, Kinematic Geometry of Mechanisms, 1978.
 
     >>> import symkin
@@ -40,17 +42,13 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
     """
     closure = build_closure(mechanism)
     system, nothing, size = whole_system(closure), np.zeros(0), closure.characteristic_length
-    reference, ends = closure.reference, least_squares_ends(closure, seed)
-    candidates = [*ends.points[ends.closed]] or [reference]
-    ranks = [Rank.of(system.linearise_one(z, nothing)[1]) for z in candidates]
-    best = generic_one(ranks)
-    generic, there = ranks[best], candidates[best]
+    reference, own = closure.reference, own_component(closure, seed)
     reference_rank = None
     if system.residual(reference, nothing) <= CLOSURE_TOLERANCE * size:
         reference_rank = Rank.of(system.linearise_one(reference, nothing)[1])
-    closed = reference_rank is not None or bool(ends.closed.any())
-    digits = rank_to_digits(system, ends, generic.value if closed else None)
-    values = there if closed or digits is None else ends.points[int(np.argmin(ends.misfits))]
+    found = _by_least_squares(closure, seed) if own is None else _of_component(closure, own, seed)
+    values, generic = found.values, found.rank
+    direct = Rank.of(system.linearise_one(values, nothing)[1][:, _unknown_columns(closure)])
     limbs = limb_screws(closure, values)
     at_reference = reference_rank is not None and reference_rank.value == generic.value
     if at_reference:
@@ -58,31 +56,71 @@ def mobility(mechanism: Mechanism, *, seed: int = 0) -> Mobility:
         at_reference = [s.counts for s in at_rest] == [s.counts for s in limbs]
         limbs, values = (at_rest, reference) if at_reference else (limbs, values)
     constraints, twists = platform_screws(closure, system, values, limbs)
-    unknown = [k for k, c in enumerate(per_freedom(closure.coordinates)) if c.role != "actuated"]
     return Mobility(
         closure=closure,
         values=values,
         at_reference=at_reference,
-        closed=closed,
+        closed=found.closed,
         freedoms=system.freedom,
         rows=_count_rows(closure),
         rank=generic,
-        redundant=_redundant(closure, there, generic.value),
-        direct_rank=Rank.of(system.linearise_one(there, nothing)[1][:, unknown]),
+        redundant=_redundant(closure, found.values, generic.value),
+        direct_rank=direct,
         limbs=limbs,
         platform_constraints=constraints,
         platform_twists=twists,
         gruebler=gruebler_kutzbach(mechanism),
         reference_rank=reference_rank,
-        digits=digits,
-        other_ranks=_other_ranks(ranks, generic),
-        misfit=None if closed or digits is not None else _misfit(closure, system, ends),
+        digits=found.digits,
+        other_ranks=found.other_ranks,
+        misfit=_misfit(closure, system, least_squares_ends(closure, seed)) if not found.closed and found.digits is None else None,
+        infinitesimal=found.infinitesimal,
+        ranks_apart=found.ranks_apart,
     )
 
 
-def _other_ranks(ranks: Sequence[Rank], generic: Rank) -> tuple[int, ...]:
-    """Smaller ranks that are as clear as the generic one at two closed configurations or more: those of other branches."""
-    clear = [rank.value for rank in ranks if rank.is_clear and rank.value < generic.value]
+@dataclass(frozen=True, eq=False)
+class _Generic:
+    """A generic configuration and the rank there, and what `Mobility` says beside that."""
+
+    values: np.ndarray
+    rank: Rank
+    closed: bool = True
+    digits: ToDigits | None = None
+    infinitesimal: int = 0
+    other_ranks: tuple[int, ...] = ()
+    ranks_apart: tuple[int, ...] = ()
+
+
+def _of_component(closure: Closure, own: Component, seed: int) -> _Generic:
+    """The assembly that the reference belongs to. Least squares from far off is asked where singular values are small, or no motion
+    leads away, as of loops that close to a file's digits; and for other assemblies."""
+    system = whole_system(closure)
+    least = Rank.of(system.linearise_one(own.points[0], np.zeros(0))[1], BLUR * FILE_DIGITS)
+    digits = None
+    if least.value < own.rank.value or (own.infinitesimal and len(own.points) == 1):
+        digits = rank_to_digits(system, least_squares_ends(closure, seed), own.rank.value)
+    apart = tuple(v for v in _ranks_apart(closure) if v not in (own.rank.value, *own.other_ranks)) if digits is None else ()
+    return _Generic(own.points[0], own.rank, True, digits, own.infinitesimal if digits is None else 0, own.other_ranks, apart)
+
+
+def _by_least_squares(closure: Closure, seed: int) -> _Generic:
+    """Where least squares ends, of a reference that is open and near to no closed configuration."""
+    system, ends = whole_system(closure), least_squares_ends(closure, seed)
+    candidates = [*ends.points[ends.closed]] or [closure.reference]
+    ranks = [Rank.of(system.linearise_one(z, np.zeros(0))[1]) for z in candidates]
+    best, closed = generic_one(ranks), bool(ends.closed.any())
+    digits = rank_to_digits(system, ends, ranks[best].value if closed else None)
+    values = candidates[best] if closed or digits is None else ends.points[int(np.argmin(ends.misfits))]
+    return _Generic(values, ranks[best], closed, digits)
+
+
+def _ranks_apart(closure: Closure) -> tuple[int, ...]:
+    """Ranks that are clear at two closed configurations or more, wherever least squares from far off ends; of seed 0, so that
+    what is said does not depend on the seed."""
+    system, ends = whole_system(closure), least_squares_ends(closure, 0)
+    jacobians = system.linearise(ends.points[ends.closed], np.zeros(0))[1]
+    clear = [rank.value for rank in map(Rank.of, jacobians) if rank.is_clear]
     return tuple(sorted({value for value in clear if clear.count(value) > 1}))
 
 
@@ -92,6 +130,11 @@ def _redundant(closure: Closure, values: np.ndarray, rank: int) -> int:
     if closure.mechanism.motion != "spatial":
         return redundant_constraints(closure, values)
     return _count_rows(closure) - rank
+
+
+def _unknown_columns(closure: Closure) -> list[int]:
+    """Columns of the coordinates that are not actuated."""
+    return [k for k, c in enumerate(per_freedom(closure.coordinates)) if c.role != "actuated"]
 
 
 def _count_rows(closure: Closure) -> int:
@@ -114,33 +157,6 @@ def open_loops_note(mechanism: Mechanism) -> str | None:
         f"no configuration closes the loops, whatever is given: the best one found leaves {misfit.length:.3g} {mechanism.length_unit}, "
         f"most of it in the loop of {misfit.loop}; check its lengths and couplings"
     )
-
-
-def rank_to_digits(system: System, ends: LeastSquaresEnds, rank: int | None) -> ToDigits | None:
-    """What holds at ends that close the loops only to the digits of a file, where more moves there than exactly (`rank`), or where
-    nothing closes exactly, or nothing but a singular reference, at which more moves than beside it."""
-    size, misfits = system.characteristic_length, ends.misfits
-    near = np.flatnonzero((misfits > CLOSED_CONFIGURATION * size) & (misfits <= FILE_DIGITS * size))
-    if not near.size:
-        return None
-    _, jacobians = system.linearise(ends.points[near], np.zeros(0))
-    values = np.linalg.svd(jacobians, compute_uv=False)
-    zero = np.maximum(FILE_DIGITS, _BLUR * misfits[near] / size)[:, None] * values[:, :1]
-    counts = np.sum(values > zero, axis=1)
-    found, misfit = int(np.median(counts)), float(misfits[near].max())
-    if rank is None or found < rank:
-        return ToDigits(misfit, found)
-    clear = [] if ends.closed.any() else _clear(values, counts)
-    found = max(set(clear), key=clear.count, default=rank)
-    return ToDigits(misfit, found, beside_alone=True) if found > rank else None
-
-
-def _clear(values: np.ndarray, counts: np.ndarray) -> list[int]:
-    """The ranks of those configurations at which the singular values that count are far from those that do not."""
-    padded = np.hstack([values, np.zeros((len(values), 1))])
-    rows = np.arange(len(values))
-    dropped, kept = padded[rows, counts], padded[rows, np.maximum(counts - 1, 0)]
-    return [int(count) for count in counts[dropped <= _CLEAR_DROP * kept]]
 
 
 def _misfit(closure: Closure, system: System, ends: LeastSquaresEnds) -> Misfit:

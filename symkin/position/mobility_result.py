@@ -11,24 +11,11 @@ from symkin.closure.closure import Closure
 from symkin.computed_once import cached_property
 from symkin.numeric.rank import Rank
 from symkin.numeric.tolerances import CLEAR_GAP, RANK_TOLERANCE
+from symkin.position.file_digits import FILE_DIGITS, ToDigits
 from symkin.position.gruebler import counts
 from symkin.position.limb_screws import LimbScrews
 from symkin.position.loops import Loop, loops_at, redundant_constraints
 from symkin.result import Result, Summary
-
-FILE_DIGITS = 1e-5
-"""Of the size: loops that leave less at least-squares configurations are closed to the digits of a file; and the share of the
-largest singular value below which others are zero to these digits. Files are written with five digits and more."""
-
-
-@dataclass(frozen=True)
-class ToDigits:
-    """What holds to the digits of a file: the largest closure error (length unit) of least-squares configurations, and the rank
-    there; `beside_alone`: nothing but the reference closes exactly, and it is singular."""
-
-    misfit: float
-    rank: int
-    beside_alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -43,14 +30,16 @@ class Misfit:
 class Mobility(Result):
     """What the closure's differential says at one closed configuration.
 
-    mobility = freedoms of all coordinates - rank. `redundant` counts the constraints of the machine in
-    space that others imply, whatever motion is declared; without a declared motion it is rows - rank, rows
-    that vanish at every configuration included. `values` are the closure's variables there;
+    mobility = freedoms of all coordinates - rank - `infinitesimal`, freedoms of first order that no motion
+    follows. `redundant` counts the constraints of the machine in space that others imply, whatever motion is
+    declared; without a declared motion it is rows - rank, rows that vanish at every configuration
+    included. `values` are the closure's variables there;
     `at_reference` says that it is the reference configuration, `reference_rank` is the rank there, None where it is open.
     `platform_constraints` spans the wrenches of all limbs together and `platform_twists` the instantaneous platform motions
     reciprocal to them (rows, base origin). `digits` is set where they close only to the digits of the
-    file, `misfit` where they do not close at all. `other_ranks` are those of other branches that meet near the reference. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry and
-    counts idle freedoms.
+    file, `misfit` where they do not close at all. `other_ranks` are those of other branches that meet at the reference,
+    `ranks_apart` of other assemblies of the same links. `gruebler` is the Gruebler-Kutzbach count, which knows nothing of geometry
+    and counts idle freedoms.
 
     >>> import symkin
     >>> found = symkin.mobility(symkin.load("zhao2000_links"))
@@ -75,6 +64,8 @@ class Mobility(Result):
     digits: ToDigits | None = None
     other_ranks: tuple[int, ...] = ()
     misfit: Misfit | None = None
+    infinitesimal: int = 0
+    ranks_apart: tuple[int, ...] = ()
 
     @cached_property
     def loops(self) -> tuple[Loop, ...]:
@@ -84,7 +75,7 @@ class Mobility(Result):
     @property
     def mobility(self) -> int:
         """Freedoms that the loops leave."""
-        return self.freedoms - self.rank.value
+        return self.freedoms - self.rank.value - self.infinitesimal
 
     @property
     def generic_rank(self) -> int:
@@ -122,21 +113,68 @@ class Mobility(Result):
             found.append(f"the rank is not clear, the singular values beside the cut differ by only {self.rank.gap:.3g}")
         if self.misfit is not None:
             return tuple(found)
-        if self.other_ranks and self.digits is None:
-            others = " and ".join(str(self.freedoms - rank) for rank in self.other_ranks)
+        if len(self._beyond_motion):
+            screws = ", ".join("(" + ", ".join(f"{v + 0.0:.5g}" for v in twist) + ")" for twist in self._beyond_motion)
             found.append(
-                f"branches meet near the reference: closed configurations beside it have a mobility of {others} too; what is said here is "
-                "of one branch, and a declared motion or another reference chooses"
+                f"the platform's motion is declared {self.closure.mechanism.motion}, and its joints let it move otherwise too (twists, angular "
+                f"velocity first: {screws})"
             )
+        if self.digits is None:
+            found += self._beside
         mobility = self.mobility if self.digits is None else self.freedoms - self.digits.rank
         if self.actuated != mobility:
             more = "some motion stays free" if self.actuated < mobility else "the inputs cannot be chosen freely"
             found.append(
                 f"{self.actuated} actuated joint{'' if self.actuated == 1 else 's'} for a mobility of {mobility}: {more}"
             )
-        elif self.digits is None and self.direct_rank.value < self.freedoms - self.actuated:
+        elif self.digits is None and not self.infinitesimal and self.direct_rank.value < self.freedoms - self.actuated:
             found.append("the actuated joints do not determine the configuration, although their number is the mobility")
         return tuple(found)
+
+    @property
+    def _beside(self) -> list[str]:
+        """What is said of motions that end at once, of branches that meet and of other assemblies."""
+        found, first_order = [], self.freedoms - self.rank.value
+        if self.infinitesimal == first_order > 0:
+            found.append(
+                f"no motion leads away from the reference: it is shaky in {first_order} freedom{_s(first_order)} of first order"
+            )
+        elif self.infinitesimal:
+            found.append(
+                f"{self.infinitesimal} of {first_order} freedoms of first order {_is(self.infinitesimal)} no motion: every configuration "
+                "of this assembly is singular"
+            )
+        if self.other_ranks:
+            found.append(
+                f"branches meet near the reference: closed configurations beside it have a mobility of {self._mobilities(self.other_ranks)} "
+                "too; what is said here is of one branch, and a declared motion or another reference chooses"
+            )
+        if self.ranks_apart:
+            found.append(
+                f"other assemblies of the same links have a mobility of {self._mobilities(self.ranks_apart)}; what is said here is of the "
+                "one that the reference belongs to"
+            )
+        return found
+
+    def _mobilities(self, ranks: tuple[int, ...]) -> str:
+        return " and ".join(str(self.freedoms - rank) for rank in ranks)
+
+    @property
+    def _beyond_motion(self) -> np.ndarray:
+        """Of the twists that the joints leave the platform those that the motion declared of it does not have, as rows."""
+        mechanism, twists = self.closure.mechanism, self.platform_twists
+        if mechanism.motion == "spatial" or not len(twists):
+            return np.zeros((0, 6))
+        size = self.closure.characteristic_length
+        turns, speeds = twists[:, :3], twists[:, 3:] / size
+        if mechanism.motion == "spherical":
+            outside = speeds + np.cross(turns, np.asarray(mechanism.reference_pose.position) / size)
+        elif mechanism.motion == "translation":
+            outside = turns
+        else:
+            outside = np.hstack([turns[:, :2], speeds[:, 2:] if mechanism.motion == "planar" else speeds[:, :0]])
+        largest = np.linalg.norm(np.hstack([turns, speeds]), axis=1)
+        return np.asarray(twists[np.linalg.norm(outside, axis=1) > RANK_TOLERANCE * largest])
 
     @property
     def _closing(self) -> tuple[str, ...]:
@@ -152,7 +190,7 @@ class Mobility(Result):
         rank = self.digits.rank
         where, exactly = ("away from the reference ", f"; exactly, it is {self.mobility}") if self.closed else ("", "")
         if self.digits.beside_alone:
-            exactly = f"; at the reference, which is singular, it is {self.mobility}"
+            exactly = f"; at the reference, which is singular, it is {self.freedoms - self.rank.value}"
         return (
             f"{where}the loops close only to the digits of the file: least-squares configurations leave {self.digits.misfit:.1e} "
             f"{unit}; to these digits the mobility is {self.freedoms - rank}, with {self.redundant_of(rank)} redundant constraints{exactly}",
@@ -161,9 +199,10 @@ class Mobility(Result):
     def summary(self, most_rows: int | None = None) -> Summary:
         """Mobility and redundant constraints, then the count of constraint wrenches that each limb exerts."""
         name, where = self.closure.mechanism.name, "" if self.closed else " (no closed configuration was found)"
+        less = f" - {self.infinitesimal} of first order alone" if self.infinitesimal else ""
         above = [
             f"{name}: mobility {self.mobility} = {self.freedoms} freedoms of the coordinates - rank {self.rank.value} of "
-            f"{self.rows} rows; redundant constraints: {self.redundant}{where}"
+            f"{self.rows} rows{less}; redundant constraints: {self.redundant}{where}"
         ]
         below = [f"warning: {warning}" for warning in self.warnings]
         if not self.limbs:
@@ -192,7 +231,8 @@ class Mobility(Result):
             "mobility": None if reference is None else self.freedoms - reference.value,
             "redundant": self.redundant_at_reference,
             "generic": {
-                "rank": self.generic_rank, "mobility": self.freedoms - self.generic_rank, "redundant": self.redundant_of(self.generic_rank),
+                "rank": self.generic_rank, "mobility": self.freedoms - self.generic_rank - self.infinitesimal,
+                "infinitesimal": self.infinitesimal, "redundant": self.redundant_of(self.generic_rank),
                 "closed": self.closed,
             },
             "gruebler": self.gruebler,
@@ -221,3 +261,11 @@ class Mobility(Result):
             if self.digits is None
             else {"misfit": self.digits.misfit, "rank": self.digits.rank, "mobility": self.freedoms - self.digits.rank},
         }  # fmt: skip
+
+
+def _s(count: int) -> str:
+    return "" if count == 1 else "s"
+
+
+def _is(count: int) -> str:
+    return "is" if count == 1 else "are"

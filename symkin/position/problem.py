@@ -177,6 +177,7 @@ def _problem(closure: Closure, kind: Kind, names: tuple[str, ...]) -> Problem:
         numbered_rows(closure) if kind == "given" and not closure.partition.geometry else closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
+        closure.mechanism.farthest,
     )
     return Problem(closure, kind, system, known)
 

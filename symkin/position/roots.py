@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from math import isnan, lgamma, log, nan, prod
 
 import numpy as np
 
-from symkin.numeric.linear_algebra import conditions
+from symkin.numeric.linear_algebra import extreme_singular_values
+from symkin.numeric.newton import Polished
+from symkin.numeric.root_checks import NEARLY_SINGULAR, POLISHING, are_one, are_roots, are_suspect, lost_directions
 from symkin.numeric.system import System
 from symkin.numeric.tolerances import (
     CLOSED_CONFIGURATION,
-    CLOSURE_TOLERANCE,
     DISTINCT_ROOTS,
     MULTIPLE_ROOT_SHARE,
-    SUSPECT_CONDITION,
 )
 from symkin.position.solution import PartialProof
 
 MOST_MODES = 20_000
-_DIGITS_LEFT = 100.0
-"""Rounding errors of a root, in units of its condition times the machine's precision."""
+_TO_A_SIDE = 1e-4
+"""Of the size: steps aside from a nearly singular root to where Newton's method leads to the one on that side."""
+_NEAR_SINGULAR = 1e-3
+"""Of the size: distance within which singular roots may be one, if the rows between them vanish too."""
+NOT_KNOWN = nan
+"""A count that is not known, in arrays of counts: no product and no sum with it is a number."""
 _CONTINUUM_SAMPLE = 5
 
 
@@ -51,7 +57,8 @@ class Roots:
     From starts: `hits` (n,) and `starts`. From paths: `complex_count` distinct complex roots, `unresolved` paths. In
     both: the least error reached where there is no root, members of a continuum that were met, and what is proved.
     `engine`: what has tracked the paths. `complex_sets`: paths ended on a set of complex roots that are not isolated.
-    `missing`: why there are fewer complex roots than generic ones.
+    `missing`: why there are fewer complex roots than generic ones. `late`: hits of the second half of the starts, and how many of
+    them are at roots that the first half has not hit.
     """
 
     system: System
@@ -67,6 +74,7 @@ class Roots:
     complex_sets: bool = False
     engine: str | None = None
     missing: str | None = None
+    late: tuple[int, int] = (0, 0)
 
     @property
     def unseen(self) -> float:
@@ -81,6 +89,36 @@ class Roots:
         """Good-Turing: the share of hits that are single, the probability that the next hit is a new root."""
         total = 0 if self.hits is None else int(np.sum(self.hits))
         return float(np.sum(self.hits == 1)) / total if total else 1.0
+
+    def unseen_share(self, doubt: float) -> float:
+        """An upper bound of the share of hits at roots that are not hit yet, which holds but for a probability `doubt`: Clopper and
+        Pearson's of the second half of the starts, whose hits are new with the probability that the first half left."""
+        return binomial_bound(*self.late, doubt)
+
+
+def binomial_bound(trials: int, seen: int, doubt: float) -> float:
+    """The largest probability at which as few as `seen` of `trials` have a probability of `doubt` (Clopper, Pearson 1934)."""
+    if seen >= trials:
+        return 1.0
+    choices = [lgamma(trials + 1) - lgamma(k + 1) - lgamma(trials - k + 1) for k in range(seen + 1)]
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        p = 0.5 * (low + high)
+        terms = (c + k * log(p) + (trials - k) * log(1.0 - p) for k, c in enumerate(choices))
+        low, high = (p, high) if sum(np.exp(term) for term in terms) > doubt else (low, p)
+    return high
+
+
+def product_of_counts(counts: Iterable[float]) -> int | None:
+    """The product of counts; None where one is not known."""
+    known = list(counts)
+    return None if any(isnan(c) for c in known) else prod(int(c) for c in known)
+
+
+def sum_of_counts(counts: Iterable[float]) -> int | None:
+    """The sum of counts; None where one is not known."""
+    known = list(counts)
+    return None if any(isnan(c) for c in known) else sum(int(c) for c in known)
 
 
 def features(system: System, points: np.ndarray) -> np.ndarray:
@@ -114,69 +152,110 @@ def merge(points: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]
 
 
 def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -> Roots:
-    """Merge ends, polish the representatives to full precision, drop what fails the check, merge again. Roots of a
+    """Merge ends, polish the representatives to full precision, drop what is no root, merge again. Roots of a
     continuum are set apart; once they outnumber the isolated ones, a few of them stand for the rest."""
     ends = system.wrap(system.fold(ends))
     first, labels = merge(features(system, ends), 1e-5 * system.characteristic_length)
-    hits = np.bincount(labels[labels >= 0], minlength=len(first))
+    ends_at, hits = labels, np.bincount(labels[labels >= 0], minlength=len(first))
     order = np.argsort(-hits, kind="stable")
-    polished = system.polish_many(ends[first[order]], known)
-    residuals, suspect = system.residuals(polished.points, known), conditions(polished.jacobians) > SUSPECT_CONDITION
-    roots: list[np.ndarray] = []
-    counts, continuum, smallest, singular = [], [], np.inf, 0
-    for z, left, is_singular, count in zip(polished.points, residuals.tolist(), suspect.tolist(), hits[order], strict=True):
-        smallest = min(smallest, left)
-        if left > CLOSURE_TOLERANCE * system.characteristic_length:
-            continue
-        if is_singular and moves_freely(system, z, known):
-            continuum.append(z)
-        else:
-            roots.append(z)
-            counts.append(count)
-            singular += is_singular
-        if len(continuum) >= _CONTINUUM_SAMPLE and len(continuum) + singular > len(roots) - singular:
+    found = polished_roots(system, ends[first[order]], known, most_of_continuum=_CONTINUUM_SAMPLE)
+    first, labels = unite(system, found.points, known, continuum_met=found.continuum is not None)
+    counts = np.where(found.origin < 0, 0, hits[order][found.origin])
+    totals = np.bincount(labels[labels >= 0], weights=counts[labels >= 0], minlength=len(first)).astype(int)
+    own = (found.origin >= 0) & (labels >= 0)
+    root_of = np.full(len(hits) + 1, -1)
+    root_of[order[found.origin[own]]] = labels[own]
+    late = _late_hits(root_of[ends_at])
+    return Roots(
+        system, found.points[first], np.maximum(totals, 1), found.smallest_residual, starts, found.continuum, late=late
+    )
+
+
+def _late_hits(at: np.ndarray) -> tuple[int, int]:
+    """Hits in the second half of the starts, and those of roots that the first half has not met; `at` are roots by starts, -1 of none."""
+    at = at[at >= 0]
+    half = len(at) // 2
+    return len(at) - half, int(np.sum(~np.isin(at[half:], at[:half])))
+
+
+@dataclass(frozen=True, eq=False)
+class PolishedRoots:
+    """Isolated roots `points` (n, width) with the candidates `origin` (n,) that they come from, -1 for those found beside others;
+    members of a continuum; the least closure error of all candidates."""
+
+    points: np.ndarray
+    origin: np.ndarray
+    continuum: np.ndarray | None
+    smallest_residual: float
+
+
+def polished_roots(
+    system: System, candidates: np.ndarray, known: np.ndarray, *, most_of_continuum: int | None = None
+) -> PolishedRoots:
+    """Candidates (n, width) polished on all rows: those that are roots (see `are_roots`). Beside nearly singular ones the other root
+    of the pair is looked for, on either side. The candidates are left once `most_of_continuum` of their roots lie on one and
+    these outnumber other singular ones."""
+    polished = system.polish_many(candidates, known, POLISHING)
+    polished = replace(polished, points=system.fold(polished.points))
+    residuals = system.residuals(polished.points, known)
+    closed, extremes = are_roots(system, polished, residuals), extreme_singular_values(polished.jacobians)
+    suspect = are_suspect(extremes)
+    roots: list[int] = []
+    continuum: list[int] = []
+    for i in np.flatnonzero(closed).tolist():
+        (continuum if suspect[i] and moves_freely(system, polished.points[i], known) else roots).append(i)
+        singular = np.count_nonzero(suspect[roots])
+        if most_of_continuum is not None and len(continuum) >= most_of_continuum and len(continuum) > len(roots) - 2 * singular:
             break
-    points = np.array(roots).reshape(len(roots), system.width)
-    first, labels = unite(system, points, known, continuum_met=bool(continuum))
-    weights, labels = np.array(counts)[labels >= 0], labels[labels >= 0]
-    totals = np.bincount(labels, weights=weights, minlength=len(first)).astype(int)
-    members = np.array(continuum) if continuum else None
-    return Roots(system, points[first], totals, smallest, starts, members)
+    beside = _beside(system, polished, [i for i in roots if extremes[i, 1] < NEARLY_SINGULAR], known)
+    return PolishedRoots(
+        np.concatenate([polished.points[roots], beside]),
+        np.concatenate([np.array(roots, dtype=int), np.full(len(beside), -1)]),
+        polished.points[continuum] if continuum else None,
+        float(np.min(residuals, initial=np.inf)),
+    )
+
+
+def _beside(system: System, polished: Polished, places: list[int], known: np.ndarray) -> np.ndarray:
+    """Roots (n, width) that Newton's method reaches from either side of nearly singular ones: of two that nearly meet, both."""
+    directions = [lost_directions(polished.jacobians[i], MULTIPLE_ROOT_SHARE) for i in places]
+    if not directions:
+        return np.zeros((0, system.width))
+    begin = np.repeat(polished.points[places], [len(d) for d in directions], axis=0)
+    starts = system.move(begin, _TO_A_SIDE * system.characteristic_length * np.concatenate(directions))
+    found = system.polish_many(starts, known, POLISHING)
+    points = system.fold(found.points)
+    return np.asarray(points[are_roots(system, replace(found, points=points), system.residuals(points, known))])
 
 
 def unite(system: System, points: np.ndarray, known: np.ndarray, *, continuum_met: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Representatives and labels of polished roots: regular ones are one within 1e-6 of the size, singular ones within
-    what their condition leaves of their digits. Where a continuum was met, singular roots are counted with it (-1)."""
+    """Representatives and labels of polished roots: two near each other are one where the rows halfway vanish to rounding (see
+    `are_one`). Where a continuum was met, singular roots are counted with it (-1)."""
     if not len(points):
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
-    f = features(system, points)
-    found = system.conditions(points, known)
-    singular = found > SUSPECT_CONDITION
-    first, labels = merge(f[~singular], DISTINCT_ROOTS * system.characteristic_length)
-    everything = np.full(len(points), -1)
-    everything[~singular] = labels
-    chosen = np.flatnonzero(~singular)[first].tolist()
-    if not continuum_met:
-        for i in sorted(np.flatnonzero(singular), key=lambda i: -found[i]):
-            if everything[i] < 0:
-                tolerance = min(_DIGITS_LEFT * found[i] * np.finfo(float).eps, 1e-3) * system.characteristic_length
-                same = (np.max(np.abs(f - f[i]), axis=1) <= tolerance) & singular & (everything < 0)
-                everything[same] = len(chosen)
-                chosen.append(int(i))
-    return np.array(chosen, dtype=int), everything
+    f, extremes = features(system, points), extreme_singular_values(system.linearise(points, known)[1])
+    singular = are_suspect(extremes)
+    near = np.where(singular, _NEAR_SINGULAR, DISTINCT_ROOTS) * system.characteristic_length
+    labels = np.full(len(points), -1)
+    chosen: list[int] = []
+    left = np.argsort(np.where(singular, extremes[:, 1], np.inf), kind="stable")
+    left = left[~singular[left]] if continuum_met else left
+    while left.size and len(chosen) < MOST_MODES:
+        i, others = left[0], left[1:]
+        same = np.max(np.abs(f[others] - f[i]), axis=1) <= near[i]
+        if same.any():
+            same[same] = are_one(system, points[i], points[others[same]], known)
+        labels[[i, *others[same]]] = len(chosen)
+        chosen.append(int(i))
+        left = others[~same]
+    return np.array(chosen, dtype=int), labels
 
 
 def moves_freely(system: System, z: np.ndarray, known: np.ndarray) -> bool:
     """Whether the root z lies on a continuum: a step of 1e-3 of the size along a direction in which the Jacobian has
     lost its rank closes again nearby without coming back (from an isolated multiple root it comes back)."""
     _, jacobian = system.linearise_one(z, known)
-    _, singular, right = np.linalg.svd(jacobian)
-    lost = right[int(np.sum(singular > MULTIPLE_ROOT_SHARE * max(singular[0], 1e-300))) :]
-    if len(lost) == 0:
-        lost = right[-1:]
-    mixed = np.random.default_rng(0).normal(size=(4 * len(lost), len(lost))) @ lost
-    directions = np.vstack([lost, -lost, mixed / np.linalg.norm(mixed, axis=1, keepdims=True)])
-    return any(_closes_beside(system, z, direction, known) for direction in directions)
+    return any(_closes_beside(system, z, d, known) for d in lost_directions(jacobian, MULTIPLE_ROOT_SHARE))
 
 
 def _closes_beside(system: System, z: np.ndarray, direction: np.ndarray, known: np.ndarray) -> bool:

@@ -15,12 +15,14 @@ from symkin.closure.partition import ALL_JOINTS, Partition
 from symkin.computed_once import cached_property
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
+from symkin.position.given import pose_coordinates
 from symkin.position.problem import Problem
 from symkin.position.readings import left_out, points_at, readings
 from symkin.result import Result, Summary
 from symkin.spatial.pose import Pose
 
 SINGULAR_NOTE = "singular: the solution is multiple or nearly so, and known to fewer digits"
+DOUBLE_NOTE = "double: two solutions or more meet here within rounding"
 
 
 @dataclass(frozen=True)
@@ -155,6 +157,14 @@ class Solution(Result):
     @property
     def position(self) -> np.ndarray:
         return np.asarray(self.pose.position, dtype=float)
+
+    @property
+    def gamma(self) -> float:
+        """The angle about z of a platform of planar or Schoenflies motion, from the reference, whether the closure has it or not."""
+        if "pose.gamma" in self.values:
+            return float(self.values["pose.gamma"])
+        values, _ = pose_coordinates(self.mechanism, self.pose)
+        return float(values[-1])
 
     @property
     def quaternion(self) -> np.ndarray:

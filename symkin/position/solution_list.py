@@ -9,11 +9,14 @@ from typing import overload
 import numpy as np
 
 from symkin.closure.closure import Closure
+from symkin.numeric.linear_algebra import conditions, extreme_singular_values
+from symkin.numeric.root_checks import NEARLY_SINGULAR, are_double
 from symkin.numeric.tolerances import SINGULAR_CONDITION
 from symkin.position.canonical import canonical, poses_of
+from symkin.position.groups import structure_groups
 from symkin.position.problem import Problem
 from symkin.position.readings import within_limits
-from symkin.position.solution import SINGULAR_NOTE, Solution, named_values
+from symkin.position.solution import DOUBLE_NOTE, SINGULAR_NOTE, Solution, named_values
 from symkin.spatial.pose import Pose
 
 
@@ -21,7 +24,8 @@ from symkin.spatial.pose import Pose
 class SolutionList(Sequence[Solution]):
     """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position` (m, 3), `quaternion` (m, 4),
     `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried),
-    `radius` (m,), `ground` (m,) the partial proofs of those that are not certified; `notes` are those of all."""
+     `radius` (m,), `ground` (m,) the partial proofs of those that are not certified, `double` (m,) which of them two or more meet
+     in, `hits` (m,) of random starts (-1: none were counted); `notes` are those of all."""
 
     closure: Closure
     values: np.ndarray
@@ -34,6 +38,8 @@ class SolutionList(Sequence[Solution]):
     radius: np.ndarray
     notes: tuple[str, ...]
     ground: np.ndarray | None = None
+    double: np.ndarray | None = None
+    hits: np.ndarray | None = None
     _made: dict[int, Solution] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -72,8 +78,14 @@ class SolutionList(Sequence[Solution]):
             certified=certified,
             radius=float(self.radius[i]) if certified else None,
             ground=None if self.ground is None else self.ground[i],
-            notes=self.notes if condition < SINGULAR_CONDITION else (*self.notes, SINGULAR_NOTE),
+            hits=None if self.hits is None or self.hits[i] < 0 else int(self.hits[i]),
+            notes=(*self.notes, *self._own_notes(i)),
         )
+
+    def _own_notes(self, i: int) -> tuple[str, ...]:
+        """What is said of one solution alone."""
+        double = (DOUBLE_NOTE,) if self.double is not None and self.double[i] else ()
+        return double if self.condition[i] < SINGULAR_CONDITION else (*double, SINGULAR_NOTE)
 
 
 def checked_solutions(problem: Problem, values: np.ndarray, notes: tuple[str, ...] = ()) -> SolutionList:
@@ -83,18 +95,34 @@ def checked_solutions(problem: Problem, values: np.ndarray, notes: tuple[str, ..
     unknown, known = values[:, problem.unknown_places], values[:, problem.known_places]
     inside, untried = within_limits(closure, values), np.full(len(values), -1)
     position, quaternion = poses_of(closure, values)
+    jacobians = system.linearise(unknown, known)[1]
     return SolutionList(
         closure=closure,
         values=values,
         position=position,
         quaternion=quaternion,
         residual=system.residuals(unknown, known),
-        condition=system.conditions(unknown, known),
+        condition=conditions(jacobians),
         within_limits=untried if inside is None else inside.astype(int),
         certified=untried,
         radius=np.full(len(values), np.nan),
+        double=_double(problem, values, jacobians),
         notes=notes,
     )
+
+
+def _double(problem: Problem, values: np.ndarray, jacobians: np.ndarray) -> np.ndarray:
+    """Which solutions (m,) stand for two or more in some block."""
+    found = np.zeros(len(values), dtype=bool)
+    if not min(jacobians.shape):
+        return found
+    suspect = np.flatnonzero(extreme_singular_values(jacobians)[:, 1] < NEARLY_SINGULAR)
+    near = values[suspect]
+    for part in (structure_groups(problem) if problem.kind == "given" else [problem]) if suspect.size else ():
+        known = near[:, part.known_places]
+        for block in part.blocks:
+            found[suspect] |= are_double(block, near[:, part.places(block.unknowns)], known)
+    return found
 
 
 def make_solution(problem: Problem, values: np.ndarray, *, notes: tuple[str, ...] = ()) -> Solution:

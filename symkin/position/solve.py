@@ -12,9 +12,10 @@ from symkin.errors import InputError
 from symkin.ignored_options import refuse_ignored
 from symkin.model.mechanism import Mechanism, require_mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
+from symkin.numeric.root_checks import POLISHING, is_root
 from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.closed import ClosedForm
-from symkin.position.given import Given, Joints, given_from
+from symkin.position.given import Given, Joints, given_from, motion_note
 from symkin.position.given_by_name import Values, named_given, plain_case
 from symkin.position.least_squares import LeastSquares
 from symkin.position.moved_starts import (
@@ -92,6 +93,9 @@ def solve(
         result = _solved(mechanism, known, start, chosen)
     if result.status == "infeasible":
         note = reach_note(result.problem, known)
+        result = result if note is None else replace(result, notes=(*result.notes, note))
+    if result.solution is not None and mechanism.is_graph and mechanism.platform_link is not None:
+        note = motion_note(mechanism, [result.solution.pose])
         result = result if note is None else replace(result, notes=(*result.notes, note))
     if check and result.solution is None:
         raise SolveError("; ".join([result.message, *result.notes]), result)
@@ -238,13 +242,14 @@ def _judge(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> tuple
         return ("singular" if is_singular(problem, path[0], known) else "nonfinite"), left
     end = system.wrap(system.unit(end))
     left = system.residual(system.polish(end, known), known)
-    if left <= CLOSURE_TOLERANCE * system.characteristic_length:
+    if left <= CLOSURE_TOLERANCE * system.characteristic_length and is_root(system, system.polish(end, known, POLISHING), known):
         return "ok", left
     if is_singular(problem, path[0], known):
         return "singular", left
     batch = levenberg_marquardt(system, np.stack([end, path[0]]), known, max_iterations=300, patience=60)
     best = min(system.residual(z, known) for z in batch.points if np.all(np.isfinite(z)))
-    if not batch.converged.any():
+    reached = [system.polish(z, known, POLISHING) for z in batch.points[batch.converged]]
+    if not any(is_root(system, z, known) for z in reached):
         return "infeasible", min(best, left)
     return ("singular" if is_singular(problem, end, known) else "max_iterations"), left
 
@@ -253,13 +258,9 @@ def _verified(problem: Problem, end: np.ndarray, given: Given, status: str, left
     if status != "ok":
         return None, left
     system = problem.system
-    z = system.polish(system.wrap(system.unit(end)), given.values) if system.width else end
+    z = system.polish(system.wrap(system.unit(end)), given.values, POLISHING) if system.width else end
     solution = make_solution(problem, problem.join_values(z, given.values), notes=given.notes)
-    return (
-        (solution, solution.residual)
-        if solution.residual <= CLOSURE_TOLERANCE * system.characteristic_length
-        else (None, solution.residual)
-    )
+    return (solution if is_root(system, z, given.values) else None), solution.residual
 
 
 def _history(problem: Problem, path: list[np.ndarray], known: np.ndarray) -> list[Iterate]:

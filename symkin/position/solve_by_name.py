@@ -18,7 +18,7 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.levenberg import levenberg_marquardt
-from symkin.numeric.tolerances import CLOSURE_TOLERANCE
+from symkin.numeric.root_checks import POLISHING, is_root
 from symkin.position.closed import ClosedForm
 from symkin.position.determination import determination, is_least, misfit_note, refuse_contradictions
 from symkin.position.given import Given
@@ -66,12 +66,12 @@ def solve_by_name(
     z = _unknowns_at(problem, given, begin)
     notes = list(given.notes)
     attempt = _iterated(problem, given, z, solver) if given.off_motion == 0.0 else _Attempt(z, z, given.off_motion, 0)
-    if given.off_motion == 0.0 and not _closes(problem, attempt) and not _is_least(problem, given, attempt):
+    if given.off_motion == 0.0 and not _closes(problem, given, attempt) and not _is_least(problem, given, attempt):
         attempt, more = _from_elsewhere(problem, given, attempt, by_default=start is None)
         notes += more
     left = determination(problem).free
     solution, misfit = None, _is_least(problem, given, attempt) if given.off_motion == 0.0 else False
-    if _closes(problem, attempt) or misfit:
+    if _closes(problem, given, attempt) or misfit:
         if misfit:
             notes.append(misfit_note(problem, attempt.residual))
         if left:
@@ -172,7 +172,7 @@ def _polished(problem: Problem, given: Given, begin: np.ndarray, end: np.ndarray
     system = problem.system
     if not np.all(np.isfinite(end)):
         return _Attempt(begin, begin, math.inf, steps)
-    end = system.polish(system.wrap(system.unit(end)), given.values)
+    end = system.polish(system.wrap(system.unit(end)), given.values, POLISHING)
     return _Attempt(begin, end, system.residual(end, given.values), steps)
 
 
@@ -185,14 +185,14 @@ def _from_elsewhere(problem: Problem, given: Given, first: _Attempt, *, by_defau
     batch = levenberg_marquardt(system, np.array(starts), given.values, max_iterations=_STEPS, patience=_PATIENCE)
     tries = [_polished(problem, given, z, end, batch.iterations) for z, end in zip(starts, batch.points, strict=True)]
     for attempt in tries:
-        if _closes(problem, attempt) or _is_least(problem, given, attempt):
+        if _closes(problem, given, attempt) or _is_least(problem, given, attempt):
             which = "default start" if by_default else "start"
             return attempt, [f"the {which} led to no configuration; another one (seed 0) did, which may be far from it"]
     return min([first, *tries], key=lambda a: a.residual), []
 
 
-def _closes(problem: Problem, attempt: _Attempt) -> bool:
-    return attempt.residual <= CLOSURE_TOLERANCE * problem.system.characteristic_length
+def _closes(problem: Problem, given: Given, attempt: _Attempt) -> bool:
+    return given.off_motion == 0.0 and math.isfinite(attempt.residual) and is_root(problem.system, attempt.end, given.values)
 
 
 def _is_least(problem: Problem, given: Given, attempt: _Attempt) -> bool:

@@ -82,9 +82,7 @@ def random_starts(problem: Problem, system: System, given: Given, count: int, rn
 
 def _turns_within(mechanism: Mechanism, c: Coordinate, reach: float) -> float:
     """The angle by which a screw advances by the reach; one turn to both sides where that is less, and for what is no screw."""
-    pitch = next(
-        (joint.pitch for joint in mechanism.all_joints if joint.type == "H" and joint.name == c.name.split(".")[-1]), 0.0
-    )
+    pitch = mechanism.pitches.get(c.name, 0.0)
     return max(2 * np.pi, 2 * np.pi * reach / abs(pitch)) if pitch else 2 * np.pi
 
 

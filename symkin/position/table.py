@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from symkin.model.mechanism import Mechanism
+from symkin.position.given import leaves_motion
 from symkin.position.problem import Problem
-from symkin.position.solution import Solution
+from symkin.position.solution import DOUBLE_NOTE, Solution
 
 Columns = dict[str, list[str]]
 """Cells by the title of their column."""
@@ -27,18 +28,22 @@ class Table:
     left_out: str = ""
 
 
-def solution_table(problem: Problem, solutions: Sequence[Solution], everything: bool = False) -> Table:
-    """The solutions of one problem: pose and actuated joints, or what else tells them apart; `everything`: all coordinates and
+def solution_table(
+    problem: Problem, solutions: Sequence[Solution], everything: bool = False, numbers: Sequence[int] | None = None
+) -> Table:
+    """The solutions of one problem, with their `numbers` where they are some of a list: pose and actuated joints, or what else tells them apart; `everything`: all coordinates and
     named points. Empty where there is no solution."""
     if not solutions:
         return Table([], [])
     shown, points, passive = _coordinate_columns(problem, solutions)
     kept = points | passive if everything else _needed(shown, points, passive)
     left = "" if everything else _left_out([t for t in points if t not in kept], [t for t in passive if t not in kept])
-    columns = {"#": [str(k + 1) for k in range(len(solutions))], **shown, **kept}
+    columns = {"#": [str(k) for k in numbers or range(1, len(solutions) + 1)], **shown, **kept}
     if any(s.within_limits is not None for s in solutions):
         columns["limits"] = ["in" if s.within_limits else "out" for s in solutions]
     columns["condition"] = [f"{s.condition:.3g}" for s in solutions]
+    if any(DOUBLE_NOTE in s.notes for s in solutions):
+        columns["multiplicity"] = ["double" if DOUBLE_NOTE in s.notes else "" for s in solutions]
     if all(s.hits is not None for s in solutions):
         columns["hits"] = [str(s.hits) for s in solutions]
     return Table(list(columns), [list(row) for row in zip(*columns.values(), strict=True)], left)
@@ -86,12 +91,19 @@ def _pose_columns(solutions: Sequence[Solution]) -> Columns:
         f"{axis} [{mechanism.length_unit}]": [_length(mechanism, s.position[i]) for s in solutions]
         for i, axis in enumerate("xyz")
     }
+    poses = [s.pose for s in solutions] if mechanism.is_graph else []
+    if leaves_motion(mechanism, poses):
+        return columns | _turn_columns(solutions)
     if mechanism.motion in ("schoenflies", "planar"):
-        values = [mechanism.angle_out(s.values["pose.gamma"]) for s in solutions]
+        values = [mechanism.angle_out(s.gamma) for s in solutions]
         return columns | {f"gamma [{mechanism.angle_unit}]": [_fixed(v, 3) for v in values]}
     if mechanism.motion == "translation":
         return columns
-    return columns | {name: [_fixed(s.quaternion[i], 5) for s in solutions] for i, name in enumerate(("qw", "qx", "qy", "qz"))}
+    return columns | _turn_columns(solutions)
+
+
+def _turn_columns(solutions: Sequence[Solution]) -> Columns:
+    return {name: [_fixed(s.quaternion[i], 5) for s in solutions] for i, name in enumerate(("qw", "qx", "qy", "qz"))}
 
 
 def _joint_columns(problem: Problem, solutions: Sequence[Solution]) -> tuple[Columns, Columns]:

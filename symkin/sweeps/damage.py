@@ -15,8 +15,8 @@ import numpy as np
 from symkin.errors import InputError
 from symkin.sweeps.chunk_files import digest_of
 from symkin.sweeps.interrupts import interrupts_held
-from symkin.sweeps.layout import consolidate, create_digest, expected_coordinates
-from symkin.sweeps.store import Store, refused_writing
+from symkin.sweeps.layout import consolidate, create_digest, expected_coordinates, wrongly_described
+from symkin.sweeps.store import Store, others_in, refused_writing
 
 _SOMETIMES_NAN = ("distance_type_1", "distance_type_2")
 """Numbers of a mode that are not there where the mechanism has no such kind of singularity."""
@@ -27,8 +27,10 @@ def mend(store: Store) -> int:
     """Remove what a killed run left half written, and what was lost or damaged since; how many chunks these were. To be called by
     the only run in the folder."""
     with refused_writing(store.folder):
-        for rest in store.folder.rglob("*.partial"):
-            rest.unlink(missing_ok=True)
+        for kept in others_in(store.folder):
+            for rest in (kept, *kept.rglob("*.partial")):
+                if rest.suffix == ".partial":
+                    rest.unlink(missing_ok=True)
         _check_descriptions(store)
         if len(store.lengths()) > 1:
             store.grow(max(store.lengths()))
@@ -61,13 +63,13 @@ def _mend_coordinates(store: Store) -> None:
 
 
 def _check_descriptions(store: Store) -> None:
-    """Raises InputError where the description of an array is lost or cannot be read."""
-    for name in (*(v.name for v in store.plan.variables), "done", *expected_coordinates(store.plan)):
-        if _readable(store.group.__getitem__, name) is None:
-            raise InputError(
-                f"{store.folder}: {name}/zarr.json, the description of an array, is lost or damaged, and its numbers cannot be told; "
-                "restore it, or sweep into another folder"
-            )
+    """Raises InputError where the description of an array is lost, cannot be read or is that of another one."""
+    name = wrongly_described(store.group, store.plan)
+    if name is not None:
+        raise InputError(
+            f"{store.folder}: {name}/zarr.json, the description of an array, is lost or damaged, and its numbers cannot be told; "
+            "restore it, or sweep into another folder"
+        )
 
 
 def _forget(store: Store, index: int) -> None:

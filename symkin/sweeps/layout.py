@@ -48,28 +48,71 @@ def create_arrays(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: in
     """All arrays of a plan, without values but those of the coordinates; `bound` is the most modes that a point can have."""
     import zarr
 
-    space, box = plan.space, plan.blocks.box
-    names = labels([axis.name for axis in space.axes])
-    codec = _codec()
+    names = labels([axis.name for axis in plan.space.axes])
     group = zarr.create_group(folder, attributes={**pinned, "coordinates": " ".join([*names, "joint_units"])})
-    dimensions = (_SAMPLE_DIMENSION,) if space.sample is not None else tuple(names)
-    texts = _texts(plan)
-    lengths = {"mode": 1} | {name: len(values) for name, values in texts.items()}
+    _create_results(group, plan, bound)
+    for name, values in _texts(plan).items():
+        _strings(group, name, values, "joint" if name == "joint_units" else name)
+    _create_coordinates(group, plan, names, _point_dimensions(plan))
+    consolidate(folder)
+
+
+def _point_dimensions(plan: Plan) -> tuple[str, ...]:
+    space = plan.space
+    return (_SAMPLE_DIMENSION,) if space.sample is not None else tuple(labels([axis.name for axis in space.axes]))
+
+
+def _create_results(group: Any, plan: Plan, bound: int | None) -> None:
+    """The arrays that are written chunk by chunk, empty."""
+    lengths = {"mode": 1} | {name: len(values) for name, values in _texts(plan).items()}
     chunks = lengths | {"mode": max(1, min(_MODE_CHUNK, bound or _MODE_CHUNK))}
     for v in plan.variables:
         group.create_array(
-            v.name, shape=(*space.shape, *(lengths[d] for d in v.dimensions)), chunks=(*box, *(max(1, chunks[d]) for d in v.dimensions)),
-            dtype=v.dtype, fill_value=v.fill, dimension_names=(*dimensions, *v.dimensions), attributes=dict(v.attributes), compressors=codec,
-        )  # fmt: skip
+            v.name,
+            shape=(*plan.space.shape, *(lengths[d] for d in v.dimensions)),
+            chunks=(*plan.blocks.box, *(max(1, chunks[d]) for d in v.dimensions)),
+            dtype=v.dtype,
+            fill_value=v.fill,
+            dimension_names=(*_point_dimensions(plan), *v.dimensions),
+            attributes=dict(v.attributes),
+            compressors=_codec(),
+        )
     group.create_array(
-        "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",), compressors=codec,
+        "done", shape=(len(plan.blocks),), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("chunk",), compressors=_codec(),
         attributes={"long_name": "chunks of points that are written"},
     )  # fmt: skip
     create_digest(group, len(plan.blocks))
-    for name, values in texts.items():
-        _strings(group, name, values, "joint" if name == "joint_units" else name)
-    _create_coordinates(group, plan, names, dimensions)
-    consolidate(folder)
+
+
+def wrongly_described(group: Any, plan: Plan) -> str | None:
+    """The first array of a folder whose description is lost, or is not that of the plan: kind of number, shape and chunks (but along
+    modes, which grow), what stands for nothing, how its files are packed. None where all are right."""
+    import zarr
+
+    right = zarr.create_group(zarr.storage.MemoryStore())
+    _create_results(right, plan, None)
+    for name in (*(v.name for v in plan.variables), "done", "digest"):
+        if not (name == "digest" and "digest" not in group) and _description(group, name) != _description(right, name):
+            return name
+    for name, values in expected_coordinates(plan).items():
+        told = _description(group, name)
+        if told is None or told[4] != values.shape or (values.dtype.kind == "f") != (told[1] == "float64"):
+            return name
+    return None
+
+
+def _description(group: Any, name: str) -> tuple[Any, ...] | None:
+    """What is said of an array; None where it cannot be read."""
+    try:
+        array = group[name]
+        names = array.metadata.dimension_names or ()
+        kept = [k for k, dimension in enumerate(names) if dimension != "mode"]
+        sides = (tuple(sizes[k] for k in kept) for sizes in (array.shape, array.chunks))
+        packed = tuple(type(codec).__name__ for codec in array.metadata.codecs)
+        return (tuple(names), str(array.dtype), repr(array.fill_value), packed, *sides)
+    except Exception:
+        # zarr raises whatever its parsers do
+        return None
 
 
 def _codec() -> Any:

@@ -7,6 +7,7 @@ whatever a killed run left is computed again; `digest` tells files that were los
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 import uuid
@@ -26,6 +27,8 @@ from symkin.sweeps.layout import consolidate, create_arrays
 from symkin.sweeps.plan import Plan, difference
 from symkin.sweeps.quantities import Variable
 
+_PART = ".part"
+"""Suffix of what is made beside or within a folder before it is a sweep's."""
 MISSING = "sweeps need xarray, zarr and dask: pip install 'symkin[sweep]'"
 
 
@@ -113,12 +116,12 @@ def open_store(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int |
     if kept is None:
         with refused_writing(folder, begun=False):
             _create(folder, plan, pinned, bound)
-    else:
-        reason = difference(kept, pinned)
-        if reason is not None:
-            raise InputError(f"{folder}: another sweep is in this folder: {reason}; choose another folder, or the same options")
-        if not os.access(folder, os.W_OK):
-            raise InputError(f"{folder}: cannot be written (permission denied)")
+        kept = read_attributes(folder) or {}
+    reason = difference(kept, pinned)
+    if reason is not None:
+        raise InputError(f"{folder}: another sweep is in this folder: {reason}; choose another folder, or the same options")
+    if not os.access(folder, os.W_OK):
+        raise InputError(f"{folder}: cannot be written (permission denied)")
     return Store(folder, plan, _group(folder))
 
 
@@ -130,16 +133,33 @@ def read_attributes(folder: Path) -> dict[str, Any] | None:
     if not folder.is_dir():
         raise InputError(f"{folder}: is a file; the name of a folder is needed")
     try:
-        if not any(folder.iterdir()):
+        if not others_in(folder):
             return None
-        attributes = dict(_group(folder).attrs)
+        attributes = _attributes(folder)
+        if attributes is None:
+            with locked(folder):  # another run, which begins here, holds the lock
+                attributes = _attributes(folder)
     except PermissionError:
         raise InputError(f"{folder}: cannot be read (permission denied)") from None
-    except (OSError, ValueError, KeyError, TypeError):
-        attributes = {}
-    if "symkin_sweep" not in attributes:
+    if attributes is None:
         raise InputError(f"{folder}: holds something that is no sweep, and is left alone; choose another folder")
     return attributes
+
+
+def others_in(folder: Path) -> list[Path]:
+    """What a folder holds, but what runs that begin a sweep make in it first."""
+    return [path for path in folder.iterdir() if not (path.name.startswith(f".{folder.name}.") and path.suffix == _PART)]
+
+
+def _attributes(folder: Path) -> dict[str, Any] | None:
+    """What a folder has pinned; None where it is no sweep's. Raises PermissionError."""
+    try:
+        attributes = dict(_group(folder).attrs)
+    except PermissionError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return attributes if "symkin_sweep" in attributes else None
 
 
 @contextmanager
@@ -190,19 +210,38 @@ def _group(folder: Path) -> Any:
 
 def _create(folder: Path, plan: Plan, pinned: Mapping[str, Any], bound: int | None) -> None:
     """All arrays, empty: made beside the folder, so that it is there as a whole or not at all; or within an empty one, whose
-    description is moved up last."""
+    description is moved up last. Where another run is first, nothing."""
     there = folder.exists()
     if not there:
         folder.parent.mkdir(parents=True, exist_ok=True)
-    beside = (folder if there else folder.parent) / f".{folder.name}.{uuid.uuid4().hex}.part"
+    beside = (folder if there else folder.parent) / f".{folder.name}.{uuid.uuid4().hex}{_PART}"
     try:
         create_arrays(beside, plan, pinned, bound)
-        if not there:
-            beside.rename(folder)
-            return
-        for child in sorted(beside.iterdir(), key=lambda path: path.name == "zarr.json"):
-            child.rename(folder / child.name)
-        beside.rmdir()
+        if there:
+            with locked(folder):
+                _move_up(beside, folder)
+        else:
+            _rename(beside, folder)
     except BaseException:
         shutil.rmtree(beside, ignore_errors=True)
         raise
+
+
+def _rename(beside: Path, folder: Path) -> None:
+    """Rename a folder, unless another one of that name has come meanwhile."""
+    try:
+        beside.rename(folder)
+    except OSError as error:
+        if error.errno not in (errno.ENOTEMPTY, errno.EEXIST):
+            raise
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _move_up(beside: Path, folder: Path) -> None:
+    """Move what is in a folder within another one up into that, unless something has come there meanwhile."""
+    if others_in(folder):
+        shutil.rmtree(beside, ignore_errors=True)
+        return
+    for child in sorted(beside.iterdir(), key=lambda path: path.name == "zarr.json"):
+        child.rename(folder / child.name)
+    beside.rmdir()

@@ -313,3 +313,19 @@ def rocker_angle(angle: float, branch: int) -> float:
     b = CRANK * np.array([math.cos(angle), math.sin(angle)])
     c = circles(b, COUPLER, np.array([GROUND, 0.0]), ROCKER)[branch]
     return math.atan2(c[1], c[0] - GROUND)
+
+
+def rus(limbs: int) -> Mechanism:
+    """Limbs of a motor, a U joint and an S joint, in pairs: at a pose two places of the motor and two of the U joint for each."""
+    made = []
+    for k in range(limbs):
+        side, middle = (-1, 1)[k % 2], 120.0 * (k // 2)
+        base, top = (math.radians(middle + side * angle) for angle in (12.0, 45.0))
+        out, across = np.array([math.cos(base), math.sin(base), 0.0]), np.array([-math.sin(base), math.cos(base), 0.0])
+        joints = [
+            Joint(f"m{k}", "R", 180.0 * out, out, actuated=True),
+            Joint(f"u{k}", "U", 180.0 * out - 70.0 * side * across, out, axis2=Z),
+            Joint(f"s{k}", "S", (110.0 * math.cos(top), 110.0 * math.sin(top), 260.0)),
+        ]
+        made.append(Limb(f"limb{k}", joints))
+    return Mechanism("rus", made, platform_position=(0.0, 0.0, 260.0), length_unit="mm")

@@ -1,8 +1,9 @@
 """Choose configurations by exchange: N of many candidates so that a criterion of the covariance is least.
 
 Each candidate adds K whitened rows a = (A_i, -B_i at its wedge's columns) in the unknowns (parameters, two inclinations
-for each wedge): M = M_0 + sum a^T a, C = M^-1, M_0 a weak prior. Adding or removing one candidate changes C by a matrix of rank
-K (Woodbury), so that a criterion for all candidates is a few small products:
+for each wedge): M = M_0 + sum a^T a, C = M^-1, M_0 a weak prior. Adding one candidate changes C by a matrix of rank
+K (Woodbury), so that a criterion for all candidates is a few small products. (Where one is removed C is made anew: of one that alone
+tells something, a difference would be rounding.) What is made least:
   I, A    trace(Q C)        Q the mean of squared pose slopes, or 1 for the parameters
   D       log det of C's part for the parameters
 Source: Fedorov, Theory of optimal experiments, 1972; Atkinson, Donev, Optimum experimental designs, 1992.
@@ -57,10 +58,12 @@ class ExchangeSearch:
         self.q[: self.width, : self.width] = np.eye(self.width) if criterion == "A" else q
 
     def covariance(self, chosen: list[int]) -> np.ndarray:
-        """Return C (P + 2 W) of chosen candidates."""
+        """Return C (P + 2 W) of chosen candidates, by a QR decomposition of their rows: squares of precise rows would drown the prior."""
         flat = self.rows[chosen].reshape(-1, self.rows.shape[2])
         weak = np.concatenate([np.full(self.width, self.prior), np.full(2 * self.wedges, 1.0)])
-        return np.asarray(np.linalg.inv(flat.T @ flat + np.diag(weak)))
+        factor = np.linalg.qr(np.vstack([flat, np.diag(np.sqrt(weak))]), mode="r")
+        root = np.linalg.solve(factor, np.eye(len(weak)))
+        return np.asarray(root @ root.T)
 
     def value(self, c: np.ndarray) -> float:
         """Return the criterion, less is better."""
@@ -75,17 +78,17 @@ class ExchangeSearch:
         inner = spread @ rows.transpose(0, 2, 1) + np.eye(rows.shape[1])
         if self.criterion == "D":
             part = spread[:, :, : self.width]
-            share = part @ np.linalg.inv(c[: self.width, : self.width]) @ part.transpose(0, 2, 1)
+            share = part @ np.linalg.pinv(c[: self.width, : self.width], hermitian=True) @ part.transpose(0, 2, 1)
             return np.asarray(np.linalg.slogdet(inner)[1] - np.linalg.slogdet(inner - share)[1])
         weight = spread @ self.q @ spread.transpose(0, 2, 1)
         return np.asarray(np.trace(np.linalg.solve(inner, weight), axis1=1, axis2=2))
 
-    def updated(self, c: np.ndarray, k: int, sign: int) -> np.ndarray:
-        """Return C after one candidate is added (sign 1) or removed (-1)."""
+    def updated(self, c: np.ndarray, k: int) -> np.ndarray:
+        """Return C after one candidate is added."""
         rows = self.rows[k]
         spread = rows @ c
-        inner = np.eye(len(rows)) + sign * spread @ rows.T  # Woodbury: (M +- a^T a)^-1
-        return np.asarray(c - sign * spread.T @ np.linalg.solve(inner, spread))
+        inner = np.eye(len(rows)) + spread @ rows.T  # Woodbury: (M + a^T a)^-1
+        return np.asarray(c - spread.T @ np.linalg.solve(inner, spread))
 
     def greedy(self, count: int, allowed: set[int]) -> list[int]:
         """Choose candidates one by one, each the best to add; none twice. A wedge's first configuration says nothing yet, so
@@ -98,7 +101,7 @@ class ExchangeSearch:
             gains = self.gains(c, index)
             gains[np.isin(index, chosen)] = -np.inf
             chosen.append(int(index[np.argmax(gains)]))
-            c = self.updated(c, chosen[-1], 1)
+            c = self.updated(c, chosen[-1])
         return chosen
 
     def improve(self, chosen: list[int], allowed: set[int], passes: int = 6) -> list[int]:
@@ -106,15 +109,14 @@ class ExchangeSearch:
         chosen = list(chosen)
         index = np.flatnonzero(np.isin(self.candidates.wedge, list(allowed)))
         for _ in range(passes):
-            c, changed = self.covariance(chosen), False
+            changed = False
             for place, old in enumerate(chosen):
-                without = self.updated(c, old, -1)
+                without = self.covariance(chosen[:place] + chosen[place + 1 :])
                 gains = self.gains(without, index)
                 gains[np.isin(index, chosen[:place] + chosen[place + 1 :])] = -np.inf
                 best = int(index[np.argmax(gains)])
                 if best != old and gains.max() > (1 + 1e-6) * float(self.gains(without, np.array([old]))[0]):
                     chosen[place], changed = best, True
-                    c = self.updated(without, best, 1)
             if not changed:
                 break
         return chosen

@@ -71,9 +71,9 @@ class CompiledLibrary:
         try:
             found = find_compilers(os.environ.get("CC", ""), os.environ.get("PATH", ""))
             quick = (replace(c, flags=tuple("-O1" if flag == "-O2" else flag for flag in c.flags)) for c in found)
-            self.library = load_library(
-                quick, {"postures.c": _c_source(self.functions)}, "postures.c", cache_folder(), build=build
-            )
+            symbols = [f"{f.name()}_map" for f in self.functions]
+            sources = {"postures.c": _c_source(self.functions)}
+            self.library = load_library(quick, sources, "postures.c", symbols, cache_folder(), build=build)
         except CompilerError:
             self.library = None
 

@@ -7,7 +7,7 @@ static @{COLD} @{p}_status @{p}_check_branch(@{gp}const @{real} c[@{nc}], const 
     @{real} q[@{nq}] = { @{zero} };
     @{real} passive[@{np}] = { @{zero} };
     @{real} turned[@{nq}];
-    @{p}_status status = @{p}_solve_limbs(@{ga}c, q, passive);
+    @{p}_status status = @{p}_solve_limbs(@{ga}c, q, passive@{feasible});
     if (status == @{P}_OK) {
 @{within_given}
         @{p}_unwrap_joints(q, given, turned);

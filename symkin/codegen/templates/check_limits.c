@@ -6,6 +6,6 @@ static @{shared}@{p}_status @{p}_check_limits(@{gp}const @{real} joints[@{nq}])
     if (!(@{ranges})) {
         status = @{p}_check_finite(joints, @{nq}, @{P}_OUT_OF_RANGE);
     }
-    return status;
+    return @{checked};
 }
 

@@ -44,7 +44,7 @@ static @{p}_status @{p}_one_branch(const @{p}_pose *pose, const @{real} near[@{n
     @{p}_status status = @{p}_normalise_pose(pose, x);
     if (status == @{P}_OK) {
         if (@{p}_branches(x, near, wanted, found, &undecided, margin) == 1) {
-            status = @{settle}about, found[0]);
+            status = @{p}_settle(x, about, found[0]);
         } else {
             status = undecided ? @{P}_SINGULAR : @{P}_OUT_OF_RANGE;
         }
@@ -70,7 +70,7 @@ int @{p}_inverse_all(const @{p}_pose *pose, @{real} joints[@{branches}][@{nn}])
     if (status == @{P}_OK) {
         const int all = @{p}_branches(x, near, @{both}, joints, &undecided, margin);
         for (int k = 0; k < all; ++k) {
-            if (@{settle}middle, joints[k]) == @{P}_OK) {
+            if (@{p}_settle(x, middle, joints[k]) == @{P}_OK) {
                 for (int i = 0; i < @{nn}; ++i) {
                     joints[count][i] = joints[k][i];
                 }

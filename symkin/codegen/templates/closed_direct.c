@@ -135,7 +135,9 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
             status = @{p}_direct_walk(&w, joints, most, &count);
         }
         if (status == @{P}_OK) {
-            status = @{p}_direct_answer(&w, config->tolerance, pose, &residual);
+@{begin_answer}
+            status = @{p}_direct_answer(&w, config->tolerance, @{answer}, &residual);
+@{give_answer}
         }
     }
     if (count > 0U) {

@@ -115,7 +115,11 @@ static @{p}_status @{p}_inverse_along(const @{real} to[7], const @{p}_config *co
     for (int k = 0; k < @{margins}; ++k) {
         least = (left[k] < least) ? left[k] : least;
     }
-    @{p}_write_info(info, count, (status == @{P}_OK) ? @{answer_rounding} : @{huge}, way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
+    @{real} residual = @{huge};
+    if (status == @{P}_OK) {
+        status = @{p}_hold(to, joints, &residual);
+    }
+    @{p}_write_info(info, count, residual, way2 * @{size2}, (least > @{least}) ? (@{one} / least) : @{zero});
 @{blame}
     return status;
 }

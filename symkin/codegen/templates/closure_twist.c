@@ -7,7 +7,7 @@
     @{real} passive[@{np}] = { @{zero} };
     @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
-        status = (@{p}_solve_limbs(@{ga}c, @{into}, passive) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
+        status = (@{p}_solve_limbs(@{ga}c, @{into}, passive@{feasible}) == @{P}_OK) ? @{P}_OK : @{P}_OUT_OF_RANGE;
     }
     status = @{p}_check_speeds(rates, @{nq}, status);
     if (status == @{P}_OK) {

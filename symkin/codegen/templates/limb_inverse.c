@@ -6,13 +6,14 @@
     @{real} passive[@{np}] = { @{zero} };
     @{p}_status status = @{p}_pose_coordinates(@{ga}pose, c);
     if (status == @{P}_OK) {
-        status = @{p}_solve_limbs(@{ga}c, q, passive);
+        status = @{p}_solve_limbs(@{ga}c, q, passive@{feasible});
         if (status != @{P}_OK) {
             status = @{P}_OUT_OF_RANGE;
         } else {
 @{within_middle}
             status = @{p}_check_limits(@{ga}q);
         }
+@{inverse_passive}
         if (status == @{P}_OK) {
 @{copy_joints}
         }

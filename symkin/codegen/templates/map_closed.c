@@ -10,11 +10,11 @@ static @{SHARED} void @{k}_formulas(const @{real} k[@{nk}], const @{real} sign[@
 
 @{told}
 /* The end of the straight line of known values from w->at, where the state is w->x at w->k, to `to`, if no condition vanishes on the way: between two points whose least
- * value of a condition is g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest bend, which was
- * sampled when this code was written. Then the rows are held against the answer. */
+ * value of a condition is g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest bend (README.md
+ * says which are proved). Then the rows are held against the answer. */
 static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{p}_config *config, @{p}_info *info)
 {
-    static const @{real} bend[@{conditions}] = { @{bends} };
+    static const @{real} bend[@{conditions}] = { @{bends} }; /* M / 8: @{bend_grounds} */
     @{real} sign[@{signs}];
     @{real} begin[@{conditions}];
     @{real} end[@{conditions}];
@@ -26,12 +26,14 @@ static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{p
     unsigned int count = 0U;
 @{way}
     @{k}_signs(w->k, w->x, sign, begin);
+@{sides}
     while ((count < (unsigned int)config->max_iterations) && (status == @{P}_MAX_ITERATIONS)) {
         const @{real} aim = (done + part < @{near_one}) ? (done + part) : @{one};
         bool held = true;
         ++count;
         @{k}_set_target(w, to, aim);
         @{k}_formulas(w->k, sign, w->x, end);
+@{sides_of_end}
         least = @{one};
         for (int i = 0; i < @{conditions}; ++i) {
             const @{real} smaller = (begin[i] < end[i]) ? begin[i] : end[i];

@@ -26,6 +26,7 @@
     if (status == @{P}_OK) {
 @{results}
         status = @{p}_limit_@{out}(status, result);
+@{passive}
         if (status == @{P}_OK) {
 @{store}
         }
@@ -55,6 +56,7 @@
         /* beyond a small step the branch is not assured */
         status = (change2 <= @{track2}) ? @{P}_OK : @{P}_WRONG_BRANCH;
         status = @{p}_limit_@{out}(status, result);
+@{passive}
         if (status == @{P}_OK) {
 @{store}
         }

@@ -50,6 +50,8 @@ static void solve_all(void)
         expect(difference(found, @{p}_vector_found[k], of_found) <= bound, "direct's values", k);
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > @{zero}, "direct's smallest pivot", k);
+        expect(@{p}_direct(NULL, @{p}_vector_joints[k], found, found, &info) == @{P}_OK, "standing still", k);
+        expect(difference(found, @{p}_vector_found[k], of_found) <= bound, "standing still's values", k);
         expect(@{p}_track(@{p}_vector_joints[k], found, &info) == @{P}_OK, "track", k);
         expect(difference(found, @{p}_vector_found[k], of_found) <= bound, "track's values", k);
         copy(@{p}_vector_joint_guesses[k], joints);
@@ -143,11 +145,45 @@ static void refuse_all(void)
     expect(@{p}_inverse(&none, found, joints, joints, &info) == @{P}_MAX_ITERATIONS, "inverse without a step", 0);
 }
 
+/* Values that no configuration has, and joints and found values beyond their limits: never OK, results untouched. */
+static void refuse_infeasible(void)
+{
+    static const struct {
+        int count;
+        int inverse;
+        const @{p}_real (*values)[N];
+    } tables[4] = {
+        { @{P}_VECTOR_INFEASIBLE_JOINTS, 0, @{p}_vector_infeasible_joints },
+        { @{P}_VECTOR_INFEASIBLE_FOUND, 1, @{p}_vector_infeasible_found },
+        { @{P}_VECTOR_PAST_JOINTS, 2, @{p}_vector_past_joints },
+        { @{P}_VECTOR_PAST_FOUND, 3, @{p}_vector_past_found }
+    };
+    for (int t = 0; t < 4; ++t) {
+        for (int k = 0; k < tables[t].count; ++k) {
+            @{p}_real result[N];
+            @{p}_status status;
+            for (int i = 0; i < N; ++i) {
+                result[i] = @{four};
+            }
+            if (tables[t].inverse % 2 == 0) {
+                status = @{p}_direct(NULL, tables[t].values[k], @{p}_vector_home_found, result, NULL);
+            } else {
+                status = @{p}_inverse(NULL, tables[t].values[k], @{p}_vector_home_joints, result, NULL);
+            }
+            expect((tables[t].inverse < 2) ? (status != @{P}_OK) : (status == @{P}_OUT_OF_RANGE), "values that cannot be taken", k);
+            for (int i = 0; i < N; ++i) {
+                expect(result[i] == @{four}, "result untouched by values that cannot be taken", k);
+            }
+        }
+    }
+}
+
 int main(void)
 {
     solve_all();
     rates_all();
     refuse_all();
+    refuse_infeasible();
     (void)printf("@{p}: %d cases, %d failures\n", @{P}_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

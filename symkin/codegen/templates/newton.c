@@ -36,6 +36,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
     bool settling = false; /* whether the end of the line is accepted: only convergence is left */
     bool verify = false; /* whether the tolerance should be reached: the rows are evaluated once more */
     w->spread = @{zero};
+@{no_side}
 @{turn}
 @{begin_target}
 @{save0}
@@ -60,6 +61,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
 @{at_done}
             int turn = @{first_factor};
 @{second_factor}
+@{side}
 @{at_aim}
             kept = (taken == 0U);
             if (turn == 0) {
@@ -84,7 +86,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
+@{accept}
 @{check_middle}
         if (accepted) {
             if (aim >= @{one}) {
@@ -99,7 +101,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 }
                 gain2 = @{four} * (@{by_kappa} ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || @{still};
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || @{still}@{or_noise};
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
                 ++taken;
@@ -125,6 +127,13 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 taken = 0U;
                 fresh = true;
             }
+        } else if ((taken > 0U) && (aim >= @{one}) && (done <= @{zero}) && (before <= @{row_noise2} * w->spread)) {
+            /* the whole line is rounding, which small pivots have made long: the state stays where it was */
+@{stay}
+            @{k}_rows(@{ga}w);
+            residual = @{k}_residual(w);
+            status = (residual <= config->tolerance + @{rounding}) ? @{P}_OK : @{P}_WRONG_BRANCH;
+            break;
         } else if (aim - done > @{least_part}) {
             /* refused: back to the part that is done, and aim nearer */
 @{nearer}

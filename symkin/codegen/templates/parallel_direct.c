@@ -27,6 +27,7 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
 @{unwrap}
         status = @{p}_direct_newton(@{ga}&w, @{to}, (config != NULL) ? config : &usual, info);
 @{check_branch}
+@{direct_passive}
         if (status == @{P}_OK) {
             @{p}_write_pose(@{ga}&w, pose);
         }
@@ -55,7 +56,7 @@ static @{SHARED} void @{p}_write_pose(@{gp}const @{p}_direct_work *w, @{p}_pose 
             const @{real} size = @{p}_direct_apply_step(@{ga}&w);
             @{p}_write_info(info, 1U, @{kappa} * size, size, w.spread);
             if (size <= @{track2}) {
-                @{p}_write_pose(@{ga}&w, pose);
+@{write_tracked}
             } else {
                 status = @{P}_WRONG_BRANCH;
             }

@@ -89,6 +89,8 @@ static void solve_all(void)
         expect((double)info.residual <= 16.0 * bound, "direct's residual", k);
         expect(info.min_pivot > @{zero}, "direct's smallest pivot", k);
         expect(info.joint == @{P}_JOINTS, "no joint to blame", k);
+        expect(@{p}_direct(@{ga}NULL, @{p}_vector_joints[k], &pose, &pose, &info) == @{P}_OK, "standing still", k);
+        expect(difference(&pose, @{p}_vector_poses[k]) <= bound, "standing still's pose", k);
         pose = guess;
         expect(@{p}_direct(@{ga}NULL, @{p}_vector_joints[k], &guess, &pose, NULL) == @{P}_OK, "direct without info", k);
         expect(@{p}_track(@{ga}@{p}_vector_joints[k], &pose, &info) == @{P}_OK, "track", k);
@@ -182,6 +184,37 @@ static void refuse_all(void)
 #endif
 }
 
+/* Poses that the mechanism cannot take, and joints beyond their limits. */
+static void refuse_infeasible(void)
+{
+#if @{P}_VECTOR_INFEASIBLE > 0 || @{P}_VECTOR_PAST > 0
+@{nominal}
+#endif
+#if @{P}_VECTOR_INFEASIBLE > 0
+    for (int k = 0; k < @{P}_VECTOR_INFEASIBLE; ++k) {
+        const @{p}_pose pose = pose_from(@{p}_vector_infeasible[k]);
+        @{p}_real joints[@{P}_JOINTS];
+        for (int i = 0; i < @{P}_JOINTS; ++i) {
+            joints[i] = @{four};
+        }
+        expect(@{p}_inverse(@{ga}&pose, joints) == @{P}_OUT_OF_RANGE, "a pose that cannot be taken", k);
+        for (int i = 0; i < @{P}_JOINTS; ++i) {
+            expect(joints[i] == @{four}, "joints untouched on failure", k);
+        }
+    }
+#endif
+#if @{P}_VECTOR_PAST > 0
+    for (int k = 0; k < @{P}_VECTOR_PAST; ++k) {
+        const @{p}_pose home = pose_from(@{p}_vector_home);
+        @{p}_pose pose = home;
+        @{p}_info info;
+        expect(refused(NULL, @{p}_vector_past[k], &home, "a joint beyond a limit") == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        (void)@{p}_direct(@{ga}NULL, @{p}_vector_past[k], &home, &pose, &info);
+        expect(info.joint == (unsigned int)@{p}_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
+}
+
 /* Rates of the twist of rates are these rates; the feed keeps the limits, and one joint reaches its own. */
 static void speeds_of(const @{p}_pose *pose, int k)
 {
@@ -230,6 +263,7 @@ int main(void)
         speeds_of(&pose, k);
     }
     refuse_all();
+    refuse_infeasible();
     (void)printf("@{p}: %d cases, %d failures\n", @{P}_VECTORS, failures);
     return (failures == 0) ? 0 : 1;
 }

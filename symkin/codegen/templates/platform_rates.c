@@ -2,6 +2,7 @@
 @{p}_status @{p}_rates(@{gp}const @{p}_pose *pose, const @{real} twist[6], @{real} rates[@{nq}])
 {
     @{real} jacobian[@{nq} * 6];
+    @{real} found[@{nq}];
     const @{p}_status status = @{p}_check_speeds(twist, 6, @{p}_jacobian(@{ga}pose, jacobian));
     if (status == @{P}_OK) {
         for (int i = 0; i < @{nq}; ++i) {
@@ -9,7 +10,11 @@
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * twist[j];
             }
-            rates[i] = sum;
+            found[i] = sum;
+        }
+        /* twist and rates may be the same array */
+        for (int i = 0; i < @{nq}; ++i) {
+            rates[i] = found[i];
         }
     }
     return status;

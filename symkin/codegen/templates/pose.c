@@ -1,6 +1,6 @@
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by more than 1e-2 are refused,
  * and positions so far away that squares could overflow. */
-static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
+static @{p}_status @{p}_normalise_pose(@{gp}const @{p}_pose *pose, @{real} x[7])
 {
     const @{real} *const q = pose->quaternion;
     @{p}_status status = @{P}_OK;
@@ -21,6 +21,6 @@ static @{p}_status @{p}_normalise_pose(const @{p}_pose *pose, @{real} x[7])
     x[4] = q[1] * inverse;
     x[5] = q[2] * inverse;
     x[6] = q[3] * inverse;
-    return status;
+    return @{checked};
 }
 

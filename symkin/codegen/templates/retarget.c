@@ -4,7 +4,7 @@ static @{COLD} void @{p}_direct_retarget(@{gp}@{p}_direct_work *w, const @{real}
 {
     const @{real} *goal = to;
     if (part < @{one}) {
-        (void)@{p}_normalise_pose(w->guess, w->x);
+        (void)@{p}_normalise_pose(@{ga}w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
         @{p}_rod_values(@{ga}w);
         for (int i = 0; i < 6; ++i) {

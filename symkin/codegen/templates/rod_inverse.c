@@ -2,7 +2,7 @@
 @{p}_status @{p}_inverse(@{gp}const @{p}_pose *pose, @{real} joints[6])
 {
     @{p}_direct_work w;
-    @{p}_status status = @{p}_normalise_pose(pose, w.x);
+    @{p}_status status = @{p}_normalise_pose(@{ga}pose, w.x);
     if (status == @{P}_OK) {
         @{p}_rod_values(@{ga}&w);
         status = @{p}_check_limits(@{ga}w.k);
@@ -17,7 +17,7 @@
 @{p}_status @{p}_jacobian(@{gp}const @{p}_pose *pose, @{real} jacobian[36])
 {
     @{real} x[7];
-    @{p}_status status = @{p}_normalise_pose(pose, x);
+    @{p}_status status = @{p}_normalise_pose(@{ga}pose, x);
     if (status == @{P}_OK) {
 @{jacobian}
         /* where a rod has no length there is no direction */

@@ -79,8 +79,8 @@ static void @{p}_add_square(const @{real} b[4], @{real} factor, @{real} c[7])
     @{real} offset[6];
     uint8_t joint = 6U;
     unsigned int count = 1U;
-    const @{p}_status last = @{p}_normalise_pose(to, ends[1]);
-    @{p}_status status = @{p}_normalise_pose(from, ends[0]);
+    const @{p}_status last = @{p}_normalise_pose(@{ga}to, ends[1]);
+    @{p}_status status = @{p}_normalise_pose(@{ga}from, ends[0]);
     status = ((status == @{P}_OK) || (last == @{P}_NONFINITE)) ? last : status;
     if (config != NULL) {
         status = @{p}_check_config(config, status);

@@ -24,7 +24,7 @@
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
     @{work}
     @{real} to[7];
-    @{p}_status status = @{p}_check_finite(guess, @{nq}, @{p}_normalise_pose(pose, to));
+    @{p}_status status = @{p}_check_finite(guess, @{nq}, @{p}_normalise_pose(@{ga}pose, to));
     @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
     for (int i = @{last_joint}; i >= 0; --i) {
         if (!(@{fabs}(guess[i]) <= @{farthest_joint})) {

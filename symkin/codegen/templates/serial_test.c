@@ -71,6 +71,7 @@ static void solve_all(void)
             expect(fabs((double)joints[i] - (double)@{p}_vector_inverse[k][i]) <= @{joint_bound}, "inverse's joints", k);
         }
 @{again}
+        expect(@{p}_inverse(@{ga}NULL, &pose, joints, joints, &info) == @{P}_OK, "standing still", k);
         if (k < @{P}_VECTOR_JACOBIANS) {
             @{p}_real jacobian[6 * @{P}_JOINTS];
             expect(@{p}_jacobian(@{ga}@{p}_vector_joints[k], jacobian) == @{P}_OK, "jacobian", k);
@@ -127,6 +128,14 @@ static void refuse_all(void)
     wrong = pose;
     wrong.position[0] = @{far};
     (void)refused(NULL, &wrong, joints, "pose out of reach");
+#if @{P}_VECTOR_PAST > 0
+    for (int k = 0; k < @{P}_VECTOR_PAST; ++k) {
+        expect(@{p}_direct(@{ga}@{p}_vector_past[k], &wrong) == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
+        expect(refused(NULL, &pose, @{p}_vector_past[k], "a guess beyond a limit") == @{P}_OUT_OF_RANGE, "guess beyond a limit", k);
+        (void)@{p}_inverse(@{ga}NULL, &pose, @{p}_vector_past[k], other, &info);
+        expect(info.joint == (unsigned int)@{p}_vector_blamed[k], "joint beyond a limit", k);
+    }
+#endif
 #if @{P}_VECTOR_SINGULAR > 0
     for (int k = 0; k < @{P}_VECTOR_SINGULAR; ++k) {
         expect(refused(NULL, &pose, @{p}_vector_singular[k], "singular start") == @{P}_SINGULAR, "SINGULAR", k);

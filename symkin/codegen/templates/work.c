@@ -10,6 +10,7 @@ typedef struct {
 @{shared}
     @{real} a[@{na}]; /* matrix -df/dstep, row by row; then @{factors} in its place */
 @{r}
+@{sides}
     @{real} spread; /* sum of the squared reciprocals of the scaled pivots: large near a singularity */
 @{members}
     uint8_t order[@{n}]; /* rows exchanged by the pivoting fallback */

@@ -20,6 +20,7 @@ const ON_LIMIT = 1e-9; // over the size or in radians: what counts as being at a
 const FARTHEST = 1e3; // longest movement, over the size or in radians
 const SINGULAR = 1e-6; // smallest singular value, of the largest, at the start, below which a configuration is singular
 const NEAR = 0.05; // the same at a halt, below which it is told as a singularity
+const SAME = 1e-6; // over the size, or of cosines and sines: poses and joints nearer than this are one
 const STANDS = 1e-3; // share of a motion below which the platform, or a joint, stands in it
 
 export function createSolver(model, generated) {
@@ -338,9 +339,32 @@ class Solver {
     this.search ??= this.roots.search(this.x);
     do {
       const { done, value } = this.search.next();
-      if (done) [this.found, this.search] = [value, null];
+      if (done) [this.found, this.search] = [this._differentFirst(value), null];
     } while (!this.found && performance.now() < end);
     return this.found !== null;
+  }
+
+  /** The modes with one at each pose and set of actuated joints before all others. */
+  _differentFirst(list) {
+    if (!this.model.hasPlatform) return list;
+    const seen = [], first = [], others = [];
+    for (const x of list) {
+      const mark = this._markOf(x), known = seen.some((one) => one.every((v, k) => Math.abs(v - mark[k]) < SAME));
+      (known ? others : first).push(x);
+      if (!known) seen.push(mark);
+    }
+    return [...first, ...others];
+  }
+
+  /** Pose and actuated joints of a configuration: lengths over the size, angles by cosine and sine. */
+  _markOf(x) {
+    const pose = new Float64Array(7), { size, model } = this;
+    this.functions.pose(x, pose, new Float64Array(7 * model.width));
+    const joints = model.coordinates.filter((c) => c.actuated).flatMap((c) => {
+      const v = x[c.place];
+      return c.kind === "angle" ? [Math.cos(v), Math.sin(v)] : [c.kind === "length" ? v / size : v];
+    });
+    return [...Array.from(pose.subarray(0, 3), (v) => v / size), ...positive(pose.subarray(3)), ...joints];
   }
 
   /** All modes at the present values; waits for the end of the search. */

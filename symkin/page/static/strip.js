@@ -58,7 +58,7 @@ export class Strip {
   _words() {
     const count = this.modes.length, sentence = this.solver.modesSentence ?? "";
     const counted = count === 1 ? "1 mode" : `${count} modes`;
-    const most = count > MOST ? `; the first ${MOST} are shown` : "";
+    const most = count > MOST ? `; the first ${MOST} are shown, different poses and motors before others` : "";
     this.text.textContent = `${counted} ${this.solver.modesComplete ? "" : "found "}at these values${most}. ${sentence}`.trim();
   }
 

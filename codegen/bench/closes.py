@@ -1,0 +1,395 @@
+"""Whether OK of generated C means that all loops close: machines of all kinds, poses on and off what they can take.
+
+    python codegen/bench/closes.py [--random 30] [--seed 0] [--poses 60] [--only NAME]
+
+What C answers is put into the closure of benchmarks/plain_closure.py and plain_graph.py, where every joint keeps its coordinates; passive
+joints are looked for from many starts. A folder's own test is run too. Exit status 1 where an OK does not close or a test fails.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import signal
+import subprocess
+import sys
+import tempfile
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
+
+import plain_graph
+import symkin
+from plain_closure import PlainMechanism, matrix_quaternion
+from plain_search import closed_configurations, random_configurations, solve
+from random_files import random_file, to_toml
+from random_graphs import Drawing
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
+from symkin.errors import InputError, SymkinError
+from symkin.model.arm import with_limbs
+from symkin.model.mechanism import Mechanism
+from symkin.model.writer import mechanism_to_toml
+
+BENCH = Path(__file__).resolve().parent
+PLATFORMS = ("delta", "zhao2000", "zhao2000_links", "ren2008", "ren2008_true", "zhang2009")
+ARMS = ("gluon_6l3", "scara", "ur5e", "yao2020")
+MAPS = (
+    ("ankle", "upper_motor,lower_motor", "ankle.1,ankle.2"), ("four_bar", "crank", "follower"), ("bennett", "input", "output"),
+    ("sarrus", "foot_x", "head_y"), ("slider_crank", "crank", "piston"), ("watt_six_bar", "crank", "output"),
+    ("stephenson_six_bar", "crank", "output"), ("goldberg", "input", "output"), ("pantograph_five_bar", "arm1,arm2", "wrist1,plate_pivot"),
+    ("excavator_bucket", "boom_cylinder,stick_cylinder,bucket_cylinder", "boom,stick,bucket"),
+)  # fmt: skip
+LOOPS = {
+    "four_bar": (("crank", "crank_pin"), ("follower", "follower_pin")),
+    "bennett": (("input", "crank_pin"), ("output", "rocker_pin")),
+    "sarrus": (("foot_x", "elbow_x", "head_x"), ("foot_y", "elbow_y", "head_y")),
+    "goldberg": (("input", "q_pin"), ("output", "p4_pin", "w_pin")),
+}
+"""Loops of a graph that are written as two limbs: which joints each has, from the base on."""
+HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
+CLOSES = {"float": 4e-5, "double": 4e-6}
+"""Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which add up in rows written otherwise."""
+SECONDS = 100
+"""Time after which a machine is left out."""
+STARTS = 24
+FLAGS = ["-O1", "-std=c99", "-fno-math-errno", "-ffp-contract=off"]
+
+
+@dataclass
+class Tally:
+    """What came of one machine's code in one type: calls, OKs, OKs that do not close, the worst of these, and its own test."""
+
+    name: str
+    kind: str
+    real: str
+    calls: int = 0
+    ok: int = 0
+    open: int = 0
+    worst: float = 0.0
+    on_set: int = 0
+    on_set_ok: int = 0
+    test: str = ""
+    examples: list[str] = field(default_factory=list)
+
+    def line(self) -> str:
+        return (
+            f"{self.name:28} {self.kind:9} {self.real:6} calls {self.calls:5} OK {self.ok:5} open {self.open:4} worst {self.worst:8.1e} "
+            f"feasible taken {self.on_set_ok}/{self.on_set} test {self.test}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Machine:
+    """A mechanism and the options of its folder."""
+
+    mechanism: Mechanism
+    given: tuple[str, ...] = ()
+    find: tuple[str, ...] = ()
+    home: tuple[float, ...] | None = None
+
+    @property
+    def kind(self) -> str:
+        return "map" if self.given else "arm" if self.mechanism.serial else "platform"
+
+
+def built(machine: Machine, real: str, folder: Path) -> tuple[ctypes.CDLL, str]:
+    """The library of a machine's code, and what its own test says."""
+    options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
+    mechanism = machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
+    write_folder(mechanism, folder, options)
+    name = mechanism.name
+    subprocess.run(["gcc", *FLAGS, f"{name}.c", f"{name}_test.c", "-o", "own_test", "-lm"], cwd=folder, check=True)
+    done = subprocess.run(["./own_test"], cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    said = "ok" if done.returncode == 0 else done.stdout.strip().splitlines()[-1]
+    count = len(machine.given) or len(mechanism.actuated)
+    macros = [f'-DHEADER="{name}.h"', f"-DREAL={real}", f"-DOF(x)={name}_##x", f"-DJOINTS={count}"]
+    macros += {"map": ["-DMAP"], "arm": ["-DARM"], "platform": []}[machine.kind]
+    command = ["gcc", *FLAGS, *macros, "-shared", "-fPIC", "-I.", str(BENCH / "ask.c"), f"{name}.c", "-o", "code.so", "-lm"]
+    subprocess.run(command, cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "code.so")), said
+
+
+def asked(function: ctypes._CFuncPtr, real: str, inputs: list[np.ndarray], outputs: list[int], order: str) -> list[np.ndarray]:
+    """Call a function of ask.c: its arrays `order` (i input, o output of so many numbers, s status, n numbers of steps)."""
+    number, count = np.float32 if real == "float" else np.float64, len(inputs[0])
+    given, widths, arrays, results = iter(inputs), iter(outputs), list[np.ndarray](), list[np.ndarray]()
+    for letter in order:
+        if letter == "i":
+            arrays.append(np.ascontiguousarray(next(given), number))
+        else:
+            arrays.append(np.zeros((count, next(widths)), number) if letter == "o" else np.zeros(count, np.int32))
+            results.append(arrays[-1])
+    function(count, *(ctypes.c_void_p(a.ctypes.data) for a in arrays))
+    return [r.astype(float) if r.dtype != np.int32 else r for r in results]
+
+
+# --- platforms and arms by limbs ----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Limbs:
+    """The plain closure of a mechanism of limbs, and configurations of it."""
+
+    plain: PlainMechanism
+    rng: np.random.Generator
+
+    def poses(self, x: np.ndarray) -> np.ndarray:
+        position, rotation = self.plain.pose(x)
+        return np.column_stack([position, np.array([matrix_quaternion(r) for r in rotation])])
+
+    def joints(self, x: np.ndarray) -> np.ndarray:
+        return np.column_stack([x[:, self.plain.slices[i]] for i in self.plain.places("actuated")])
+
+    def moved(self, poses: np.ndarray) -> np.ndarray:
+        """Poses aside, by 1e-3 to a third of the size and as many radians."""
+        far = 10.0 ** self.rng.uniform(-3.0, -0.5, (len(poses), 1))
+        step = self.rng.normal(size=(len(poses), 6))
+        half = 0.5 * far * step[:, 3:]
+        turned = np.array([_product(np.array([1.0, *h]), q) for h, q in zip(half, poses[:, 3:], strict=True)])
+        turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+        return np.column_stack([poses[:, :3] + self.plain.size * far * step[:, :3], turned])
+
+    def gaps(self, begin: np.ndarray, poses: np.ndarray, joints: np.ndarray) -> np.ndarray:
+        """How far from closing (n,), over the size, configurations with poses and joint values are at best."""
+        m, found = self.plain, []
+        passive = m.places("passive")
+        for x, pose, values in zip(begin, poses, joints, strict=True):
+            start = m.with_pose(x[None], pose[:3], pose[3:] / np.linalg.norm(pose[3:]))
+            for i, value in zip(m.places("actuated"), values, strict=True):
+                start[:, m.slices[i]] = value
+            gap = float(m.residual(solve(m, start, m.tangent(passive), 40))[0])
+            if gap > 1e-6 and passive:
+                many = random_configurations(m, np.tile(start, (STARTS, 1)), passive, self.rng)
+                gap = min(gap, float(m.residual(solve(m, many, m.tangent(passive), 60)).min()))
+            found.append(gap)
+        return np.array(found)
+
+
+def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    w, v = a[0] * b[0] - a[1:] @ b[1:], a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
+    return np.array([w, *v])
+
+
+def projected(m: PlainMechanism, poses: np.ndarray) -> np.ndarray:
+    """Poses with the numbers that the declared motion has."""
+    found = []
+    for pose in poses:
+        x = m.with_pose(m.reference[None], pose[:3], pose[3:])
+        position, rotation = m.pose(x)
+        found.append([*position[0], *matrix_quaternion(rotation[0])])
+    return np.array(found)
+
+
+def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, folder: Path) -> Tally:
+    """Ask a platform's or an arm's code."""
+    mechanism = with_limbs(machine.mechanism, "firmware", "")
+    plain = PlainMechanism(tomllib.loads(mechanism_to_toml(mechanism)))
+    tally = Tally(mechanism.name, machine.kind, real)
+    library, tally.test = built(machine, real, folder)
+    limbs = Limbs(plain, rng)
+    x = np.vstack([closed_configurations(plain, poses // 2, spread, rng) for spread in (0.05, 0.3)])
+    if not len(x):
+        return tally
+    on, number = limbs.poses(x), len(mechanism.actuated)
+    units = np.array([1.0 if c.is_angular else plain.size for c in mechanism.actuated])
+    if plain.serial:
+        begin, targets = np.vstack([x, x]), np.vstack([on, limbs.moved(on)])
+        # on the set from beside the answer
+        guesses = np.vstack([limbs.joints(x)] * 2) + 0.05 * rng.normal(size=(len(targets), number)) * units
+        joints, status, _ = asked(library.ask_all, real, [targets, guesses], [number], "iiosn")
+    else:
+        begin = np.vstack([x, x, x])
+        targets = np.vstack([on, limbs.moved(on), projected(plain, limbs.moved(on))])
+        joints, status = asked(library.back_all, real, [targets], [number], "ios")
+    _count(tally, limbs, begin, targets, joints, status == 0, len(x), "inverse")
+    if not plain.serial:
+        begin, wanted = np.vstack([x, x]), limbs.joints(np.vstack([x, x]))
+        wanted[len(x) :] += 0.3 * rng.normal(size=wanted[len(x) :].shape) * units
+        home = limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
+        guesses = np.tile(home, (len(wanted), 1))
+        found, status, _ = asked(library.ask_all, real, [wanted, guesses], [7], "iiosn")
+        _count(tally, limbs, begin, found, wanted, status == 0, len(x), "direct")
+    return tally
+
+
+def _count(
+    tally: Tally, limbs: Limbs, begin: np.ndarray, poses: np.ndarray, joints: np.ndarray, ok: np.ndarray, on_set: int, what: str
+) -> None:
+    tally.calls += len(ok)
+    tally.ok += int(ok.sum())
+    if what == "inverse":
+        tally.on_set, tally.on_set_ok = on_set, int(ok[:on_set].sum())
+    gaps = limbs.gaps(begin[ok], poses[ok], joints[ok])
+    tally.worst = max(tally.worst, float(gaps.max(initial=0.0)))
+    bad = gaps > CLOSES[tally.real]
+    tally.open += int(bad.sum())
+    for k in np.flatnonzero(bad)[:2]:
+        tally.examples.append(f"{what}: pose {poses[ok][k].tolist()} joints {joints[ok][k].tolist()} open by {gaps[k]:.2g}")
+
+
+# --- maps ---------------------------------------------------------------------------------------------------------------
+
+
+def of_map(machine: Machine, real: str, poses: int, rng: np.random.Generator, folder: Path) -> Tally:
+    """Ask a map's code, both ways."""
+    mechanism = machine.mechanism
+    tally = Tally(f"{mechanism.name}", "map", real)
+    library, tally.test = built(machine, real, folder)
+    file = folder / "plain.toml"
+    file.write_text(mechanism_to_toml(mechanism))
+    g = plain_graph.read(file)
+    first, places = 7 * len(g.names), [[g.place(n) for n in part] for part in (machine.given, machine.find)]
+    units = np.array([1.0 if c.angle else g.size for c in g.coordinates])
+    near = np.vstack([plain_graph.generic(g, poses // 2, spread, seed=1) for spread in (0.05, 0.3)])
+    if not len(near):
+        return tally
+    values = g.values(near) * units
+    home = np.array([c.zero for c in g.coordinates]) * units
+    for function, known, wanted in ((library.ask_all, *places), (library.ask_inverse, *reversed(places))):
+        goals = np.vstack([values[:, known], values[:, known] + rng.normal(size=(len(near), len(known))) * units[known]])
+        guesses = np.vstack([values[:, wanted], np.tile(home[wanted], (len(near), 1))])
+        found, status, _ = asked(function, real, [goals, guesses], [len(wanted)], "iiosn")
+        ok = status == 0
+        tally.calls, tally.ok = tally.calls + len(ok), tally.ok + int(ok.sum())
+        tally.on_set, tally.on_set_ok = tally.on_set + len(near), tally.on_set_ok + int(ok[: len(near)].sum())
+        for x, goal, answer in zip(np.vstack([near, near])[ok], goals[ok], found[ok], strict=True):
+            fixed = dict(zip([*known, *wanted], (np.array([*goal, *answer]) / units[[*known, *wanted]]).tolist(), strict=True))
+            gap = _graph_gap(g, x, fixed, first, rng)
+            tally.worst = max(tally.worst, gap)
+            if gap > CLOSES[real]:
+                tally.open += 1
+                tally.examples.append(
+                    f"{'direct' if known is places[0] else 'inverse'}: {goal.tolist()} gives {answer.tolist()} open by {gap:.2g}"
+                )
+    return tally
+
+
+def _graph_gap(g: plain_graph.Graph, x: np.ndarray, fixed: dict[int, float], first: int, rng: np.random.Generator) -> float:
+    """How far from closing a graph is at best with fixed coordinates: from a configuration, then from random starts."""
+    start = x[None].copy()
+    for k, value in fixed.items():
+        start[:, first + k] = value
+    columns = np.setdiff1d(np.arange(g.freedom), [6 * len(g.names) + k for k in fixed])
+    gap = float(np.max(np.abs(g.closure(plain_graph.solve(g, start, columns))[0])))
+    if gap > 1e-6:
+        many = plain_graph.solve(g, plain_graph.random_starts(g, 4 * STARTS, fixed, rng), columns)
+        gap = min(gap, float(np.max(np.abs(g.closure(many)[0]), axis=1).min()))
+    return gap
+
+
+# --- machines -----------------------------------------------------------------------------------------------------------
+
+
+def as_limbs(name: str, limbs: tuple[tuple[str, ...], ...]) -> Mechanism:
+    """A shipped loop of a graph as limbs that meet at a platform."""
+    data = tomllib.loads(mechanism_to_toml(symkin.load(name)))
+    joints = {joint["name"]: {k: v for k, v in joint.items() if k != "links"} for joint in data["joint"]}
+    kept = {key: data[key] for key in ("format", "length_unit", "angle_unit")} | {"name": f"{name}_limbs"}
+    at = joints[limbs[0][-1]]["point"]
+    tables = [{"name": f"limb{i}", "joint": [joints[j] for j in chain]} for i, chain in enumerate(limbs)]
+    with tempfile.TemporaryDirectory() as scratch:
+        file = Path(scratch) / "m.toml"
+        file.write_text(to_toml(kept | {"platform": {"position": at}, "limb": tables}))
+        return symkin.load(file)
+
+
+def named() -> Iterator[Machine]:
+    """Shipped machines and those of bench/machines."""
+    for name in (*PLATFORMS, *ARMS):
+        yield Machine(symkin.load(name), home=HOMES.get(name))
+    for file in sorted((BENCH / "machines").glob("*.toml")):
+        made = symkin.load(file)
+        yield Machine(made)
+        if made.motion != "spatial":
+            # the same without its motion: its pose is then of six numbers, of which its limbs leave some
+            yield Machine(replace(made, name=f"{made.name}_six", motion="spatial"))
+    for name, limbs in LOOPS.items():
+        yield Machine(as_limbs(name, limbs))
+    for name, given, find in MAPS:
+        yield Machine(symkin.load(name), tuple(given.split(",")), tuple(find.split(",")))
+
+
+def drawn(seed: int, folder: Path) -> Iterator[Machine]:
+    """Random machines: two of three of limbs, one a map of a graph."""
+    for number in range(10_000):
+        rng = np.random.default_rng([seed, number])
+        file = folder / f"r{number}.toml"
+        try:
+            file.write_text(Drawing(rng).grow() if number % 3 == 2 else to_toml(random_file(rng)))
+            text = file.read_text()
+            file.write_text(
+                text.replace('name = "m"', f'name = "r{number}"', 1).replace('name = "graph"', f'name = "r{number}"', 1)
+            )
+            mechanism = symkin.load(file)
+            if number % 3 != 2:
+                yield Machine(mechanism)
+                continue
+            names = [c.name for c in mechanism.coordinates if c.kind != "quaternion"]
+            mobility = symkin.mobility(mechanism).mobility
+            if 0 < mobility <= 3 and len(names) >= 2 * mobility:
+                chosen = [str(n) for n in rng.permutation(names)[: 2 * mobility]]
+                yield Machine(mechanism, tuple(chosen[:mobility]), tuple(chosen[mobility:]))
+        except (SymkinError, InputError):
+            continue
+
+
+def run(machine: Machine, poses: int, seed: int) -> list[Tally] | None:
+    """Both types of one machine; None where there is no code of it, or not in time."""
+    found = []
+    for real in ("float", "double"):
+        with tempfile.TemporaryDirectory() as scratch:
+            signal.alarm(SECONDS)
+            try:
+                of = of_map if machine.given else of_limbs
+                found.append(of(machine, real, poses, np.random.default_rng(seed), Path(scratch)))
+            except (InputError, TimeoutError) as reason:
+                print(f"  {machine.mechanism.name} {real}: left out: {str(reason)[:150]}", flush=True)
+                return None
+            finally:
+                signal.alarm(0)
+    return found
+
+
+def _late(*_: object) -> None:
+    raise TimeoutError(f"not in {SECONDS} s")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--random", type=int, default=30, help="random machines")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--poses", type=int, default=60)
+    parser.add_argument("--only", help="machines whose names begin so")
+    chosen = parser.parse_args()
+    signal.signal(signal.SIGALRM, _late)
+    tallies: list[Tally] = []
+    with tempfile.TemporaryDirectory() as scratch:
+        wanted = 0
+        for machines, most in ((named(), 1000), (drawn(chosen.seed, Path(scratch)), chosen.random)):
+            done = 0
+            while done < most and (machine := next(machines, None)) is not None:
+                if chosen.only and not machine.mechanism.name.startswith(chosen.only):
+                    continue
+                found = run(machine, chosen.poses, chosen.seed)
+                done += found is not None
+                for tally in found or []:
+                    tallies.append(tally)
+                    print(tally.line(), *(f"\n    {e}" for e in tally.examples[:3]), flush=True)
+            wanted += done
+    false, failed = sum(t.open for t in tallies), [t.name for t in tallies if t.test != "ok"]
+    taken, feasible = sum(t.on_set_ok for t in tallies), sum(t.on_set for t in tallies)
+    print(
+        f"{wanted} machines, {sum(t.calls for t in tallies)} calls, {sum(t.ok for t in tallies)} OK, of which {false} do not close; "
+        f"feasible values taken {taken} of {feasible}; own tests that fail: {', '.join(failed) or 'none'}"
+    )
+    return 1 if false or failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,74 @@
+"""Decide which guards a closed form needs in C: divisors that no discriminant implies, and rows that the formulas leave over.
+
+A divisor A^2 + B^2 is no less than the discriminant A^2 + B^2 - C^2 beside it: where that one is above zero, so is the divisor. All others
+are compared with a share of their usual size. Rows that the derivation did not use (more rows than unknowns) hold only where the mechanism
+can take the known values, so that the answer is put into all rows before it is called OK.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from symkin.elimination.closed_form import ClosedForm
+
+FEASIBLE = 1e-6
+"""Share of the size by which given values may be off what the mechanism can take: they are projected, as on the command line."""
+_ROUNDINGS = 64.0
+"""Roundings of the size that given values, rounded to the real type, and formulas leave in the rows."""
+_SMALL = 1e-3
+"""Share of its usual size below which a divisor costs three digits: another way is taken where it is so small at home."""
+_DRAWN = 200
+_STEEP = 4.0
+"""How many times smaller than its bound the error is that roundings of known values make in rows of formulas that are used."""
+_PER_NUMBER = 4.0
+"""Roundings of each known value that stand for those inside the formulas."""
+_SHARE = 0.9
+"""Share of the configurations at which rows must be so near to zero: beside a dead centre no formula is firm."""
+
+
+def feasible_error(epsilon: float, size: float) -> float:
+    """Largest error of a closure row, as a length, of values that the mechanism is said to take."""
+    return max(FEASIBLE, _ROUNDINGS * epsilon) * size
+
+
+def free_divisors(form: ClosedForm, near: np.ndarray, signs: np.ndarray) -> list[int]:
+    """Numbers of the divisors that may vanish while all discriminants are above zero; `near` are known values (n, known) about which others
+    are drawn, near ones and far ones, the mechanism's or not."""
+    if not int(form.divisors.shape[0]):
+        return []
+    rng = np.random.default_rng(11)
+    base = near[rng.integers(len(near), size=_DRAWN)]
+    spread = 10.0 ** rng.uniform(-3.0, 1.0, (_DRAWN, 1)) * np.maximum(np.abs(near).max(axis=0), 1.0)
+    values = np.vstack([near, base + spread * rng.normal(size=base.shape)])
+    with np.errstate(all="ignore"):
+        return unimplied(form.divisors_at(values, signs), form.discriminants_at(values, signs))
+
+
+def unimplied(divisors: np.ndarray, discriminants: np.ndarray) -> list[int]:
+    """Numbers of the divisors (n, divisors) that are not above zero and as large as one of the discriminants (n, choices) throughout."""
+    return [
+        j
+        for j, column in enumerate(divisors.T)
+        if not any(np.all((column > 0.0) & (column >= other * (1.0 - 1e-9))) for other in discriminants.T)
+    ]
+
+
+def is_firm(form: ClosedForm, home: np.ndarray, near: np.ndarray, signs: np.ndarray) -> bool:
+    """Whether no divisor is small at home beside what it is at other known values (n, known)."""
+    free = free_divisors(form, near, signs)
+    usual = np.median(np.abs(form.divisors_at(near, signs)), axis=0)
+    here = np.abs(form.divisors_at(home[None], signs))[0]
+    return bool(np.all(here[free] > _SMALL * usual[free]))
+
+
+def keeps_digits(form: ClosedForm, near: np.ndarray, signs: np.ndarray, epsilon: float) -> bool:
+    """Whether roundings of the known values (n, known) leave the rows of the formulas' answers well within their bound."""
+    size, rng = form.system.characteristic_length, np.random.default_rng(12)
+    scale = np.where(np.abs(near) > 1.0, np.abs(near), np.minimum(1.0, size))
+    moved = near + _PER_NUMBER * epsilon * scale * rng.choice([-1.0, 1.0], near.shape)
+    which = int(np.flatnonzero(np.all(form.choices == signs, axis=1))[0]) if len(signs) else 0
+    values = form.solutions(moved).values[:, which]
+    with np.errstate(all="ignore"):
+        residuals = form.system.residuals(values, moved)
+    largest = np.sort(np.where(np.isfinite(residuals), residuals, np.inf))[int(_SHARE * (len(residuals) - 1))]
+    return bool(_STEEP * largest <= feasible_error(epsilon, size))

@@ -1,0 +1,23 @@
+"""Open regular files only: a FIFO or a device in a file's place neither blocks nor never ends."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+
+def open_regular(path: Path | str, *, follow: bool = True, within: int | None = None) -> BinaryIO:
+    """Open a regular file for reading, unless `follow` no symbolic link in its place; `within` is the open folder of a relative path.
+    Raises OSError for anything else."""
+    flags = ("O_NONBLOCK", "O_BINARY", "O_CLOEXEC", *(() if follow else ("O_NOFOLLOW",)))
+    handle = os.open(path, os.O_RDONLY | sum(getattr(os, flag, 0) for flag in flags), dir_fd=within)
+    mode = os.fstat(handle).st_mode
+    if stat.S_ISREG(mode):
+        return os.fdopen(handle, "rb")
+    os.close(handle)
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    raise OSError(errno.EINVAL, "it is no regular file")
