@@ -68,11 +68,21 @@ def test_commands_print_what_stands_below_them(
             assert word not in ("-o", "--plot") or os.path.getsize(folder / command.words[at + 1])
 
 
+def test_the_readmes_own_commands_are_among_them() -> None:
+    """The one of the block that installs symkin, too, whose output stands in a block below."""
+    first, five_bar = sessions("README.md")
+    assert [str(command) for command in first] == ["symkin modes zhao2000 --plot zhao2000.png"]
+    assert "4 modes" in first[0].output
+    assert [command.words[1] for command in five_bar] == ["modes", "view"]
+
+
 def test_what_stands_below_a_command_may_be_wrong() -> None:
-    """The comparison tells other numbers, missing lines and lines too many."""
+    """The comparison tells other numbers, missing lines and lines too many; figures of the size of rounding are all one."""
     told = "closed to ... m\n...\nnote: held\n"
     assert is_as_printed(told, "closed to 1e-17 m\n  \na\nb\nnote: held\n\n")
     assert is_as_printed(told, "closed to 2 m\nnote: held")
+    assert is_as_printed("to 7.5e-12 mm", "to 1e-15 mm")
+    assert not any(is_as_printed("to 7.5e-12 mm", wrong) for wrong in ("to 7.5e-05 mm", "to 7.5 mm", "to 7.5e-12 m"))
     for wrong in ("closed to 1e-17\na\nnote: held", "closed to 1 m\na", "closed to 1 m\nnote: held\nnote: lost", "note: held"):
         assert not is_as_printed(told, wrong)
 

@@ -75,9 +75,11 @@ def sampling(searches: Sequence[Roots]) -> Sampling:
 class Modes(Result):
     """All solutions found for one set of given values, with a statement of completeness that is never too large.
 
-    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing estimate of the probability that
-    one more hit is new, `unseen_share` an upper bound of that probability, true in 95 of 100 cases (all for random starts only); `engine` is what tracked the paths. A list of `Solution`s: it
-    has a length, is iterated and indexed.
+    `estimated_unseen` is Chao's lower-bound estimate of modes not yet hit, `next_new` the Good-Turing
+    estimate of the probability that one more hit is new, `unseen_share` an upper bound of that
+    probability, true in 95 of 100 cases (all for random starts only); `engine` is what solved the
+    equations: a closed form, or the program that tracked the paths. A list of `Solution`s: it has a
+    length, is iterated and indexed.
 
     >>> import symkin
     >>> found = symkin.modes(symkin.load("zhao2000"), joints=[81.6, 202.8, 330.6, 105.2])
