@@ -234,3 +234,40 @@ def test_tests_of_folders_hold_what_cannot_be_taken(tmp_path):
     assert "#define FIVE_BAR_VECTOR_INFEASIBLE 0" not in platform
     # a crank turns all the way round, its follower does not
     assert "#define FOUR_BAR_VECTOR_INFEASIBLE_FOUND 0" not in four_bar["four_bar_vectors.h"]
+
+
+def three_limbs(axis: tuple[float, float], types: str) -> str:
+    """A planar platform on three limbs of revolutes and a slide along an axis of its first limb's frame."""
+    text = 'format = 1\nname = "planar"\nlength_unit = "mm"\nangle_unit = "rad"\n[platform]\nmotion = "planar"\nposition = [0.0, 0.0, 0.0]\n'
+    for i in range(3):
+        turn = 2 * math.pi * i / 3
+        r = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        points, along = (r @ np.array([[-200.0, -200.0, -60.0], [0.0, 80.0, 60.0]])).T, r @ np.array(axis)
+        text += f'[[limb]]\nname = "limb{i}"\n'
+        for k, (kind, point) in enumerate(zip(types, points.tolist(), strict=True)):
+            direction = [0.0, 0.0, 1.0] if kind == "R" else [*along.tolist(), 0.0]
+            text += f'[[limb.joint]]\nname = "{kind.lower()}{i}{k}"\ntype = "{kind}"\npoint = [{point[0]}, {point[1]}, 0.0]\naxis = {direction}\n'
+            text += "actuated = true\n" if k == 0 else ""
+    return text
+
+
+@pytest.mark.parametrize("axis", [(1.0, 0.0), (0.6, 0.8), (1.0, 0.5)])
+@pytest.mark.parametrize("types", ["RRP", "RPR", "PRR"])
+def test_a_regular_home_is_answered_whatever_formulas_divide_by(tmp_path, axis, types):
+    """No divisor that vanishes, or is small, at home makes a regular pose there singular, nor joints inexact."""
+    made = loaded(tmp_path, three_limbs(axis, types))
+    try:
+        code = library(made, tmp_path / "c")
+    except InputError as reason:
+        # a home that is singular, or beside which nothing closes, has no code
+        assert "nothing to generate" in str(reason)  # noqa: PT017
+        return
+    home, rng = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]), np.random.default_rng(4)
+    for far in (0.0, 1e-6, 1.0, 5.0):
+        x, y, angle = far * rng.uniform(-1, 1, 3) * [1.0, 1.0, 0.01]
+        pose = home + [x, y, 0.0, math.cos(angle / 2) - 1.0, 0.0, 0.0, math.sin(angle / 2)]
+        joints = doubles([9.0] * 3)
+        assert code.planar_inverse(doubles(pose), joints) == OK
+        found = symkin.solve(made, pose=pose.tolist()).solution.joints
+        wanted = [found[c.name] for c in made.actuated]
+        np.testing.assert_allclose(joints, wanted, atol=1e-9 * made.characteristic_length)
