@@ -25,6 +25,7 @@ from symkin.codegen.linear_solver import is_unrolled
 from symkin.codegen.newton_kernel import Kernel, system_kernel
 from symkin.codegen.options import Options
 from symkin.codegen.passive_limits import PassiveLimit, passive_limits
+from symkin.codegen.pose_coordinates import restricted
 from symkin.codegen.pose_core import PoseCore, pose_core
 from symkin.codegen.samples import Configuration, configurations
 from symkin.computed_once import cached_property
@@ -247,12 +248,18 @@ class LimbPlatform:
         """The seven numbers by which generated code knows a pose."""
         return np.array([*pose.position, *pose.quaternion])
 
-    def inverse_at(self, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:  # noqa: ARG002 - `near` has the pose
+    def inverse_at(self, numbers: np.ndarray, near: np.ndarray) -> np.ndarray:
         """Joint values at a pose as stated, from a configuration near it."""
-        inverse = self.inverse
-        known = inverse.select_values(near, inverse.known_coordinates)
+        inverse, unit = self.inverse, np.array([*numbers[:3], *(numbers[3:] / np.linalg.norm(numbers[3:]))])
+        known = np.asarray(self._coordinates_of(unit, self.geometry.values)).ravel()
         unknown = inverse.system.polish(inverse.select_values(near, inverse.system.unknowns), known, 6)
         return inverse.select_values(inverse.join_values(unknown, known), self.actuated)
+
+    @cached_property
+    def _coordinates_of(self) -> ca.Function:
+        """Pose coordinates of the seven numbers of a pose, as C takes them."""
+        x = ca.SX.sym("x", 7)
+        return ca.Function("coordinates", [x, self.geometry.symbols], [restricted(self.geometry, x).coordinates])
 
     @property
     def singular_starts(self) -> np.ndarray:
