@@ -194,3 +194,23 @@ def test_the_tool_stands_where_it_stood(suffix: str, tmp_path: Path) -> None:
     after = symkin.solve(written, joints=[math.radians(v) for v in values]).solution
     np.testing.assert_allclose(after.position, 1e-3 * np.asarray(before.position), atol=1e-10)
     assert min(np.abs(after.quaternion - sign * np.asarray(before.quaternion)).max() for sign in (1, -1)) <= 1e-10
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("unit", ["mm", "m"])
+def test_rods_keep_the_lengths_that_they_are_told(suffix: str, unit: str, tmp_path: Path) -> None:
+    """A rod whose length the file states has it stated again; one that takes its length from the reference goes on to do so."""
+    links = ["base", "coupler"]
+    turning = symkin.LinkJoint(symkin.Joint("ball", "S", (0, 0, 0)), links)
+    rods = [
+        symkin.LinkRod("stated", links, (3, 0, 0), (3, 4, 12), length=math.hypot(4, 12)),
+        symkin.LinkRod("measured", links, (0, 3, 0), (4, 3, 3)),
+        symkin.LinkRod("driven", links, (0, 0, 3), (1, 2, 5), actuated=True, offset=0.75),
+    ]
+    mechanism = symkin.Mechanism("rods", link_joints=[turning], link_rods=rods, length_unit=unit)
+    written = symkin.load(symkin.convert(mechanism, tmp_path / f"m{suffix}"))
+    scale = 1e-3 if unit == "mm" else 1.0
+    found = {rod.name: rod for rod in written.link_rods}
+    assert found["stated"].length == pytest.approx(scale * math.hypot(4, 12), rel=1e-12)
+    assert found["measured"].length is None
+    assert found["driven"].offset == pytest.approx(scale * 0.75, rel=1e-12)

@@ -10,8 +10,9 @@ import pytest
 
 import symkin
 from symkin.closure.closure import build_closure
+from symkin.formats import closing
 from symkin.formats.assembled import assembled, mechanism_of
-from symkin.formats.closing import closed_neighbours, constraint_rows, nearest_closed, rank_at, row_count
+from symkin.formats.closing import closed_neighbours, constraint_rows, generic_rank, nearest_closed, rank_at, row_count
 from symkin.formats.closure_rows import ROWS
 from symkin.formats.robot import Closure, Robot
 from symkin.formats.tree_motion import Tree
@@ -200,3 +201,33 @@ def test_joints_that_form_no_tree_are_refused() -> None:
     lone = LinkJoint(Joint("lone", "R", (0, 0, 0), Z), ("elsewhere", "arm"))
     with pytest.raises(symkin.MechanismError, match="'lone': its link 'elsewhere' hangs on nothing"):
         Tree(Robot("r", {"base": Pose.identity()}, (lone,))).steps  # noqa: B018
+
+
+@pytest.mark.parametrize("turns", [-4, 2, 3])
+def test_turns_of_coupled_joints_count_while_loops_close(turns: int) -> None:
+    """A pinion coupled to a lever of a loop, several turns off in the file: whole turns of coupled joints are kept, those of others are
+    left out."""
+    bar = four_bar(open_by=-1.5)
+    pinion = LinkJoint(Joint("pinion", "R", (0, 0, 1), Z), ("base", "wheel"))
+    links = {**bar.links, "wheel": Pose.identity()}
+    coupling = Coupling("pinion", {"follower": 1.5}, 2 * np.pi * turns)
+    found = nearest_closed(replace(bar, links=links, joints=(*bar.joints, pinion), couplings=(coupling,)))
+    values = {name: float(value) for name, (value,) in found.values.items()}
+    assert found.closed
+    assert abs(values["pinion"]) > 1.1 * np.pi
+    assert values["pinion"] == pytest.approx(1.5 * values["follower"] + 2 * np.pi * turns, abs=1e-9)
+    far = tuple(v + 6 * np.pi * (step.name == "knee") for v, step in zip(found.state, found.tree.steps, strict=True))
+    np.testing.assert_allclose(closing._without_turns(found.tree, far), found.state, atol=1e-9)
+
+
+def test_the_generic_rank_to_digits_is_that_of_most_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of loops that close to the digits of a file alone, where single neighbours may lie at singular places and others be blurred by
+    the misfit; of those that close, the rank is the largest, which is lost at singular places only."""
+    rng = np.random.default_rng(0)
+    exact, rounded = nearest_closed(four_bar(open_by=-2.0)), nearest_closed(four_bar(reach=9.0))
+    monkeypatch.setattr(closing, "_starts_aside", lambda *_: [])
+    for _ in range(20):
+        ranks = rng.permutation([7, 7, *rng.choice([5, 6, 8, 9], 2, replace=False)]).tolist()
+        monkeypatch.setattr(closing, "_clear_ranks", lambda *_, found=ranks: list(found))
+        assert generic_rank(exact, 0) == closing.GenericRank(max(ranks), False)
+        assert generic_rank(rounded, 0) == closing.GenericRank(7, True)
