@@ -8,6 +8,7 @@ import pytest
 
 import symkin
 from helpers.samples import five_bar, three_rrr
+from symkin.model.joint import Coordinate
 from symkin.numeric.linear_algebra import conditions, least_squares_steps, null_space, singular_values
 from symkin.numeric.mapped import Mapped
 from symkin.position.canonical import canonical
@@ -102,3 +103,26 @@ def test_the_standard_writing():
     turned = np.tile(arm.reference, (2, 1))
     turned[:, angles] += 2 * np.pi * np.array([[3.0], [-2.0]])
     np.testing.assert_allclose(canonical(arm.coordinates, arm.slices, turned)[:, angles], np.tile(arm.reference[angles], (2, 1)))
+
+
+def test_angles_are_written_within_their_limits():
+    """By the fewest whole turns that bring them there; those inside stay, those that no turns bring in are within half a turn."""
+    limits = [(-1.0, 2.0), (4.0, 9.0), (-12.0, -11.0), (-20.0, 20.0), (3.0, 3.2)]
+    coordinates = [Coordinate(f"q{k}", "angle", "passive", limits=pair) for k, pair in enumerate(limits)]
+    places = {c.name: slice(k, k + 1) for k, c in enumerate(coordinates)}
+    values = RNG.uniform(-30, 30, (500, len(limits)))
+    for k, column in enumerate(canonical(coordinates, places, values).T):
+        low, high = limits[k]
+        start = np.remainder(values[:, k] + np.pi, 2 * np.pi) - np.pi
+        others = start[:, None] + 2 * np.pi * np.arange(-6, 7)
+        inside = (others >= low) & (others <= high)
+        nearest = np.argmin(np.where(inside, np.abs(others - start[:, None]), np.inf), axis=1)
+        expected = np.where(inside.any(axis=1), others[np.arange(500), nearest], start)
+        np.testing.assert_allclose(column, expected, atol=1e-9)
+
+
+def test_lengths_are_written_above_their_least():
+    """A rod of offset d has the coordinate r = length - d: length and -length are one configuration, r and 2 least - r, least = -d."""
+    rod = Coordinate("r", "length", "actuated", least=-3.0)
+    length = RNG.uniform(-10, 10, (200, 1))
+    np.testing.assert_allclose(canonical([rod], {"r": slice(0, 1)}, length - 3.0), np.abs(length) - 3.0, atol=1e-12)

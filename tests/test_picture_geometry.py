@@ -16,6 +16,7 @@ import symkin
 from helpers.random_graphs import random_graph
 from helpers.samples import unit
 from symkin.model.graph_checks import links_of
+from symkin.plots.crossings import pieces
 from symkin.plots.graph_lines import graph_lines, reference_graph_lines, view_axes
 from symkin.plots.graph_painter import GraphPainter
 
@@ -173,3 +174,27 @@ def test_frames_point_where_their_axes_point(seed):
     for (start, end), way in zip(arrows, expected, strict=False):
         np.testing.assert_allclose(start, [7.0, -3.0], atol=1e-9)
         np.testing.assert_allclose((end - start) / 7.5, way, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_pieces_of_crossing_lines_lie_over_each_other_by_depth(seed):
+    """Two lines that are made to cross in the picture at known shares of both, and two beside them: pieces make up their lines, and
+    the piece at the crossing has the depth there and covers the other if it is nearer."""
+    rng, axes = np.random.default_rng(seed), random_view(seed)
+    shares, depths, lines = rng.uniform(0.1, 0.9, 2), rng.normal(size=2), []
+    for share, depth in zip(shares, depths, strict=True):
+        along = np.array([*unit(rng, 2), 3.0 * rng.normal()])
+        crossing = np.array([0.3, -0.2, depth])
+        lines.append((axes.T @ (crossing - share * along), axes.T @ (crossing + (1.0 - share) * along)))
+    lines += [(axes.T @ [9.0, 9.0, k], axes.T @ [9.0 + k, 11.0, k]) for k in (0.0, 1.0)]
+    found = pieces(lines, axes)
+    for number, (start, end) in enumerate(lines):
+        (own,) = [piece for piece in found if piece.number == number]
+        np.testing.assert_allclose([own.start, own.end], [start, end], atol=1e-12)
+        if number > 1:
+            assert own.over is None
+            continue
+        assert own.nearness == pytest.approx(depths[number])
+        assert (own.over is not None) == (depths[number] > depths[1 - number])
+        if own.over is not None:
+            np.testing.assert_allclose(axes @ own.over, [0.3, -0.2, depths[number]], atol=1e-12)

@@ -14,7 +14,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.laws import chain, frame
+from helpers.samples import random_coordinate, random_mechanism
 from symkin import InputError, Joint, Limb, Mechanism, Modes, Pose, Rod
+from symkin.closure.closure import build_closure
 from symkin.plots.link_displacements import joint_displacement, link_displacements
 from symkin.plots.mechanism_lines import MechanismLines, lines_at, outline, reference_lines
 from symkin.plots.modes_plot import figure_of_modes
@@ -107,6 +110,24 @@ def test_both_sides_of_every_joint_agree(name):
                     [gap - (gap @ axis) * axis, mechanism.characteristic_length * (behind.rotation - before.rotation).ravel()]
                 )
             assert np.abs(gap).max() < 1e-8 * mechanism.characteristic_length
+
+
+@pytest.mark.parametrize("kinds", ["rRS", "SrR", "UrP", "hCR", "PPr", "CRrH"])
+def test_links_of_random_limbs_are_products_of_displacements(kinds):
+    """At the pose to which random joint values lead, without those of the cut joint: the links on both sides of the cut are where the
+    joints from the base on place them."""
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        mechanism = random_mechanism(rng, [kinds])
+        (limb,) = mechanism.limbs
+        values = {c.name: random_coordinate(rng, c) for joint in limb.joints for c in joint.coordinates}
+        reference = frame(mechanism.platform_position, mechanism.platform_quaternion)
+        held = {c.name for c in build_closure(mechanism).coordinates}
+        known = {name: value for name, value in values.items() if name in held}
+        assert len(known) < len(values)
+        links = link_displacements(mechanism, limb, known, Pose.from_matrix(chain(limb.joints, values) @ reference))
+        for count, link in enumerate(links):
+            np.testing.assert_allclose(link.matrix, chain(limb.joints[:count], values), atol=1e-9)
 
 
 VALUES = {"R": (0.7,), "P": (0.4,), "H": (5.0,), "C": (-0.8, 0.3), "U": (0.5, -1.1), "S": ((0.5, -0.5, 0.1, 0.7),)}

@@ -128,7 +128,7 @@ def _run(fault: Fault, copy: Path) -> tuple[int, str]:
 
 def _ended(tests: Sequence[str], copy: Path) -> tuple[int, str]:
     """What pytest ends with, and the end of what it says."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-m", "", "-p", "no:cacheprovider", *tests]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-m", "not long", "-p", "no:cacheprovider", *tests]
     command += [f"--deselect={test}" for test in BYTE_COMPARISONS]
     try:
         with tempfile.TemporaryDirectory(dir=copy.parent) as cache:
