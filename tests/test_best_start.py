@@ -72,6 +72,22 @@ def test_a_base_that_loses_roots_is_no_candidate():
     assert choice.steps[1:] == (np.inf,) * 3
 
 
+def test_a_base_at_which_roots_merge_is_no_candidate():
+    """All paths arrive, two of them at one root: what is left is no whole start."""
+    start, targets = setting()
+
+    def merged(system, roots, lines, settings=None) -> list[Tracked]:
+        if any(np.array_equal(lines[0][1], target) for target in targets):
+            return fast_lines(system, roots, lines, settings)
+        moved = [np.hstack([z[:, :1], z[:, :1], z[:, 2:]]) for z in roots]
+        one = np.ones(start.z.shape[1], dtype=int)
+        return [Tracked(z, one > 0, one, one) for z in moved]
+
+    choice = best_start(universal_system(), start, bases_beside(targets, 3, seed=0), targets, merged)
+    assert choice.start is start
+    assert choice.steps[1:] == (np.inf,) * 3
+
+
 def test_orbits_of_operation_modes_go_with_the_roots():
     """Roots keep their order, so that what was known of each still belongs to it."""
     start, targets = setting()

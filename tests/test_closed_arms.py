@@ -5,6 +5,8 @@ Oracles: the direct problem, which no formula of the inverse one enters, and con
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -13,7 +15,9 @@ import symkin
 from helpers.arms import along, direction, free, random_values, serial, short_structures, structures, through
 from helpers.gate import in_gate
 from symkin import InputError
+from symkin.closed.geometry import AxisGeometry
 from symkin.closed.plan import plan_of
+from symkin.closed.screws import ArmScrews, Screw
 
 ARMS, SHORT = structures(np.random.default_rng(7)), short_structures(np.random.default_rng(7))
 ALL = ARMS | SHORT
@@ -206,3 +210,21 @@ def test_a_pose_that_formulas_close_is_left_as_it_is():
     away = symkin.modes(arm, pose=[*exact[:3], np.cos(0.4), np.sin(0.4), 0.0, 0.0])
     assert len(away) == 0
     assert any("off those that it can take" in note for note in away.notes)
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_axes_meet_in_their_common_point_or_nowhere(count: int) -> None:
+    """Random axes through a random point meet there; with one of them beside it, along the normal of two of them, they do not meet, and
+    parallel ones have no single point."""
+    rng = np.random.default_rng(count)
+    for _ in range(10):
+        point, axes = rng.normal(size=3), [direction(rng) for _ in range(count)]
+        through_it = [Screw(f"q{k}", False, tuple(point + rng.normal() * np.array(a)), tuple(a), 0.0) for k, a in enumerate(axes)]
+        found = AxisGeometry(ArmScrews(tuple(through_it), symkin.Pose.identity(), 1.0)).meeting_point(range(count))
+        np.testing.assert_allclose(found, point, atol=1e-9)
+        beside = replace(through_it[-1], point=tuple(np.array(through_it[-1].point) + 0.01 * np.cross(axes[0], axes[-1])))
+        other = replace(through_it[-1], axis=through_it[0].axis)
+        for last in (beside, other):
+            arm = ArmScrews((*through_it[:-1], last), symkin.Pose.identity(), 1.0)
+            found = AxisGeometry(arm).meeting_point(range(count))
+            assert found is None or (last is other and count == 3)

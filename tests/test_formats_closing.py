@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.laws import axis_turn, chain
 from symkin.closure.closure import build_closure
 from symkin.formats import closing
 from symkin.formats.assembled import assembled, mechanism_of
@@ -135,6 +136,26 @@ def test_the_assembled_mechanism_is_closed_and_has_the_mobility(kind: str) -> No
     assert counted.mobility <= found.tree.freedom - found.rank() <= counted.mobility + 3
     zeros = {e.joint.name: e.joint.zero for e in mechanism.link_joints if e.joint.name in ("a0", "a1", "a2", "b2", "b3")}
     assert zeros == {name: found.values[name][0] for name in zeros}
+
+
+def test_axes_of_the_assembled_mechanism_are_moved_with_their_links() -> None:
+    """Of the arm C U R R of a loop that was open: points and axes where the displacements of the joints before them lead, the second
+    axis of the universal joint behind its first turn."""
+    robot = spatial_loop("S", 0.3)
+    found = nearest_closed(robot)
+    made = {entry.joint.name: entry.joint for entry in mechanism_of(robot).link_joints}
+    arm = [entry.joint for entry in robot.joints if entry.joint.name.startswith("b")]
+    values = {name: float(value[0]) for name, value in found.values.items() if len(value) == 1}
+    assert abs(values["b1.1"]) > 1e-3
+    for count, joint in enumerate(arm):
+        before = chain(arm[:count], values)
+        line = before[:3, :3] @ joint.axis
+        np.testing.assert_allclose(made[joint.name].axis, line, atol=1e-9)
+        offset = before[:3, :3] @ joint.point + before[:3, 3] - made[joint.name].point
+        assert np.linalg.norm(np.cross(offset, line)) < 1e-9
+        if joint.axis2 is not None:
+            turned = before[:3, :3] @ axis_turn(joint.axis, values["b1.1"]) @ joint.axis2
+            np.testing.assert_allclose(made[joint.name].axis2, turned, atol=1e-9)
 
 
 def test_link_poses_are_those_of_the_tree() -> None:

@@ -38,3 +38,19 @@ def test_values_stay():
         np.testing.assert_allclose(
             _values(found, [c, s, x, y], point), _values(expressions, [c, s, x, y], point), rtol=1e-11, atol=1e-12
         )
+
+
+def test_polynomials_with_whole_coefficients_keep_their_values():
+    """Products of sums of which much cancels, so that polynomials with coefficients of both signs are left and are written anew."""
+    rng = np.random.default_rng(5)
+    x, y, z = symbols = [ca.SX.sym(name) for name in "xyz"]
+    for _ in range(40):
+        a, b, c, d = (int(v) for v in rng.integers(-4, 5, 4))
+        product = (x + a) * (y + b) * (z + c) - x * y * z
+        expression = product - c * x * y - (y + d) * (a * z + 1) + b * (x - z) ** 2 - b * x * x
+        found = gathered([expression], symbols, [])
+        for _ in range(3):
+            point = rng.normal(size=3)
+            np.testing.assert_allclose(
+                _values(found, symbols, point), _values([expression], symbols, point), rtol=1e-11, atol=1e-11
+            )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from helpers.samples import (
 )
 from symkin import Mechanism, SolveError
 from symkin.numeric.tolerances import SINGULAR_VALUE
+from symkin.singularities import motion_ranks
 from symkin.singularities.classification import classify, singularity
 from symkin.singularities.motion_ranks import generic_ranks
 from symkin.singularities.singularity_result import Singularity
@@ -116,6 +118,17 @@ def test_generic_ranks_of_shipped_mechanisms() -> None:
     ranks = {name: generic_ranks(symkin.load(name)) for name in ("zhang2009", "gluon_6l3", "zhao2000_links")}
     assert [r.motions for r in ranks.values()] == [6, 6, 4]
     assert [r.constraints for r in ranks.values()] == [0, 0, 2]
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_a_singular_configuration_among_others_changes_no_generic_rank(first: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An arm with its wrist stretched, where its joints' screws depend on each other, before or behind a regular configuration."""
+    arm = replace(pieper(), name=f"arm_{first}")
+    bent, stretched = (symkin.solve(arm, joints=[0.3, 0.5, 0.7, 0.9, wrist, 1.1]).solution.variables for wrist in (1.0, 0.0))
+    monkeypatch.setattr(motion_ranks, "closed_configurations", lambda *_: [stretched, bent] if first else [bent, stretched])
+    assert generic_ranks(arm).rates == 6
+    monkeypatch.setattr(motion_ranks, "closed_configurations", lambda *_: [stretched])
+    assert generic_ranks(replace(arm, name=f"stretched_{first}")).rates < 6
 
 
 def assert_verdict_and_distances_agree(found: Singularity) -> None:
