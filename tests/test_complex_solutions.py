@@ -12,7 +12,8 @@ from symkin.page.complex_solutions import complex_solutions
 
 @pytest.mark.parametrize("name", ["zhang2009"])
 def test_the_real_ones_are_the_modes_and_close(name):
-    """Rows vanish at all real ones; each mode is one of them, up to the sign of its quaternion; the others come in conjugate pairs."""
+    """Rows vanish at all real ones; each mode is one of them, up to the sign of its quaternion; the
+    others come in conjugate pairs."""
     modes = symkin.modes(symkin.load(name))
     problem = modes.problem
     found = complex_solutions(problem, modes[0])

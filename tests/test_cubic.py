@@ -1,5 +1,5 @@
-"""The cubics that paths are proved about: their boxes hold curve and derivatives and are no larger than needed, and their extremes
-are where the derivative vanishes."""
+"""The cubics that paths are proved about: their boxes hold curve and derivatives and are no larger
+than needed, and their extremes are where the derivative vanishes."""
 
 from __future__ import annotations
 
@@ -11,17 +11,24 @@ from symkin.following.joint_limits import _extremes
 
 
 def drawn(seed):
-    """A cubic of five unknowns by its Hermite data, and the polynomial in time of each (4, 5), by the four conditions."""
+    """A cubic of five unknowns by its Hermite data, and the polynomial in time of each (4, 5), by
+    the four conditions."""
     rng = np.random.default_rng(seed)
     length = float(np.exp(rng.normal()))
     a, b, va, vb = rng.normal(size=(4, 5))
-    rows = [[1, 0, 0, 0], [0, 1, 0, 0], [1, length, length**2, length**3], [0, 1, 2 * length, 3 * length**2]]
+    rows = [
+        [1, 0, 0, 0],
+        [0, 1, 0, 0],
+        [1, length, length**2, length**3],
+        [0, 1, 2 * length, 3 * length**2],
+    ]
     return Cubic.hermite(a, va, b, vb, length), np.linalg.solve(np.array(rows, dtype=float), np.array([a, va, b, vb]))
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_boxes_hold_curve_velocity_and_acceleration(seed):
-    """The box of the acceleration, which is linear, is that of its ends; those of curve and velocity hold all samples."""
+    """The box of the acceleration, which is linear, is that of its ends; those of curve and
+    velocity hold all samples."""
     cubic, powers = drawn(seed)
     t = np.linspace(0.0, cubic.length, 201)
     curve = np.polynomial.polynomial.polyval(t, powers).T
@@ -29,10 +36,18 @@ def test_boxes_hold_curve_velocity_and_acceleration(seed):
     acceleration = np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(powers, 2)).T
     np.testing.assert_allclose([cubic.at(s) for s in t / cubic.length], curve, atol=1e-12)
     np.testing.assert_allclose(cubic.middle_velocity, velocity[100], atol=1e-11)
-    for (centre, half), values in ((cubic.hull, curve), (cubic.velocity, velocity), (cubic.acceleration, acceleration)):
+    for (centre, half), values in (
+        (cubic.hull, curve),
+        (cubic.velocity, velocity),
+        (cubic.acceleration, acceleration),
+    ):
         assert np.all(np.abs(values - centre) <= half + 1e-12 * np.max(np.abs(values)))
     centre, half = cubic.acceleration
-    np.testing.assert_allclose([centre - half, centre + half], [acceleration.min(axis=0), acceleration.max(axis=0)], atol=1e-9)
+    np.testing.assert_allclose(
+        [centre - half, centre + half],
+        [acceleration.min(axis=0), acceleration.max(axis=0)],
+        atol=1e-9,
+    )
     centre, half = cubic.velocity
     ends = np.abs(velocity[[0, -1]] - centre) - half
     assert np.all(ends <= 1e-12)

@@ -1,5 +1,5 @@
-"""Each row and each check of a cut joint by itself: a displacement that breaks one condition of the joint alone is seen, and as
-large as it is."""
+"""Each row and each check of a cut joint by itself: a displacement that breaks one condition of the
+joint alone is seen, and as large as it is."""
 
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ from symkin.closure.closure import build_closure
 
 
 def evaluated_after(mechanism, rng, step):
-    """Rows and errors, over the size, at random joint values, the platform displaced from where they lead by `step` (of the last
-    joint, which is cut, where the joints before it carry it: point, axis, second axis)."""
+    """Rows and errors, over the size, at random joint values, the platform displaced from where
+    they lead by `step` (of the last joint, which is cut, where the joints before it carry it:
+    point, axis, second axis)."""
     closure = build_closure(mechanism)
     *before, last = mechanism.limbs[0].joints
     named = {c.name: random_coordinate(rng, c) for j in [*before, last] for c in j.coordinates}
@@ -54,7 +55,8 @@ def test_a_turn_about_the_joints_own_point_is_seen(kinds, angle):
 
 @pytest.mark.parametrize("angle", [1e-3, 1.0, 3.0])
 def test_a_universal_joint_keeps_the_angle_of_its_axes(angle):
-    """Opened by an angle about the normal of both axes: rows and errors are the change of the cosine."""
+    """Opened by an angle about the normal of both axes: rows and errors are the change of the
+    cosine."""
     rng = np.random.default_rng(3)
     seen = []
 

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.calibration.judge.outliers import OUTLIER_LEVEL, _test_readings, max_outliers, screen_readings
+from symkin.calibration.judge.outliers import (
+    OUTLIER_LEVEL,
+    _test_readings,
+    max_outliers,
+    screen_readings,
+)
 from symkin.calibration.judge.statistics import LinearModel
 
 WIDTH = 3
@@ -22,9 +27,13 @@ def model_of(errors, absorbed):
     n, width = errors.shape
     flat = errors.ravel()
     return LinearModel(
-        residuals=flat - basis @ (basis.T @ flat), group_columns=np.zeros((n * width, 2)), group=np.full(n * width, -1),
-        parameter_columns=basis, taken=np.ones(n * width, dtype=bool), whiten=np.tile(np.eye(width), (n, 1, 1)),
-    )  # fmt: skip
+        residuals=flat - basis @ (basis.T @ flat),
+        group_columns=np.zeros((n * width, 2)),
+        group=np.full(n * width, -1),
+        parameter_columns=basis,
+        taken=np.ones(n * width, dtype=bool),
+        whiten=np.tile(np.eye(width), (n, 1, 1)),
+    )
 
 
 def problem_of(n):
@@ -45,8 +54,8 @@ def squares(columns, values):
 
 @pytest.mark.parametrize("absorbed", [0, 5, 30])
 def test_a_statistic_is_what_a_free_shift_takes_of_chi_square(absorbed):
-    """Of every reading: the fall of the sum of squares once its components have shifts of their own among the unknowns, these shifts,
-    and their count."""
+    """Of every reading: the fall of the sum of squares once its components have shifts of their own
+    among the unknowns, these shifts, and their count."""
     rng = np.random.default_rng(absorbed)
     n = 20
     errors, columns = rng.normal(size=(n, WIDTH)), rng.normal(size=(n * WIDTH, absorbed))
@@ -61,11 +70,17 @@ def test_a_statistic_is_what_a_free_shift_takes_of_chi_square(absorbed):
 
 
 def test_statistics_of_clean_readings_are_distributed_as_they_should_be():
-    """Mean and variance of chi-square with three degrees of freedom, of 4000 clean readings beside a fit of 40 parameters."""
+    """Mean and variance of chi-square with three degrees of freedom, of 4000 clean readings beside
+    a fit of 40 parameters."""
     rng = np.random.default_rng(8)
     n, rows = 40, np.arange(40 * WIDTH).reshape(40, WIDTH)
     drawn = [
-        _test_readings(model_of(rng.normal(size=(n, WIDTH)), rng.normal(size=(n * WIDTH, 40))), "position", np.arange(n), rows)
+        _test_readings(
+            model_of(rng.normal(size=(n, WIDTH)), rng.normal(size=(n * WIDTH, 40))),
+            "position",
+            np.arange(n),
+            rows,
+        )
         for _ in range(100)
     ]
     statistics = np.concatenate([found.statistic for found in drawn])
@@ -76,15 +91,18 @@ def test_statistics_of_clean_readings_are_distributed_as_they_should_be():
 @pytest.mark.parametrize("n", [10, 40])
 @pytest.mark.parametrize("taken", [0, 1])
 def test_the_level_is_shared_by_the_readings_that_are_left(n, taken):
-    """Sidak: of m independent readings one is flagged if its probability is below 1 - (1 - level)^(1/m), where those that are out
-    already do not count."""
+    """Sidak: of m independent readings one is flagged if its probability is below 1 - (1 -
+    level)^(1/m), where those that are out already do not count."""
     bound = 1.0 - (1.0 - OUTLIER_LEVEL) ** (1.0 / (n - taken))
     for factor, flagged in ((0.995, True), (1.005, False)):
         errors = np.full((n, 1), 0.1)
         errors[:taken] = 50.0
         errors[-1] = _normal_of(factor * bound)
         found = screen_readings(problem_of(n), model_of(errors, np.zeros((n, 0))))
-        assert [o.configuration for o in found.outliers] == [*range(taken), *([n - 1] if flagged else [])]
+        assert [o.configuration for o in found.outliers] == [
+            *range(taken),
+            *([n - 1] if flagged else []),
+        ]
         assert not found.given_up
 
 
@@ -103,8 +121,9 @@ def _normal_of(probability):
     ids=["a fifth", "a third of 30 freedoms", "a fifth of 60", "a third of 15 freedoms", "300"],
 )
 def test_a_search_is_given_up_where_too_many_would_go(n, absorbed, most):
-    """As many gross errors as may go are found all; one more, and none is left out, with all that were found told. At most go a fifth
-    of the readings, a third of the freedoms, and 300. What the fit absorbs whole is unchecked."""
+    """As many gross errors as may go are found all; one more, and none is left out, with all that
+    were found told. At most go a fifth of the readings, a third of the freedoms, and 300. What the
+    fit absorbs whole is unchecked."""
     problem = problem_of(n)
     counts = (most, most + 1) if n < 1000 else ()
     assert max_outliers(problem) == min(300, n // 5)

@@ -1,6 +1,8 @@
-"""Pictures as geometry: drawn points are link poses applied to points, axes point where they point, what is nearer covers.
+"""Pictures as geometry: drawn points are link poses applied to points, axes point where they point,
+what is nearer covers.
 
-The poses are random, so that a point, an axis or a depth that is taken from another link or view is somewhere else."""
+The poses are random, so that a point, an axis or a depth that is taken from another link or view is
+somewhere else."""
 
 from __future__ import annotations
 
@@ -24,7 +26,8 @@ SEEDS = range(12)
 
 
 def displaced(seed):
-    """A random graph of links, a random displacement (rotation, shift) of each link but the base, and the lines there."""
+    """A random graph of links, a random displacement (rotation, shift) of each link but the base,
+    and the lines there."""
     rng, mechanism = np.random.default_rng(seed), random_graph(seed)
     size, poses = mechanism.characteristic_length, {}
     for link in sorted({"base", *links_of(mechanism)}):
@@ -62,7 +65,8 @@ def random_view(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_axes_are_carried_by_their_links(seed):
-    """The first axis of a joint turns with its first link, the second one of a universal joint with its second."""
+    """The first axis of a joint turns with its first link, the second one of a universal joint with
+    its second."""
     mechanism, moves, lines = displaced(seed)
     marks = {mark.name: mark for mark in lines.joints}
     for entry in mechanism.link_joints:
@@ -85,7 +89,11 @@ def test_drawn_points_are_moved_by_their_links(seed):
             for link in entry.links:
                 point = moved(moves, link, place)
                 assert min(np.linalg.norm(point - p) for p in lines.links[link]) < 1e-12 * size
-            np.testing.assert_allclose(marks[entry.joint.name].centre, moved(moves, entry.links[1], place), atol=1e-12 * size)
+            np.testing.assert_allclose(
+                marks[entry.joint.name].centre,
+                moved(moves, entry.links[1], place),
+                atol=1e-12 * size,
+            )
     for rod, line in zip(mechanism.link_rods, lines.rods, strict=True):
         np.testing.assert_allclose(line.start, moved(moves, rod.links[0], rod.start), atol=1e-12 * size)
         np.testing.assert_allclose(line.end, moved(moves, rod.links[1], rod.end), atol=1e-12 * size)
@@ -93,8 +101,8 @@ def test_drawn_points_are_moved_by_their_links(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_picture_is_a_view_of_the_points(seed):
-    """Rods and joints are drawn where shift + scale (right, up) leads their points; of two rods, and of two joints that are driven
-    alike, the one nearer to the eye covers the other."""
+    """Rods and joints are drawn where shift + scale (right, up) leads their points; of two rods,
+    and of two joints that are driven alike, the one nearer to the eye covers the other."""
     mechanism, _, lines = displaced(seed)
     axes, size = random_view(seed), mechanism.characteristic_length
     painter = painted(lines, axes)
@@ -118,8 +126,12 @@ def test_the_picture_is_a_view_of_the_points(seed):
 
 
 def crossing(upper):
-    """Two links as bars that cross at the origin as seen along z, `upper` above the other by half their length."""
-    heights = {"first": 50.0 if upper == "first" else 0.0, "second": 50.0 if upper == "second" else 0.0}
+    """Two links as bars that cross at the origin as seen along z, `upper` above the other by half
+    their length."""
+    heights = {
+        "first": 50.0 if upper == "first" else 0.0,
+        "second": 50.0 if upper == "second" else 0.0,
+    }
     z, joints = (0.0, 0.0, 1.0), []
     for link, way in (("first", (100.0, 0.0)), ("second", (0.0, 100.0))):
         x, y = way
@@ -133,7 +145,8 @@ def crossing(upper):
 @pytest.mark.parametrize("upper", ["first", "second"])
 @pytest.mark.parametrize("below", [False, True])
 def test_the_nearer_link_has_the_pixel_of_the_crossing(upper, below):
-    """Seen from above and from below: the colour at the crossing is that of the link nearer to the eye."""
+    """Seen from above and from below: the colour at the crossing is that of the link nearer to the
+    eye."""
     lines = reference_graph_lines(crossing(upper))
     axes = np.diag([1.0, -1.0, -1.0]) if below else np.eye(3)
     painter = painted(bars_alone(lines), axes, origin=False)
@@ -157,7 +170,8 @@ def bars_alone(lines):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_views_are_right_handed(seed):
-    """Right, up and towards the eye are orthonormal and of positive hand: no picture is a mirror image."""
+    """Right, up and towards the eye are orthonormal and of positive hand: no picture is a mirror
+    image."""
     axes, _ = view_axes(displaced(seed)[2])
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(axes) > 0
@@ -165,7 +179,8 @@ def test_views_are_right_handed(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_frames_point_where_their_axes_point(seed):
-    """The arrows of the base frame are seen along its axes, red, green and blue in turn, all to one scale."""
+    """The arrows of the base frame are seen along its axes, red, green and blue in turn, all to one
+    scale."""
     _, _, lines = displaced(seed)
     axes = random_view(seed)
     painter = painted(lines, axes)
@@ -178,8 +193,9 @@ def test_frames_point_where_their_axes_point(seed):
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_pieces_of_crossing_lines_lie_over_each_other_by_depth(seed):
-    """Two lines that are made to cross in the picture at known shares of both, and two beside them: pieces make up their lines, and
-    the piece at the crossing has the depth there and covers the other if it is nearer."""
+    """Two lines that are made to cross in the picture at known shares of both, and two beside them:
+    pieces make up their lines, and the piece at the crossing has the depth there and covers the
+    other if it is nearer."""
     rng, axes = np.random.default_rng(seed), random_view(seed)
     shares, depths, lines = rng.uniform(0.1, 0.9, 2), rng.normal(size=2), []
     for share, depth in zip(shares, depths, strict=True):

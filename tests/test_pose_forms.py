@@ -21,8 +21,8 @@ def numbers(value):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("form", ["study", "homogeneous", "unit"])
 def test_forms_move_points_and_measure_distances(form, seed):
-    """With e of any length: points, directions and squared distances, times N = e.e, as the rotation of e / |e| and the position have
-    them."""
+    """With e of any length: points, directions and squared distances, times N = e.e, as the
+    rotation of e / |e| and the position have them."""
     rng = np.random.default_rng(seed)
     e, position, m, other = 1.7 * rng.normal(size=4), *rng.normal(size=(3, 3))
     if form == "unit":
@@ -41,13 +41,16 @@ def test_forms_move_points_and_measure_distances(form, seed):
 
 @pytest.mark.parametrize("seed", range(10))
 def test_tilt_and_torsion_are_three_turns(seed):
-    """Rz(azimuth) Ry(tilt) Rz(torsion - azimuth) has them; rows and checks of each alone and of all vanish there."""
+    """Rz(azimuth) Ry(tilt) Rz(torsion - azimuth) has them; rows and checks of each alone and of all
+    vanish there."""
     rng = np.random.default_rng(seed)
     azimuth, tilt, torsion = rng.uniform(-3, 3), rng.uniform(0.1, 3.0), rng.uniform(-3, 3)
     turn = axis_turn(Z, azimuth) @ axis_turn(Y, tilt) @ axis_turn(Z, torsion - azimuth)
     q = np.asarray(quaternion_from_matrix(turn))
     np.testing.assert_allclose(
-        np.exp(1j * np.array(tilt_and_torsion(q))), np.exp([1j * azimuth, 1j * tilt, 1j * torsion]), atol=1e-9
+        np.exp(1j * np.array(tilt_and_torsion(q))),
+        np.exp([1j * azimuth, 1j * tilt, 1j * torsion]),
+        atol=1e-9,
     )
     given = {"azimuth": azimuth, "tilt": tilt, "torsion": torsion}
     for names in (["azimuth"], ["tilt"], ["torsion"], ["azimuth", "tilt"], list(given)):

@@ -14,7 +14,8 @@ T = np.linspace(-12.0, 12.0, 200_001)
 
 @pytest.mark.parametrize("loss", ["huber", "cauchy"])
 def test_losses_have_their_efficiency(loss):
-    """Of the influence psi = w(t) t with normal errors: E(psi')^2 / E(psi^2), the least squares variance over that of the loss."""
+    """Of the influence psi = w(t) t with normal errors: E(psi')^2 / E(psi^2), the least squares
+    variance over that of the loss."""
     density = np.exp(-0.5 * T**2) / np.sqrt(2 * np.pi)
     psi = loss_weights(loss, T) * T
     step = T[1] - T[0]
