@@ -166,9 +166,7 @@ def distinct(system: System, ends: np.ndarray, known: np.ndarray, starts: int) -
     root_of = np.full(len(hits) + 1, -1)
     root_of[order[found.origin[own]]] = labels[own]
     late = _late_hits(root_of[ends_at])
-    return Roots(
-        system, found.points[first], np.maximum(totals, 1), found.smallest_residual, starts, found.continuum, late=late
-    )
+    return Roots(system, found.points[first], np.maximum(totals, 1), found.smallest_residual, starts, found.continuum, late=late)
 
 
 def _late_hits(at: np.ndarray) -> tuple[int, int]:
