@@ -679,8 +679,8 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 break;
             }
             sign = turn;
-            still2 = ((w->spread > 64.0) && (w->spread < 141000000000000.0))
-                ? (5.415530114342247e-26 * w->spread) : 3.465939273179038e-24;
+            still2 = ((w->spread > 1.0) && (w->spread < 17600000000000.0))
+                ? (3.465939273179038e-24 * w->spread) : 3.465939273179038e-24;
         }
         /* the step, and the longest that is accepted: theta = |step| / |step before| at most 1/4 to
          * 1/8, later 3/8 to 3/10 (README.md) */
@@ -746,6 +746,18 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 taken = 0U;
                 fresh = true;
             }
+        } else if ((taken > 0U) && (aim >= 1.0) && (done <= 0.0)
+            && (before <= 5.545502837086461e-23 * w->spread)) {
+            /* the whole line is rounding, which small pivots have made long: the state stays where
+             * it was */
+            for (int i = 0; i < 4; ++i) {
+                w->x[i] = w->x0[i];
+            }
+            ankle_direct_rows(w);
+            residual = ankle_direct_residual(w);
+            status = (residual <= config->tolerance + 1.861703325768915e-12)
+                ? ANKLE_OK : ANKLE_WRONG_BRANCH;
+            break;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
@@ -1446,12 +1458,12 @@ static ANKLE_SHARED void ankle_inverse_signs(const ankle_real k[4], const ankle_
 }
 /* The end of the straight line of known values from w->at, where the state is w->x at w->k, to
  * `to`, if no condition vanishes on the way: between two points whose least value of a condition is
- * g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest
- * bend, which was sampled when this code was written. Then the rows are held against the answer. */
+ * g it stays above 0 where g > M s^2 / 8, s the way between them and M the condition's largest bend
+ * (README.md says which are proved). Then the rows are held against the answer. */
 static ankle_status ankle_inverse_follow(ankle_inverse_work *w, const ankle_real to[2],
     const ankle_config *config, ankle_info *info)
 {
-    static const ankle_real bend[2] = { 1.29, 1.33 };
+    static const ankle_real bend[2] = { 1.85, 1.98 }; /* M / 8: proved, proved */
     ankle_real sign[2];
     ankle_real begin[2];
     ankle_real end[2];

@@ -150,11 +150,12 @@ static const ankle_real ankle_vector_jacobians[4][4] = {
     { 0x1.53f2f12c5b306p-2, 0x1.12fbf493cc615p-1, 0x1.6bd635926f3f1p-1, -0x1.587cd8bb0f01ap-1 },
 };
 
-#define ANKLE_VECTOR_INFEASIBLE_JOINTS 3
-static const ankle_real ankle_vector_infeasible_joints[3][2] = {
+#define ANKLE_VECTOR_INFEASIBLE_JOINTS 4
+static const ankle_real ankle_vector_infeasible_joints[4][2] = {
+    { 0x1.8bcacf9c8ae5ap-1, 0x1.0379009cddf1cp+0 },
     { 0x1.de383c876fcb7p+0, 0x1.fa0837dce61f8p+0 },
-    { 0x1.c5e567ce4572dp+0, -0x1.fc86ff63220e4p+0 },
-    { 0x1.f20c5c2ed4ffap+0, 0x1.be342e04f6090p+0 },
+    { -0x1.1d0d4c18dd469p+1, 0x1.01bc804e6ef8ep+1 },
+    { 0x1.c266b89bbd605p+0, 0x1.2558d2292d1ffp+1 },
 };
 
 #define ANKLE_VECTOR_PAST_JOINTS 0
@@ -162,11 +163,12 @@ static const ankle_real ankle_vector_past_joints[1][2] = {
     { 0x0.0p+0, 0x0.0p+0 },
 };
 
-#define ANKLE_VECTOR_INFEASIBLE_FOUND 3
-static const ankle_real ankle_vector_infeasible_found[3][2] = {
-    { -0x1.167b8f178a8b3p+0, -0x1.28f4eedd7670dp+0 },
-    { -0x1.e6c432b09295bp-1, -0x1.5aae61968cb8ap+0 },
-    { -0x1.f3621958494adp+0, 0x1.a5519e6973476p+0 },
+#define ANKLE_VECTOR_INFEASIBLE_FOUND 4
+static const ankle_real ankle_vector_infeasible_found[4][2] = {
+    { -0x1.113da2b405bccp+0, -0x1.1268dc55897cfp+0 },
+    { 0x1.d308e1d0eae9ap-1, 0x1.ae162245131e6p-1 },
+    { -0x1.0b3dc78bc545ap+1, 0x1.d70b1122898f3p+0 },
+    { -0x1.10f04503e2851p+1, -0x1.dda0fccb7e545p+0 },
 };
 
 #define ANKLE_VECTOR_PAST_FOUND 0

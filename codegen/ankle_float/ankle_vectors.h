@@ -150,11 +150,12 @@ static const ankle_real ankle_vector_jacobians[4][4] = {
     { 0x1.53f2f00000000p-2f, 0x1.12fbf40000000p-1f, 0x1.6bd6360000000p-1f, -0x1.587cd80000000p-1f },
 };
 
-#define ANKLE_VECTOR_INFEASIBLE_JOINTS 3
-static const ankle_real ankle_vector_infeasible_joints[3][2] = {
+#define ANKLE_VECTOR_INFEASIBLE_JOINTS 4
+static const ankle_real ankle_vector_infeasible_joints[4][2] = {
+    { 0x1.8bcad00000000p-1f, 0x1.0379000000000p+0f },
     { 0x1.de383c0000000p+0f, 0x1.fa08380000000p+0f },
-    { 0x1.c5e5680000000p+0f, -0x1.fc87000000000p+0f },
-    { 0x1.f20c5c0000000p+0f, 0x1.be342e0000000p+0f },
+    { -0x1.1d0d4c0000000p+1f, 0x1.01bc800000000p+1f },
+    { 0x1.c266b80000000p+0f, 0x1.2558d20000000p+1f },
 };
 
 #define ANKLE_VECTOR_PAST_JOINTS 0
@@ -162,11 +163,12 @@ static const ankle_real ankle_vector_past_joints[1][2] = {
     { 0x0.0p+0f, 0x0.0p+0f },
 };
 
-#define ANKLE_VECTOR_INFEASIBLE_FOUND 3
-static const ankle_real ankle_vector_infeasible_found[3][2] = {
-    { -0x1.167b900000000p+0f, -0x1.28f4ee0000000p+0f },
-    { -0x1.e6c4320000000p-1f, -0x1.5aae620000000p+0f },
-    { -0x1.f3621a0000000p+0f, 0x1.a5519e0000000p+0f },
+#define ANKLE_VECTOR_INFEASIBLE_FOUND 4
+static const ankle_real ankle_vector_infeasible_found[4][2] = {
+    { -0x1.113da20000000p+0f, -0x1.1268dc0000000p+0f },
+    { 0x1.d308e20000000p-1f, 0x1.ae16220000000p-1f },
+    { -0x1.0b3dc80000000p+1f, 0x1.d70b120000000p+0f },
+    { -0x1.10f0460000000p+1f, -0x1.dda0fc0000000p+0f },
 };
 
 #define ANKLE_VECTOR_PAST_FOUND 0

@@ -196,9 +196,9 @@ static const delta_real delta_vector_infeasible[6][7] = {
         0x1.47adbb006ca5dp-8, 0x0.0p+0, 0x0.0p+0 },
     { -0x1.4cbe350581856p+1, -0x1.4dfba393b23dcp+1, -0x1.6eddc02ae4158p+6, 0x1.fffe5c920a7afp-1,
         0x0.0p+0, 0x1.47adbb006ca5dp-8, 0x0.0p+0 },
-    { 0x1.55bf941b8c6abp+3, 0x1.55703878003cap+3, -0x1.39bfdbff467c0p+6, 0x1.0000000000000p+0,
+    { 0x1.09e07e2fe7c17p+7, 0x1.04559d1168f62p+7, -0x1.be272456bf87fp+7, 0x1.0000000000000p+0,
         0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
-    { 0x1.09e07e2fe7c17p+7, -0x1.0ed54ca2c4306p+7, -0x1.be272456bf87fp+7, 0x1.0000000000000p+0,
+    { 0x1.04627c06008d3p+7, -0x1.0ecd6368655c3p+7, -0x1.c10454ef889e0p+7, 0x1.0000000000000p+0,
         0x0.0p+0, 0x0.0p+0, 0x0.0p+0 },
 };
 

@@ -31,9 +31,61 @@ static ZHANG2009_COLD zhang2009_status zhang2009_check_finite(const zhang2009_re
     return status;
 }
 
+/* NONFINITE where a number of the geometry is NaN or infinite, else `otherwise`. */
+static zhang2009_status zhang2009_check_geometry(const zhang2009_geometry *geometry,
+    zhang2009_status otherwise)
+{
+    const zhang2009_real values[42] = {
+        geometry->base[0][0],
+        geometry->base[0][1],
+        geometry->base[0][2],
+        geometry->platform[0][0],
+        geometry->platform[0][1],
+        geometry->platform[0][2],
+        geometry->offset[0],
+        geometry->base[1][0],
+        geometry->base[1][1],
+        geometry->base[1][2],
+        geometry->platform[1][0],
+        geometry->platform[1][1],
+        geometry->platform[1][2],
+        geometry->offset[1],
+        geometry->base[2][0],
+        geometry->base[2][1],
+        geometry->base[2][2],
+        geometry->platform[2][0],
+        geometry->platform[2][1],
+        geometry->platform[2][2],
+        geometry->offset[2],
+        geometry->base[3][0],
+        geometry->base[3][1],
+        geometry->base[3][2],
+        geometry->platform[3][0],
+        geometry->platform[3][1],
+        geometry->platform[3][2],
+        geometry->offset[3],
+        geometry->base[4][0],
+        geometry->base[4][1],
+        geometry->base[4][2],
+        geometry->platform[4][0],
+        geometry->platform[4][1],
+        geometry->platform[4][2],
+        geometry->offset[4],
+        geometry->base[5][0],
+        geometry->base[5][1],
+        geometry->base[5][2],
+        geometry->platform[5][0],
+        geometry->platform[5][1],
+        geometry->platform[5][2],
+        geometry->offset[5]
+    };
+    return zhang2009_check_finite(values, 42, otherwise);
+}
+
 /* Normalises a pose: (x, y, z, qw, qx, qy, qz) with a quaternion of unit length. Lengths off by
  * more than 1e-2 are refused, and positions so far away that squares could overflow. */
-static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zhang2009_real x[7])
+static zhang2009_status zhang2009_normalise_pose(const zhang2009_geometry *geometry,
+    const zhang2009_pose *pose, zhang2009_real x[7])
 {
     const zhang2009_real *const q = pose->quaternion;
     zhang2009_status status = ZHANG2009_OK;
@@ -60,7 +112,7 @@ static zhang2009_status zhang2009_normalise_pose(const zhang2009_pose *pose, zha
     x[4] = q[1] * inverse;
     x[5] = q[2] * inverse;
     x[6] = q[3] * inverse;
-    return status;
+    return zhang2009_check_geometry(geometry, status);
 }
 
 /* Writes the info of a call: steps taken, predicted error, root of the squared last step, smallest
@@ -128,7 +180,7 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_check_limits(const zhang2009_
             && (joints[5] <= 531259.2044589876)))) {
         status = zhang2009_check_finite(joints, 6, ZHANG2009_OUT_OF_RANGE);
     }
-    return status;
+    return zhang2009_check_geometry(geometry, status);
 }
 
 /* Work space of zhang2009_direct_newton, which solves the rows f(x; k) = 0 for the state x.
@@ -843,7 +895,7 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(const zhang2009_geometry *g
 {
     const zhang2009_real *goal = to;
     if (part < 1.0) {
-        (void)zhang2009_normalise_pose(w->guess, w->x);
+        (void)zhang2009_normalise_pose(geometry, w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
         zhang2009_rod_values(geometry, w);
         for (int i = 0; i < 6; ++i) {
@@ -953,7 +1005,11 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.4249293855405632e-23));
+        const bool noise = !(size <= limit) && (taken > 0U) && (w->spread > 1.0)
+            && (w->spread < 17600000000000.0)
+            && (size <= 1.4249293855405632e-23 * w->spread); /* what rounding makes of the rows */
+        bool accepted = (size <= limit) || noise || ((taken > 0U)
+            && (size <= 1.4249293855405632e-23));
         if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -968,7 +1024,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2))
-                    || (size <= 1.4249293855405632e-23);
+                    || (size <= 1.4249293855405632e-23) || noise;
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
@@ -998,6 +1054,17 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 taken = 0U;
                 fresh = true;
             }
+        } else if ((taken > 0U) && (aim >= 1.0) && (done <= 0.0)
+            && (before <= 2.279887016864901e-22 * w->spread)) {
+            /* the whole line is rounding, which small pivots have made long: the state stays where
+             * it was */
+            (void)zhang2009_normalise_pose(geometry, w->guess, w->x);
+            zhang2009_direct_set_target(geometry, w, to);
+            zhang2009_direct_rows(geometry, w);
+            residual = zhang2009_direct_residual(w);
+            status = (residual <= config->tolerance + 3.774823685340235e-12)
+                ? ZHANG2009_OK : ZHANG2009_WRONG_BRANCH;
+            break;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);
@@ -1033,7 +1100,7 @@ static ZHANG2009_SHARED zhang2009_status zhang2009_read_guess(const zhang2009_ge
     const zhang2009_status limits = zhang2009_check_limits(geometry, joints);
     zhang2009_status status;
     w->guess = guess;
-    status = zhang2009_normalise_pose(guess, w->x);
+    status = zhang2009_normalise_pose(geometry, guess, w->x);
     /* NaN or infinity anywhere comes first */
     return ((status == ZHANG2009_OK) || (limits == ZHANG2009_NONFINITE)) ? limits : status;
 }
@@ -1111,7 +1178,7 @@ zhang2009_status zhang2009_inverse(const zhang2009_geometry *geometry, const zha
     zhang2009_real joints[6])
 {
     zhang2009_direct_work w;
-    zhang2009_status status = zhang2009_normalise_pose(pose, w.x);
+    zhang2009_status status = zhang2009_normalise_pose(geometry, pose, w.x);
     if (status == ZHANG2009_OK) {
         zhang2009_rod_values(geometry, &w);
         status = zhang2009_check_limits(geometry, w.k);
@@ -1132,7 +1199,7 @@ zhang2009_status zhang2009_jacobian(const zhang2009_geometry *geometry, const zh
     zhang2009_real jacobian[36])
 {
     zhang2009_real x[7];
-    zhang2009_status status = zhang2009_normalise_pose(pose, x);
+    zhang2009_status status = zhang2009_normalise_pose(geometry, pose, x);
     if (status == ZHANG2009_OK) {
         const zhang2009_real t0 = x[5] + x[5];
         const zhang2009_real t1 = t0 * x[5];
@@ -1528,6 +1595,7 @@ zhang2009_status zhang2009_rates(const zhang2009_geometry *geometry, const zhang
     const zhang2009_real twist[6], zhang2009_real rates[6])
 {
     zhang2009_real jacobian[6 * 6];
+    zhang2009_real found[6];
     const zhang2009_status status = zhang2009_check_speeds(twist, 6, zhang2009_jacobian(geometry,
         pose, jacobian));
     if (status == ZHANG2009_OK) {
@@ -1536,7 +1604,11 @@ zhang2009_status zhang2009_rates(const zhang2009_geometry *geometry, const zhang
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * twist[j];
             }
-            rates[i] = sum;
+            found[i] = sum;
+        }
+        /* twist and rates may be the same array */
+        for (int i = 0; i < 6; ++i) {
+            rates[i] = found[i];
         }
     }
     return status;

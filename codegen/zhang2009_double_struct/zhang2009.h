@@ -21,22 +21,13 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 50936 add, 61222 mul, 1517 div, 912 sqrt
- *   track: 390 add, 510 mul, 16 div, 6 sqrt
- *   inverse: 133 add, 89 mul, 1 div, 7 sqrt
- *   jacobian: 163 add, 172 mul, 7 div, 7 sqrt
- *   rates: 205 add, 208 mul, 7 div, 7 sqrt
- *   feed: 211 add, 214 mul, 13 div, 7 sqrt
- *   twist: 331 add, 418 mul, 49 div, 7 sqrt
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 83805 instructions, 1000 stack, 6568 code
- *   track: 2790 instructions, 872 stack, 4976 code
- *   inverse: 505 instructions, 824 stack, 1816 code
- *   jacobian: 775 instructions, 720 stack, 3076 code
- *   rates: 1160 instructions, 1024 stack, 3224 code
- *   feed: 1320 instructions, 1080 stack, 3324 code
- *   twist: 3220 instructions, 1392 stack, 3736 code
+ *   direct: 100 iterations, 55262 add, 61424 mul, 1517 div, 912 sqrt
+ *   track: 474 add, 510 mul, 16 div, 6 sqrt
+ *   inverse: 217 add, 89 mul, 1 div, 7 sqrt
+ *   jacobian: 205 add, 172 mul, 7 div, 7 sqrt
+ *   rates: 247 add, 208 mul, 7 div, 7 sqrt
+ *   feed: 253 add, 214 mul, 13 div, 7 sqrt
+ *   twist: 373 add, 418 mul, 49 div, 7 sqrt
  *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */

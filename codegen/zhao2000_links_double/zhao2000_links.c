@@ -2567,7 +2567,7 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real b0 = w->guard[0] - 8.63e-11;
     const zhao2000_links_real lesser0 = (a0 < b0) ? a0 : b0;
     const zhao2000_links_real sum0 = change[0] + change[1] + change[2];
-    const zhao2000_links_real bend0 = 27000.0 * sum0;
+    const zhao2000_links_real bend0 = 27100.0 * sum0;
     const zhao2000_links_real most0 = a0 + b0 + lesser0 + lesser0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
         w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
@@ -2580,9 +2580,9 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real a1 = w->left[1] - 0.0435;
     const zhao2000_links_real b1 = w->guard[1] - 0.0435;
     const zhao2000_links_real lesser1 = (a1 < b1) ? a1 : b1;
-    static const zhao2000_links_real plain1_0[3] = { 3350000000000.0, 5450000000000.0,
+    static const zhao2000_links_real plain1_0[3] = { 3360000000000.0, 5460000000000.0,
         24800000000000.0 };
-    static const zhao2000_links_real plain1_3[3] = { 8900000000.0, 15200000000.0, 40100000000.0 };
+    static const zhao2000_links_real plain1_3[3] = { 8910000000.0, 15200000000.0, 40200000000.0 };
     const zhao2000_links_real per1 = 1.0 / sqrt(under0);
     const zhao2000_links_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
         + per1 * (124000000000000.0 * sum0 + per1 * per1 * (1.64e+17 * sum0));
@@ -2597,12 +2597,12 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real lesser2 = (a2 < b2) ? a2 : b2;
     static const zhao2000_links_real plain2_0[3] = { 3780000000.0, 4970000000.0, 20700000000.0 };
     const zhao2000_links_real sum1 = change[1] + change[2];
-    static const zhao2000_links_real plain2_1[3] = { 4740000000.0, 6030000000.0, 21700000000.0 };
+    static const zhao2000_links_real plain2_1[3] = { 4750000000.0, 6040000000.0, 21700000000.0 };
     static const zhao2000_links_real plain2_3[3] = { 7270000.0, 12400000.0, 32800000.0 };
     const zhao2000_links_real per2 = 1.0 / sqrt(under0);
     const zhao2000_links_real bend2 = plain2_0[w->reach] * change[0] + plain2_1[w->reach] * sum1
         + plain2_3[w->reach] * change[3] + per2 * (203000000000.0 * change[0]
-        + 219000000000.0 * sum1 + per2 * per2 * (300000000000000.0 * sum0));
+        + 220000000000.0 * sum1 + per2 * per2 * (300000000000000.0 * sum0));
     const zhao2000_links_real most2 = a2 + b2 + lesser2 + lesser2;
     if (!((lesser2 > 0.0) && (bend2 < most2))) {
         w->over = (kept && (lesser2 > 0.0)) ? (bend2 / most2) : w->over;
@@ -2613,12 +2613,12 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real b3 = w->guard[3] - 3.78e-05;
     const zhao2000_links_real lesser3 = (a3 < b3) ? a3 : b3;
     const zhao2000_links_real sum2 = change[0] + change[2];
-    static const zhao2000_links_real plain3_0[3] = { 4740000000.0, 6030000000.0, 21700000000.0 };
+    static const zhao2000_links_real plain3_0[3] = { 4750000000.0, 6040000000.0, 21700000000.0 };
     static const zhao2000_links_real plain3_1[3] = { 3780000000.0, 4970000000.0, 20700000000.0 };
     static const zhao2000_links_real plain3_3[3] = { 7270000.0, 12400000.0, 32800000.0 };
     const zhao2000_links_real per3 = 1.0 / sqrt(under0);
     const zhao2000_links_real bend3 = plain3_0[w->reach] * sum2 + plain3_1[w->reach] * change[1]
-        + plain3_3[w->reach] * change[3] + per3 * (219000000000.0 * sum2
+        + plain3_3[w->reach] * change[3] + per3 * (220000000000.0 * sum2
         + 203000000000.0 * change[1] + per3 * per3 * (300000000000000.0 * sum0));
     const zhao2000_links_real most3 = a3 + b3 + lesser3 + lesser3;
     if (!((lesser3 > 0.0) && (bend3 < most3))) {
@@ -2630,12 +2630,12 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real b4 = w->guard[4] - 3.78e-05;
     const zhao2000_links_real lesser4 = (a4 < b4) ? a4 : b4;
     const zhao2000_links_real sum3 = change[0] + change[1];
-    static const zhao2000_links_real plain4_0[3] = { 4740000000.0, 6030000000.0, 21700000000.0 };
+    static const zhao2000_links_real plain4_0[3] = { 4750000000.0, 6040000000.0, 21700000000.0 };
     static const zhao2000_links_real plain4_2[3] = { 3780000000.0, 4970000000.0, 20700000000.0 };
     static const zhao2000_links_real plain4_3[3] = { 7270000.0, 12400000.0, 32800000.0 };
     const zhao2000_links_real per4 = 1.0 / sqrt(under0);
     const zhao2000_links_real bend4 = plain4_0[w->reach] * sum3 + plain4_2[w->reach] * change[2]
-        + plain4_3[w->reach] * change[3] + per4 * (219000000000.0 * sum3
+        + plain4_3[w->reach] * change[3] + per4 * (220000000000.0 * sum3
         + 203000000000.0 * change[2] + per4 * per4 * (300000000000000.0 * sum0));
     const zhao2000_links_real most4 = a4 + b4 + lesser4 + lesser4;
     if (!((lesser4 > 0.0) && (bend4 < most4))) {
@@ -2646,7 +2646,7 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real a5 = w->left[5] - 2.88e-11;
     const zhao2000_links_real b5 = w->guard[5] - 2.88e-11;
     const zhao2000_links_real lesser5 = (a5 < b5) ? a5 : b5;
-    const zhao2000_links_real bend5 = 7200.0 * sum0;
+    const zhao2000_links_real bend5 = 7210.0 * sum0;
     const zhao2000_links_real most5 = a5 + b5 + lesser5 + lesser5;
     if (!((lesser5 > 0.0) && (bend5 < most5))) {
         w->over = (kept && (lesser5 > 0.0)) ? (bend5 / most5) : w->over;
@@ -2656,7 +2656,7 @@ static bool zhao2000_links_line_keeps(zhao2000_links_direct_work *w,
     const zhao2000_links_real a6 = w->left[6] - 5.33e-15;
     const zhao2000_links_real b6 = w->guard[6] - 5.33e-15;
     const zhao2000_links_real lesser6 = (a6 < b6) ? a6 : b6;
-    const zhao2000_links_real bend6 = 1.0 * sum0;
+    const zhao2000_links_real bend6 = 1.01 * sum0;
     const zhao2000_links_real most6 = a6 + b6 + lesser6 + lesser6;
     if (!((lesser6 > 0.0) && (bend6 < most6))) {
         w->over = (kept && (lesser6 > 0.0)) ? (bend6 / most6) : w->over;
@@ -3353,6 +3353,7 @@ zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose,
     const zhao2000_links_real twist[6], zhao2000_links_real rates[4])
 {
     zhao2000_links_real jacobian[4 * 6];
+    zhao2000_links_real found[4];
     const zhao2000_links_status status = zhao2000_links_check_speeds(twist, 6,
         zhao2000_links_jacobian(pose, jacobian));
     if (status == ZHAO2000_LINKS_OK) {
@@ -3361,7 +3362,11 @@ zhao2000_links_status zhao2000_links_rates(const zhao2000_links_pose *pose,
             for (int j = 0; j < 6; ++j) {
                 sum += jacobian[6 * i + j] * twist[j];
             }
-            rates[i] = sum;
+            found[i] = sum;
+        }
+        /* twist and rates may be the same array */
+        for (int i = 0; i < 4; ++i) {
+            rates[i] = found[i];
         }
     }
     return status;

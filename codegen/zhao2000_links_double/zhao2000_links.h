@@ -30,15 +30,6 @@
  *   rates: 426 add, 659 mul, 20 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 430 add, 663 mul, 24 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
  *   twist: 456 add, 731 mul, 40 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 28805 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 159625 instructions, 1824 stack, 12664 code
- *   track: 3095 instructions, 1840 stack, 12704 code
- *   inverse: 1110 instructions, 928 stack, 2528 code
- *   jacobian: 2245 instructions, 1312 stack, 7376 code
- *   rates: 2555 instructions, 1520 stack, 7528 code
- *   feed: 2670 instructions, 1568 stack, 7628 code
- *   twist: 3380 instructions, 1712 stack, 8004 code
  *
  * Model SHA-256 888e70bd71fc6b17567c8bb509bdf13d479788645de68702c48396c4e381911c
  */

@@ -200,10 +200,10 @@ static const zhao2000_links_real zhao2000_links_vector_infeasible[6][7] = {
         0x1.475398ed26dc8p-8, -0x1.e5f40b89e80ffp-13, 0x1.7ba5d9abb752ap-5 },
     { -0x1.1f9c1f042204bp+2, 0x1.c9e5999fbf46bp-1, 0x1.c8c724b6591d2p+6, 0x1.ff7187a0c88a3p-1,
         0x1.e5f40b89e80ffp-13, 0x1.475398ed26dc8p-8, 0x1.7ba5d9abb752ap-5 },
-    { 0x1.6ce3662832611p+1, 0x1.07a542a6198f0p+3, 0x1.e62801d7db18ap+6, 0x1.ffbf8cd749038p-1,
-        0x0.0p+0, 0x0.0p+0, 0x1.00ddd46d7aa7fp-5 },
-    { -0x1.264350b5e2ebfp+6, -0x1.36a7fe9ee9d61p+6, 0x1.5c0b15c660ae0p+7, 0x1.fc70367aca93fp-1,
+    { 0x1.254df5e857a06p+6, -0x1.36a7fe9ee9d61p+6, 0x1.5c0b15c660ae0p+7, 0x1.fc70367aca93fp-1,
         0x0.0p+0, 0x0.0p+0, -0x1.e24ac5aed2789p-4 },
+    { -0x1.37c2653f60425p+6, 0x1.295c6e825da09p+6, 0x1.7747e402bb9f9p+7, 0x1.fd40b42a8a285p-1,
+        0x0.0p+0, 0x0.0p+0, -0x1.a7bf03cb5ffeep-4 },
 };
 
 static const zhao2000_links_real zhao2000_links_vector_home[7] = { 0x0.0p+0, 0x0.0p+0,

@@ -108,7 +108,8 @@ class _Account:
         self.seen[owner, number] = True
         counts = roots.counts
         for array, values in ((self.statement, roots.statement), (self.complex_count, roots.complex_count), (self.count, counts)):
-            np.maximum.at(array[:, number], owner, values[which])
+            with np.errstate(invalid="ignore"):  # a count that is not known stays so
+                np.maximum.at(array[:, number], owner, values[which])
         self._add_unresolved(number, roots, owner, which)
         np.logical_or.at(self.continuum[:, number], owner, roots.continuum[which])
         self.notes.append((number, None, roots.orbits))

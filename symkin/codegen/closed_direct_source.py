@@ -70,6 +70,9 @@ class ClosedDirectSource:
             "keep_lines": indent(line.keep_lines), "reach_member": line.reach_member, "no_reach": "    w.reach = 0U;" if line.reach_member else "",
             "p_angle": angle, "near_one": literal(0.9999), "hundred": literal(80.0), "nine_tenths": literal(0.9), "tenth": literal(0.1), "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(line.at_lines),
             "span_lines": indent(line.span_lines), "change_lines": indent(line.change_lines, 3), "near": "false" if any(wide) else "true",
+            # limits of more than half a turn: the line within them need not be the nearer way round, and is walked
+            "evaluations": "two evaluations, since limits say which way round the line goes" if any(wide) else "one evaluation",
+            "evaluation_count": 2 if any(wide) else 1,
             "half_lines": indent(self._answer.half_lines), "rounding": literal(rounded(64 * real.epsilon * made.closure.characteristic_length)),
             **self._answer.lines,
         }  # fmt: skip

@@ -27,7 +27,7 @@ _OPEN = 1e-4
 """Share of the size that the rows are open by, of values that cannot be taken: far above the rounding of floats."""
 _STEPS = (0.003, 0.03, 0.3, 1.0)
 """How far from values that can be taken others are tried: in sizes and radians."""
-_STARTS = 24
+_STARTS = 160
 _PAST = 1e-2
 """How far joints are beyond limits, as a share of the range."""
 

@@ -230,7 +230,13 @@ class ArmSource:
         size = self.arm.mechanism.characteristic_length
         far = farthest(size, self.arm.forward_at(np.array([c.reference[0] for c in self.arm.actuated]))[:3])
         literal = self.arm.real.literal
-        return common | {"nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
+        # Newton's method looks at limits at its answer alone
+        guess_past = [
+            f'expect(refused(NULL, &pose, {self.arm.name}_vector_past[k], "a guess beyond a limit") == {common["P"]}_OUT_OF_RANGE, "guess beyond a limit", k);',
+            f"(void){self.arm.name}_inverse({common['ga']}NULL, &pose, {self.arm.name}_vector_past[k], other, &info);",
+            f'expect(info.joint == (unsigned int){self.arm.name}_vector_blamed[k], "joint beyond a limit", k);',
+        ] if self.line is not None else [f"(void){self.arm.name}_vector_blamed;"]  # fmt: skip
+        return common | {"guess_past": indent(guess_past, 2), "nq": nq, "last_joint": nq - 1, "ns": nq, "nj": 6 * nq, "meaning": _meaning(self.arm), "farthest": literal(far),
                          "farthest_joint": literal(FARTHEST * max(size, 1.0)), "per_size": literal(1.0 / size),
                          "closed": "" if self.closed is None else self.closed.header, "line_words": self._line_words}  # fmt: skip
 

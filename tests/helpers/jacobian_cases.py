@@ -92,14 +92,15 @@ class Case:
 
 @cache
 def case(name: str) -> Case:
-    """The first configuration, over seeds, whose condition is below 1e6, of the mechanism of that name."""
+    """The best conditioned configuration of the first seed that has one below 1e6, of the mechanism of that name: those of a
+    singular reference's own assembly begin beside it."""
     for seed in range(6):
         mechanism = _mechanism(name, seed)
         closure = build_closure(mechanism)
-        for values in closed_configurations(closure, seed + 1):
-            condition = _condition(mechanism, values)
-            if condition < 1e6:
-                return Case(mechanism, closure, values, condition)
+        found = [(_condition(mechanism, values), values) for values in closed_configurations(closure, seed + 1)]
+        condition, values = min(found, key=lambda pair: pair[0])
+        if condition < 1e6:
+            return Case(mechanism, closure, values, condition)
     raise AssertionError(f"{name}: no closed configuration of condition below 1e6")
 
 

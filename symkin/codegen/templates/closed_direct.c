@@ -161,8 +161,8 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
 
 @{p}_status @{p}_track(const @{real} joints[@{nq}], @{p}_pose *pose, @{p}_info *info)
 {
-    /* one evaluation */
-    static const @{p}_config once = { @{P}_TOLERANCE, 1U, @{P}_MAX_STEP };
+    /* @{evaluations} */
+    static const @{p}_config once = { @{P}_TOLERANCE, @{evaluation_count}U, @{P}_MAX_STEP };
     const @{p}_status status = @{p}_direct_reach(joints, pose, pose, &once, info);
     return (status == @{P}_MAX_ITERATIONS) ? @{P}_WRONG_BRANCH : status;
 }

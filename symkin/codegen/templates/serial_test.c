@@ -131,9 +131,7 @@ static void refuse_all(void)
 #if @{P}_VECTOR_PAST > 0
     for (int k = 0; k < @{P}_VECTOR_PAST; ++k) {
         expect(@{p}_direct(@{ga}@{p}_vector_past[k], &wrong) == @{P}_OUT_OF_RANGE, "OUT_OF_RANGE of a limit", k);
-        expect(refused(NULL, &pose, @{p}_vector_past[k], "a guess beyond a limit") == @{P}_OUT_OF_RANGE, "guess beyond a limit", k);
-        (void)@{p}_inverse(@{ga}NULL, &pose, @{p}_vector_past[k], other, &info);
-        expect(info.joint == (unsigned int)@{p}_vector_blamed[k], "joint beyond a limit", k);
+@{guess_past}
     }
 #endif
 #if @{P}_VECTOR_SINGULAR > 0
