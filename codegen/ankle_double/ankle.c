@@ -746,18 +746,17 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim >= 1.0) && (done <= 0.0)
+        } else if ((taken > 0U) && (aim - done >= 1.0)
             && (before <= 5.545502837086461e-23 * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where
              * it was */
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            ankle_direct_rows(w);
-            residual = ankle_direct_residual(w);
-            status = (residual <= config->tolerance + 1.861703325768915e-12)
-                ? ANKLE_OK : ANKLE_WRONG_BRANCH;
-            break;
+            room = 1.861703325768915e-12;
+            verify = true;
+            fresh = true;
+            taken = 0U;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);

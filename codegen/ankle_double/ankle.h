@@ -19,13 +19,22 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 20595 add, 33116 mul, 1420 div, 1017 sqrt, 610 sin, 610 cos, 4 atan2
+ *   direct: 100 iterations, 20696 add, 32207 mul, 1420 div, 916 sqrt, 610 sin, 610 cos, 4 atan2
  *   track: 104 add, 152 mul, 7 div, 4 sqrt, 4 sin, 4 cos, 2 atan2
- *   inverse: 200 iterations, 26510 add, 40236 mul, 1831 div, 1423 sqrt, 812 sin, 812 cos, 4 atan2
+ *   inverse: 200 iterations, 26611 add, 39327 mul, 1831 div, 1322 sqrt, 812 sin, 812 cos, 4 atan2
  *   track_inverse: 213 add, 274 mul, 13 div, 12 sqrt, 4 sin, 4 cos, 2 atan2
  *   jacobian: 104 add, 167 mul, 4 div, 1 sqrt, 4 sin, 4 cos
  *   rates: 112 add, 171 mul, 4 div, 1 sqrt, 4 sin, 4 cos
  *   torques: 112 add, 171 mul, 4 div, 1 sqrt, 4 sin, 4 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 14580 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 63975 instructions, 1472 stack, 6828 code
+ *   track: 1820 instructions, 1056 stack, 3496 code
+ *   inverse: 106655 instructions, 1792 stack, 10744 code
+ *   track_inverse: 1785 instructions, 984 stack, 4684 code
+ *   jacobian: 1445 instructions, 1120 stack, 3192 code
+ *   rates: 1555 instructions, 1192 stack, 3400 code
+ *   torques: 1555 instructions, 1192 stack, 3400 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

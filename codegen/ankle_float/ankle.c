@@ -793,18 +793,16 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim >= 1.0f) && (done <= 0.0f)
-            && (before <= 1.5983824e-05f * w->spread)) {
+        } else if ((taken > 0U) && (aim - done >= 1.0f) && (before <= 1.5983824e-05f * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where
              * it was */
             for (int i = 0; i < 4; ++i) {
                 w->x[i] = w->x0[i];
             }
-            ankle_direct_rows(w);
-            residual = ankle_direct_residual(w);
-            status = (residual <= config->tolerance + 0.0009994943f)
-                ? ANKLE_OK : ANKLE_WRONG_BRANCH;
-            break;
+            room = 0.0009994943f;
+            verify = true;
+            fresh = true;
+            taken = 0U;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);

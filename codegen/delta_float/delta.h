@@ -28,6 +28,15 @@
  *   rates: 144 add, 228 mul, 10 div, 4 sqrt
  *   feed: 147 add, 231 mul, 13 div, 4 sqrt
  *   twist: 150 add, 261 mul, 22 div, 4 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 53820 instructions, 312 stack, 4848 code
+ *   track: 1210 instructions, 328 stack, 4876 code
+ *   inverse: 655 instructions, 144 stack, 1120 code
+ *   jacobian: 755 instructions, 240 stack, 1872 code
+ *   rates: 1055 instructions, 344 stack, 2032 code
+ *   feed: 1145 instructions, 376 stack, 2132 code
+ *   twist: 1320 instructions, 392 stack, 2376 code
  *
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
  */

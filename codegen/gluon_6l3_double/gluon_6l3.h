@@ -30,6 +30,18 @@
  *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
  *   track: 1223 add, 1616 mul, 49 div, 10 sqrt, 36 sin, 36 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 12684 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 19795 instructions, 1584 stack, 6532 code
+ *   inverse_branch: 2920 instructions, 1640 stack, 6616 code
+ *   inverse_nearest: 3535 instructions, 1704 stack, 6836 code
+ *   direct: 1685 instructions, 944 stack, 1224 code
+ *   inverse: 177495 instructions, 2064 stack, 9416 code
+ *   jacobian: 1795 instructions, 1040 stack, 1696 code
+ *   twist: 2210 instructions, 1384 stack, 1864 code
+ *   rates: 10080 instructions, 1440 stack, 3184 code
+ *   feed: 10205 instructions, 1504 stack, 3284 code
+ *   track: 13025 instructions, 1584 stack, 4676 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

@@ -30,6 +30,18 @@
  *   rates: 956 add, 1132 mul, 47 div, 5 sqrt
  *   feed: 962 add, 1138 mul, 53 div, 5 sqrt
  *   track: 1655 add, 2084 mul, 49 div, 10 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 16544 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 50750 instructions, 712 stack, 6516 code
+ *   inverse_branch: 11655 instructions, 736 stack, 6588 code
+ *   inverse_nearest: 12265 instructions, 768 stack, 6780 code
+ *   direct: 750 instructions, 120 stack, 1332 code
+ *   inverse: 135980 instructions, 952 stack, 9156 code
+ *   jacobian: 840 instructions, 128 stack, 1724 code
+ *   twist: 1230 instructions, 296 stack, 1872 code
+ *   rates: 9910 instructions, 616 stack, 3192 code
+ *   feed: 10025 instructions, 656 stack, 3296 code
+ *   track: 11555 instructions, 696 stack, 4656 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

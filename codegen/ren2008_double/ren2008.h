@@ -20,7 +20,7 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 36689 add, 43951 mul, 1517 div, 912 sqrt
+ *   direct: 100 iterations, 36790 add, 43850 mul, 1517 div, 912 sqrt
  *   track: 282 add, 370 mul, 16 div, 6 sqrt
  *   inverse: 81 add, 56 mul, 1 div, 7 sqrt
  *   jacobian: 90 add, 130 mul, 7 div, 7 sqrt
@@ -28,6 +28,16 @@
  *   rates: 132 add, 166 mul, 7 div, 7 sqrt
  *   feed: 138 add, 172 mul, 13 div, 7 sqrt
  *   twist: 258 add, 376 mul, 49 div, 7 sqrt
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 33830 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 70530 instructions, 976 stack, 5968 code
+ *   track: 2495 instructions, 824 stack, 4280 code
+ *   inverse: 435 instructions, 800 stack, 1492 code
+ *   jacobian: 480 instructions, 416 stack, 2012 code
+ *   line: 6315 instructions, 1712 stack, 3420 code
+ *   rates: 900 instructions, 776 stack, 2208 code
+ *   feed: 1060 instructions, 840 stack, 2304 code
+ *   twist: 2925 instructions, 1088 stack, 2672 code
  *
  * Model SHA-256 9f2e30e7ae7dd83493e6d6b3933b246841b4e4c5cab87d201ec31f4db62108d1
  */

@@ -777,8 +777,8 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
     const ren2008_true_real to[6], ren2008_true_real part, ren2008_true_real done)
 {
     const ren2008_true_real *goal = to;
+    (void)ren2008_true_normalise_pose(w->guess, w->x);
     if (part < 1.0) {
-        (void)ren2008_true_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
         ren2008_true_rod_values(w);
         for (int i = 0; i < 6; ++i) {
@@ -888,11 +888,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-        const bool noise = !(size <= limit) && (taken > 0U) && (w->spread > 1.0)
-            && (w->spread < 17600000000000.0)
-            && (size <= 1.452287711194666e-28 * w->spread); /* what rounding makes of the rows */
-        bool accepted = (size <= limit) || noise || ((taken > 0U)
-            && (size <= 1.452287711194666e-28));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.452287711194666e-28));
         if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -907,7 +903,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2))
-                    || (size <= 1.452287711194666e-28) || noise;
+                    || (size <= 1.452287711194666e-28);
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
@@ -937,17 +933,15 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim >= 1.0) && (done <= 0.0)
+        } else if ((taken > 0U) && (aim - done >= 1.0)
             && (before <= 2.3236603379114655e-27 * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where
              * it was */
-            (void)ren2008_true_normalise_pose(w->guess, w->x);
-            ren2008_true_direct_set_target(w, to);
-            ren2008_true_direct_rows(w);
-            residual = ren2008_true_direct_residual(w);
-            status = (residual <= config->tolerance + 1.2051090038642422e-14)
-                ? REN2008_TRUE_OK : REN2008_TRUE_WRONG_BRANCH;
-            break;
+            ren2008_true_direct_retarget(w, to, 1.0, 0.0);
+            room = 1.2051090038642422e-14;
+            verify = true;
+            fresh = true;
+            taken = 0U;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);

@@ -20,7 +20,7 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 44163 add, 49708 mul, 1517 div, 912 sqrt
+ *   direct: 100 iterations, 44264 add, 49607 mul, 1517 div, 912 sqrt
  *   track: 332 add, 412 mul, 16 div, 6 sqrt
  *   inverse: 105 add, 71 mul, 1 div, 7 sqrt
  *   jacobian: 123 add, 145 mul, 7 div, 7 sqrt
@@ -28,6 +28,16 @@
  *   rates: 165 add, 181 mul, 7 div, 7 sqrt
  *   feed: 171 add, 187 mul, 13 div, 7 sqrt
  *   twist: 291 add, 391 mul, 49 div, 7 sqrt
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 30440 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 90460 instructions, 1000 stack, 6888 code
+ *   track: 2620 instructions, 832 stack, 5048 code
+ *   inverse: 495 instructions, 824 stack, 1996 code
+ *   jacobian: 615 instructions, 552 stack, 2636 code
+ *   line: 6500 instructions, 1712 stack, 3924 code
+ *   rates: 1035 instructions, 912 stack, 2832 code
+ *   feed: 1200 instructions, 976 stack, 2928 code
+ *   twist: 3060 instructions, 1224 stack, 3296 code
  *
  * Model SHA-256 d7a52a7fc51f6358bdd9de8854c0278d74c3d9cc5a56d87283ca8f027bb0f8b3
  */

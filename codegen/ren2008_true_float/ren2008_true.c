@@ -768,8 +768,8 @@ static REN2008_TRUE_COLD void ren2008_true_direct_retarget(ren2008_true_direct_w
     const ren2008_true_real to[6], ren2008_true_real part, ren2008_true_real done)
 {
     const ren2008_true_real *goal = to;
+    (void)ren2008_true_normalise_pose(w->guess, w->x);
     if (part < 1.0f) {
-        (void)ren2008_true_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
         ren2008_true_rod_values(w);
         for (int i = 0; i < 6; ++i) {
@@ -878,10 +878,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-        const bool noise = !(size <= limit) && (taken > 0U) && (w->spread > 1.0f)
-            && (w->spread < 32800.0f)
-            && (size <= 4.1859342e-11f * w->spread); /* what rounding makes of the rows */
-        bool accepted = (size <= limit) || noise || ((taken > 0U) && (size <= 4.1859342e-11f));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1859342e-11f));
         if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -895,8 +892,7 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1859342e-11f)
-                    || noise;
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1859342e-11f);
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
@@ -926,17 +922,14 @@ static ren2008_true_status ren2008_true_direct_newton(ren2008_true_direct_work *
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim >= 1.0f) && (done <= 0.0f)
-            && (before <= 6.697495e-10f * w->spread)) {
+        } else if ((taken > 0U) && (aim - done >= 1.0f) && (before <= 6.697495e-10f * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where
              * it was */
-            (void)ren2008_true_normalise_pose(w->guess, w->x);
-            ren2008_true_direct_set_target(w, to);
-            ren2008_true_direct_rows(w);
-            residual = ren2008_true_direct_residual(w);
-            status = (residual <= config->tolerance + 6.4698797e-06f)
-                ? REN2008_TRUE_OK : REN2008_TRUE_WRONG_BRANCH;
-            break;
+            ren2008_true_direct_retarget(w, to, 1.0f, 0.0f);
+            room = 6.4698797e-06f;
+            verify = true;
+            fresh = true;
+            taken = 0U;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);

@@ -20,7 +20,7 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 44163 add, 49708 mul, 1517 div, 912 sqrt
+ *   direct: 100 iterations, 44264 add, 49607 mul, 1517 div, 912 sqrt
  *   track: 332 add, 412 mul, 16 div, 6 sqrt
  *   inverse: 105 add, 71 mul, 1 div, 7 sqrt
  *   jacobian: 123 add, 145 mul, 7 div, 7 sqrt
@@ -28,6 +28,16 @@
  *   rates: 165 add, 181 mul, 7 div, 7 sqrt
  *   feed: 171 add, 187 mul, 13 div, 7 sqrt
  *   twist: 291 add, 391 mul, 49 div, 7 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 27146 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 88170 instructions, 552 stack, 6048 code
+ *   track: 2640 instructions, 416 stack, 4472 code
+ *   inverse: 505 instructions, 416 stack, 1624 code
+ *   jacobian: 525 instructions, 248 stack, 2148 code
+ *   line: 5865 instructions, 904 stack, 3452 code
+ *   rates: 960 instructions, 440 stack, 2320 code
+ *   feed: 1120 instructions, 480 stack, 2420 code
+ *   twist: 3100 instructions, 608 stack, 2732 code
  *
  * Model SHA-256 d7a52a7fc51f6358bdd9de8854c0278d74c3d9cc5a56d87283ca8f027bb0f8b3
  */

@@ -28,6 +28,18 @@
  *   rates: 378 add, 475 mul, 25 div, 5 sqrt, 3 sin, 3 cos
  *   feed: 382 add, 479 mul, 29 div, 5 sqrt, 3 sin, 3 cos
  *   track: 537 add, 737 mul, 27 div, 10 sqrt, 18 sin, 18 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 2845 instructions, 1344 stack, 4124 code
+ *   inverse_branch: 1625 instructions, 1376 stack, 4168 code
+ *   inverse_nearest: 1755 instructions, 1408 stack, 4388 code
+ *   direct: 760 instructions, 912 stack, 744 code
+ *   inverse: 132365 instructions, 1968 stack, 8376 code
+ *   jacobian: 740 instructions, 856 stack, 672 code
+ *   twist: 1050 instructions, 1104 stack, 840 code
+ *   rates: 5735 instructions, 1136 stack, 2136 code
+ *   feed: 5810 instructions, 1184 stack, 2236 code
+ *   track: 6725 instructions, 1344 stack, 3276 code
  *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */

@@ -28,6 +28,18 @@
  *   rates: 414 add, 514 mul, 25 div, 5 sqrt
  *   feed: 418 add, 518 mul, 29 div, 5 sqrt
  *   track: 753 add, 971 mul, 27 div, 10 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 1835 instructions, 496 stack, 4288 code
+ *   inverse_branch: 1065 instructions, 512 stack, 4320 code
+ *   inverse_nearest: 6585 instructions, 528 stack, 4508 code
+ *   direct: 395 instructions, 96 stack, 948 code
+ *   inverse: 76965 instructions, 824 stack, 8324 code
+ *   jacobian: 365 instructions, 64 stack, 832 code
+ *   twist: 655 instructions, 192 stack, 976 code
+ *   rates: 5600 instructions, 416 stack, 2220 code
+ *   feed: 5670 instructions, 448 stack, 2324 code
+ *   track: 6265 instructions, 472 stack, 3300 code
  *
  * Model SHA-256 6aaddf355f388c8c025c0a1cc3836a4ea9679ef1b5f50c096576149bb7cd59df
  */

@@ -30,6 +30,18 @@
  *   rates: 959 add, 1136 mul, 47 div, 5 sqrt
  *   feed: 965 add, 1142 mul, 53 div, 5 sqrt
  *   track: 1673 add, 2088 mul, 49 div, 10 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 13800 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 50285 instructions, 712 stack, 6548 code
+ *   inverse_branch: 11565 instructions, 736 stack, 6620 code
+ *   inverse_nearest: 12175 instructions, 768 stack, 6812 code
+ *   direct: 750 instructions, 120 stack, 1328 code
+ *   inverse: 136510 instructions, 952 stack, 9204 code
+ *   jacobian: 845 instructions, 120 stack, 1732 code
+ *   twist: 1235 instructions, 288 stack, 1880 code
+ *   rates: 9910 instructions, 616 stack, 3200 code
+ *   feed: 10025 instructions, 656 stack, 3304 code
+ *   track: 11190 instructions, 696 stack, 4660 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

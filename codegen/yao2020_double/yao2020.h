@@ -30,6 +30,18 @@
  *   rates: 850 add, 1036 mul, 47 div, 5 sqrt, 5 sin, 5 cos
  *   feed: 856 add, 1042 mul, 53 div, 5 sqrt, 5 sin, 5 cos
  *   track: 1124 add, 1533 mul, 49 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 15344 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 15695 instructions, 1552 stack, 5684 code
+ *   inverse_branch: 2465 instructions, 1608 stack, 5768 code
+ *   inverse_nearest: 3055 instructions, 1680 stack, 5980 code
+ *   direct: 1425 instructions, 944 stack, 1056 code
+ *   inverse: 153295 instructions, 2008 stack, 8184 code
+ *   jacobian: 1495 instructions, 1016 stack, 1380 code
+ *   twist: 1910 instructions, 1360 stack, 1552 code
+ *   rates: 9790 instructions, 1416 stack, 2872 code
+ *   feed: 9915 instructions, 1480 stack, 2972 code
+ *   track: 13820 instructions, 1560 stack, 4332 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

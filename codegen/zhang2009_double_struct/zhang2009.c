@@ -894,8 +894,8 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(const zhang2009_geometry *g
     zhang2009_direct_work *w, const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
 {
     const zhang2009_real *goal = to;
+    (void)zhang2009_normalise_pose(geometry, w->guess, w->x);
     if (part < 1.0) {
-        (void)zhang2009_normalise_pose(geometry, w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
         zhang2009_rod_values(geometry, w);
         for (int i = 0; i < 6; ++i) {
@@ -1005,11 +1005,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-        const bool noise = !(size <= limit) && (taken > 0U) && (w->spread > 1.0)
-            && (w->spread < 17600000000000.0)
-            && (size <= 1.4249293855405632e-23 * w->spread); /* what rounding makes of the rows */
-        bool accepted = (size <= limit) || noise || ((taken > 0U)
-            && (size <= 1.4249293855405632e-23));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 1.4249293855405632e-23));
         if (accepted) {
             if (aim >= 1.0) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -1024,7 +1020,7 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 gain2 = 4.0 * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
                 verify = ((taken > 0U) && (error2 <= tolerance2))
-                    || (size <= 1.4249293855405632e-23) || noise;
+                    || (size <= 1.4249293855405632e-23);
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3));
                 ++taken;
@@ -1054,17 +1050,15 @@ static zhang2009_status zhang2009_direct_newton(const zhang2009_geometry *geomet
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim >= 1.0) && (done <= 0.0)
+        } else if ((taken > 0U) && (aim - done >= 1.0)
             && (before <= 2.279887016864901e-22 * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where
              * it was */
-            (void)zhang2009_normalise_pose(geometry, w->guess, w->x);
-            zhang2009_direct_set_target(geometry, w, to);
-            zhang2009_direct_rows(geometry, w);
-            residual = zhang2009_direct_residual(w);
-            status = (residual <= config->tolerance + 3.774823685340235e-12)
-                ? ZHANG2009_OK : ZHANG2009_WRONG_BRANCH;
-            break;
+            zhang2009_direct_retarget(geometry, w, to, 1.0, 0.0);
+            room = 3.774823685340235e-12;
+            verify = true;
+            fresh = true;
+            taken = 0U;
         } else if (aim - done > 0.0009765625) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375 * (aim - done);

@@ -21,13 +21,22 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 55262 add, 61424 mul, 1517 div, 912 sqrt
+ *   direct: 100 iterations, 55363 add, 61323 mul, 1517 div, 912 sqrt
  *   track: 474 add, 510 mul, 16 div, 6 sqrt
  *   inverse: 217 add, 89 mul, 1 div, 7 sqrt
  *   jacobian: 205 add, 172 mul, 7 div, 7 sqrt
  *   rates: 247 add, 208 mul, 7 div, 7 sqrt
  *   feed: 253 add, 214 mul, 13 div, 7 sqrt
  *   twist: 373 add, 418 mul, 49 div, 7 sqrt
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 27808 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 98725 instructions, 1224 stack, 6872 code
+ *   track: 3735 instructions, 1088 stack, 5288 code
+ *   inverse: 1460 instructions, 1056 stack, 2156 code
+ *   jacobian: 1255 instructions, 840 stack, 3428 code
+ *   rates: 1675 instructions, 1200 stack, 3624 code
+ *   feed: 1860 instructions, 1264 stack, 3728 code
+ *   twist: 4480 instructions, 1512 stack, 4044 code
  *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */

@@ -686,8 +686,8 @@ static ZHANG2009_COLD void zhang2009_direct_retarget(zhang2009_direct_work *w,
     const zhang2009_real to[6], zhang2009_real part, zhang2009_real done)
 {
     const zhang2009_real *goal = to;
+    (void)zhang2009_normalise_pose(w->guess, w->x);
     if (part < 1.0f) {
-        (void)zhang2009_normalise_pose(w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
         zhang2009_rod_values(w);
         for (int i = 0; i < 6; ++i) {
@@ -796,10 +796,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-        const bool noise = !(size <= limit) && (taken > 0U) && (w->spread > 1.0f)
-            && (w->spread < 32800.0f)
-            && (size <= 4.1070793e-06f * w->spread); /* what rounding makes of the rows */
-        bool accepted = (size <= limit) || noise || ((taken > 0U) && (size <= 4.1070793e-06f));
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1070793e-06f));
         if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -813,8 +810,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 }
                 gain2 = 4.0f * (fresh ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1070793e-06f)
-                    || noise;
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || (size <= 4.1070793e-06f);
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < 0.3f));
                 ++taken;
@@ -844,17 +840,14 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim >= 1.0f) && (done <= 0.0f)
-            && (before <= 6.571327e-05f * w->spread)) {
+        } else if ((taken > 0U) && (aim - done >= 1.0f) && (before <= 6.571327e-05f * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where
              * it was */
-            (void)zhang2009_normalise_pose(w->guess, w->x);
-            zhang2009_direct_set_target(w, to);
-            zhang2009_direct_rows(w);
-            residual = zhang2009_direct_residual(w);
-            status = (residual <= config->tolerance + 0.002026593f)
-                ? ZHANG2009_OK : ZHANG2009_WRONG_BRANCH;
-            break;
+            zhang2009_direct_retarget(w, to, 1.0f, 0.0f);
+            room = 0.002026593f;
+            verify = true;
+            fresh = true;
+            taken = 0U;
         } else if (aim - done > 0.0009765625f) {
             /* refused: back to the part that is done, and aim nearer */
             aim = done + 0.375f * (aim - done);

@@ -22,13 +22,22 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 44264 add, 44658 mul, 2022 div, 912 sqrt
+ *   direct: 100 iterations, 44365 add, 44557 mul, 2022 div, 912 sqrt
  *   track: 323 add, 380 mul, 16 div, 6 sqrt
  *   inverse: 115 add, 53 mul, 7 div, 7 sqrt
  *   jacobian: 113 add, 136 mul, 7 div, 7 sqrt
  *   rates: 155 add, 172 mul, 7 div, 7 sqrt
  *   feed: 161 add, 178 mul, 13 div, 7 sqrt
  *   twist: 281 add, 382 mul, 49 div, 7 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 21076 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 79785 instructions, 544 stack, 5572 code
+ *   track: 2585 instructions, 408 stack, 4108 code
+ *   inverse: 455 instructions, 408 stack, 1380 code
+ *   jacobian: 460 instructions, 200 stack, 1824 code
+ *   rates: 890 instructions, 392 stack, 1996 code
+ *   feed: 1055 instructions, 432 stack, 2096 code
+ *   twist: 3030 instructions, 560 stack, 2408 code
  *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */

@@ -29,6 +29,15 @@
  *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 166 add, 246 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   twist: 192 add, 314 mul, 34 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 72620 instructions, 400 stack, 5836 code
+ *   track: 1390 instructions, 416 stack, 5864 code
+ *   inverse: 950 instructions, 568 stack, 1272 code
+ *   jacobian: 1175 instructions, 672 stack, 2044 code
+ *   rates: 1515 instructions, 808 stack, 2208 code
+ *   feed: 1635 instructions, 840 stack, 2308 code
+ *   twist: 2355 instructions, 896 stack, 2624 code
  *
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */

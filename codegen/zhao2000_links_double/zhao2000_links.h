@@ -30,6 +30,15 @@
  *   rates: 426 add, 659 mul, 20 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 430 add, 663 mul, 24 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
  *   twist: 456 add, 731 mul, 40 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 29612 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 159680 instructions, 1824 stack, 12680 code
+ *   track: 3110 instructions, 1840 stack, 12720 code
+ *   inverse: 1110 instructions, 928 stack, 2528 code
+ *   jacobian: 2245 instructions, 1312 stack, 7376 code
+ *   rates: 2570 instructions, 1560 stack, 7552 code
+ *   feed: 2685 instructions, 1608 stack, 7652 code
+ *   twist: 3380 instructions, 1712 stack, 8004 code
  *
  * Model SHA-256 888e70bd71fc6b17567c8bb509bdf13d479788645de68702c48396c4e381911c
  */

@@ -30,6 +30,15 @@
  *   rates: 426 add, 659 mul, 20 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 430 add, 663 mul, 24 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
  *   twist: 456 add, 731 mul, 40 div, 8 sqrt, 3 sin, 3 cos, 1 atan2
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 36326 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 114995 instructions, 600 stack, 11392 code
+ *   track: 2495 instructions, 616 stack, 11420 code
+ *   inverse: 1015 instructions, 568 stack, 2316 code
+ *   jacobian: 2055 instructions, 768 stack, 6504 code
+ *   rates: 2395 instructions, 904 stack, 6668 code
+ *   feed: 2515 instructions, 936 stack, 6768 code
+ *   twist: 3230 instructions, 992 stack, 7084 code
  *
  * Model SHA-256 888e70bd71fc6b17567c8bb509bdf13d479788645de68702c48396c4e381911c
  */

@@ -350,20 +350,11 @@ class NewtonCode:
                 "still2": "still2",
                 "still_variable": indent([f"{self.real.type} still2 = {floor}; /* square of a step that is rounding */"]),
                 "noise": indent([f"still2 = ({test}) ? ({rounding} * w->spread) : {floor};"], 3),
-                "accept": indent(["bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));"], 2),
-                "or_noise": "",
                 "stay": indent(copy_loop("w->x", "w->x0", state), 3),
             }
-        # asked only where a step is not shorter than it has to be, so that the usual way costs nothing
-        accept = [
-            f"const bool noise = !(size <= limit) && (taken > 0U) && {test}",
-            f"    && (size <= {rounding} * w->spread); /* what rounding makes of the rows */",
-            f"bool accepted = (size <= limit) || noise || ((taken > 0U) && (size <= {floor}));",
-        ]
-        put_back = [f"(void){self.name}_normalise_pose({self._ga}w->guess, w->x);", f"{self.k}_set_target({self._ga}w, to);"]
+        put_back = [f"{self.k}_retarget({self._ga}w, to, {literal(1.0)}, {literal(0.0)});"]
         return common | {
-            "still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh", "accept": indent(accept, 2),
-            "or_noise": " || noise", "stay": indent(put_back, 3),
+            "still2": floor, "still_variable": "", "noise": "", "moved": "", "by_kappa": "fresh", "stay": indent(put_back, 3),
         }  # fmt: skip
 
     @property

@@ -86,7 +86,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         } else {
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
-@{accept}
+        bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
         if (accepted) {
             if (aim >= @{one}) {
@@ -101,7 +101,7 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 }
                 gain2 = @{four} * (@{by_kappa} ? (kappa2 * size) : (size / before));
                 error2 = gain2 * size;
-                verify = ((taken > 0U) && (error2 <= tolerance2)) || @{still}@{or_noise};
+                verify = ((taken > 0U) && (error2 <= tolerance2)) || @{still};
                 was_fresh = fresh;
                 fresh = (gain2 * error2 > tolerance2) && ((taken > 0U) || (gain2 < @{chord2}));
                 ++taken;
@@ -127,13 +127,13 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 taken = 0U;
                 fresh = true;
             }
-        } else if ((taken > 0U) && (aim >= @{one}) && (done <= @{zero}) && (before <= @{row_noise2} * w->spread)) {
+        } else if ((taken > 0U) && (aim - done >= @{one}) && (before <= @{row_noise2} * w->spread)) {
             /* the whole line is rounding, which small pivots have made long: the state stays where it was */
 @{stay}
-            @{k}_rows(@{ga}w);
-            residual = @{k}_residual(w);
-            status = (residual <= config->tolerance + @{rounding}) ? @{P}_OK : @{P}_WRONG_BRANCH;
-            break;
+            room = @{rounding};
+            verify = true;
+            fresh = true;
+            taken = 0U;
         } else if (aim - done > @{least_part}) {
             /* refused: back to the part that is done, and aim nearer */
 @{nearer}

@@ -3,8 +3,8 @@
 static @{COLD} void @{p}_direct_retarget(@{gp}@{p}_direct_work *w, const @{real} to[6], @{real} part, @{real} done)
 {
     const @{real} *goal = to;
+    (void)@{p}_normalise_pose(@{ga}w->guess, w->x);
     if (part < @{one}) {
-        (void)@{p}_normalise_pose(@{ga}w->guess, w->x);
         /* joint values at the guess into w->k, the part of the line into w->f */
         @{p}_rod_values(@{ga}w);
         for (int i = 0; i < 6; ++i) {
