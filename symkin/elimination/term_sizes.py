@@ -82,32 +82,37 @@ def _value(op: int, operands: Sequence[Any]) -> Any:
     return np.asarray(ca.DM(make(op, *(ca.SX(ca.DM(np.atleast_1d(v))) for v in columns)))).reshape(columns[0].shape)
 
 
+def _absolute(value: Any) -> Any:
+    """|x| of arrays, numbers or expressions, which have no abs() of their own in the lowest CasADi."""
+    return ca.fabs(value) if isinstance(value, ca.SX) else abs(value)
+
+
 def _size(op: int, value: Any, operands: Sequence[_Sized]) -> Any:
     """The size of an operation's `value`."""
     a, b = operands[0], operands[-1]
     if op in (ca.OP_ADD, ca.OP_SUB, ca.OP_FMAX, ca.OP_FMIN):
         return a.size + b.size
     if op == ca.OP_MUL:
-        return abs(a.value) * b.size + abs(b.value) * a.size
+        return _absolute(a.value) * b.size + _absolute(b.value) * a.size
     if op == ca.OP_DIV:
-        return (a.size + abs(value) * b.size) / abs(b.value)
+        return (a.size + _absolute(value) * b.size) / _absolute(b.value)
     if op == ca.OP_INV:
-        return value * value * (a.size + abs(a.value))
+        return value * value * (a.size + _absolute(a.value))
     if op in (ca.OP_NEG, ca.OP_FABS, ca.OP_ASSIGN):
         return a.size
     if op == ca.OP_TWICE:
         return 2 * a.size
     if op == ca.OP_SQ:
-        return 2 * abs(a.value) * a.size
+        return 2 * _absolute(a.value) * a.size
     if op == ca.OP_SQRT:
         # where the radicand is rounding, so is the root of its size
         return a.size / (value + a.size**0.5 + _LEAST)
     if op in (ca.OP_SIN, ca.OP_COS):
-        return a.size + abs(value)
+        return a.size + _absolute(value)
     if op == ca.OP_ATAN2:
         square = a.value * a.value + b.value * b.value
-        return abs(value) + (abs(b.value) * a.size + abs(a.value) * b.size) / (square + _LEAST)
-    return abs(value) + sum(v.size for v in operands)
+        return _absolute(value) + (_absolute(b.value) * a.size + _absolute(a.value) * b.size) / (square + _LEAST)
+    return _absolute(value) + sum(v.size for v in operands)
 
 
 def sized_numbers(expressions: ca.SX, symbols: ca.SX, values: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
