@@ -8,6 +8,8 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before NumPy is loaded: tests r
 import pytest
 from hypothesis import HealthCheck, settings
 
+from helpers import inside
+
 settings.register_profile(
     "symkin", derandomize=True, deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow]
 )
@@ -38,4 +40,4 @@ def heard_interrupts():
 @pytest.fixture(autouse=True)
 def no_lines_on_slow_machines(monkeypatch):
     """Commands say what they do after some seconds, which tests that want an empty stderr need not wait for."""
-    monkeypatch.setattr("symkin.cli.progress._FIRST", 600.0)
+    monkeypatch.setattr(inside.progress, "_FIRST", 600.0)

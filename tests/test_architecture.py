@@ -6,14 +6,16 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from pathlib import Path
 
-import pytest
+from helpers import inside
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "symkin"
+TESTS = ROOT / "tests"
+DOOR = TESTS / "helpers" / "inside.py"
 PAGE = ROOT / "docs" / "architecture.md"
 MOST_PARAMETERS = 8
 COMMANDS = "symkin.cli"
@@ -69,24 +71,23 @@ def test_the_page_lists_every_package_once() -> None:
     assert listed == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("module", sorted(modules()))
-def test_imports_run_down_the_layers(module: str) -> None:
+def test_the_code_is_as_the_house_wants_it() -> None:
+    """The laws of one module and of all together, in one test, which parses the package once."""
+    assert [*upward_imports(), *rings(), *deciding_asserts(), *many_parameters()] == []
+
+
+def upward_imports() -> Iterator[str]:
     """No module imports one of a layer above its own, deferred imports and those for type checkers included."""
-    up = [other for other in imports()[module] if layer_of(other) > layer_of(module)]
-    assert not up
+    for module, others in imports().items():
+        yield from (f"{module} imports {other}, a layer above" for other in others if layer_of(other) > layer_of(module))
 
 
-def test_no_assert_decides_on_input() -> None:
+def deciding_asserts() -> Iterator[str]:
     """Asserts tell a type checker what has been looked at before: that something is there, or of which class it is. Whatever compares
     values is an error with a sentence."""
-    wrong = [
-        f"{name}:{node.lineno}"
-        for name, tree in modules().items()
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Assert) and not _narrows(node.test)
-    ]
-    assert not wrong
+    for name, tree in modules().items():
+        found = (node for node in ast.walk(tree) if isinstance(node, ast.Assert) and not _narrows(node.test))
+        yield from (f"{name}:{node.lineno}: an assert decides on input" for node in found)
 
 
 def _narrows(test: ast.expr) -> bool:
@@ -99,13 +100,12 @@ def _narrows(test: ast.expr) -> bool:
     return isinstance(test, ast.Call) and getattr(test.func, "id", "") == "isinstance"
 
 
-def test_no_two_modules_import_each_other() -> None:
-    """Nor do three or more in a ring."""
+def rings() -> Iterator[str]:
+    """No two modules import each other, nor three or more in a ring."""
     left = {name: set(others) for name, others in imports().items()}
     while free := [name for name, others in left.items() if not others]:
         left = {name: others - set(free) for name, others in left.items() if name not in free}
-    rings = {name: sorted(others) for name, others in left.items() if any(name in left.get(o, ()) for o in others)}
-    assert not left, f"circular imports: {rings or sorted(left)}"
+    yield from (f"{name} imports {sorted(others)} in a ring" for name, others in left.items())
 
 
 def functions(tree: ast.Module) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
@@ -118,13 +118,31 @@ def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> list[str]:
     return [arg.arg for arg in given if arg.arg not in ("self", "cls")]
 
 
-@pytest.mark.parametrize("module", sorted(modules()))
-def test_functions_take_few_parameters(module: str) -> None:
-    """At most eight; commands of Typer are excepted, whose options are their parameters."""
-    if module.startswith(COMMANDS):
-        return
-    many = [f"{f.name}: {len(parameters(f))}" for f in functions(modules()[module]) if len(parameters(f)) > MOST_PARAMETERS]
-    assert not many
+def many_parameters() -> Iterator[str]:
+    """Functions take at most eight; commands of Typer are excepted, whose options are their parameters."""
+    for module, tree in modules().items():
+        if not module.startswith(COMMANDS):
+            many = (f for f in functions(tree) if len(parameters(f)) > MOST_PARAMETERS)
+            yield from (f"{module}: {f.name} takes {len(parameters(f))} parameters" for f in many)
+
+
+# --- the tests' door -----------------------------------------------------------------------------------------------
+
+
+def test_tests_come_in_by_one_door() -> None:
+    """Only `inside.py` names what is below the public names, in imports and in strings; it names nothing that no file uses."""
+    below = re.compile(rf"(?:from|import) symkin\.\w|\bsymkin\.(?:{'|'.join(sorted(inner_names()))})\.\w")
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(TESTS.rglob("*.py")) if path != DOOR}
+    assert [
+        f"{path.relative_to(TESTS)}: {line}" for path, text in texts.items() for line in text.splitlines() if below.search(line)
+    ] == []
+    words = {word for text in texts.values() for word in re.findall(r"\w+", text)}
+    assert [name for name in [*inside.NAMES, *inside.MODULES] if name not in words] == []
+
+
+def inner_names() -> set[str]:
+    """Packages, and modules that stand alone."""
+    return {path.stem for path in PACKAGE.iterdir() if path.suffix in ("", ".py") and path.stem.isidentifier()} - {"__init__"}
 
 
 # --- the page ------------------------------------------------------------------------------------------------------
@@ -140,9 +158,11 @@ def _paths(text: str) -> Iterator[str]:
     return (name for name in re.findall(r"`([\w./-]+)`", text) if "/" in name or re.search(r"\.(py|md|toml|yaml|npz)$", name))
 
 
-@pytest.mark.parametrize("path", named_paths())
-def test_paths_on_the_page_exist(path: str) -> None:
-    assert any((folder / path).exists() for folder in (ROOT, PACKAGE))
+def test_paths_and_functions_on_the_page_exist() -> None:
+    assert named_paths()
+    assert [path for path in named_paths() if not any((folder / path).exists() for folder in (ROOT, PACKAGE))] == []
+    assert named_functions()
+    assert [(path, name) for path, name in named_functions() if not set(name.split(".")) <= names_in(path)] == []
 
 
 def named_functions() -> list[tuple[str, str]]:
@@ -150,13 +170,13 @@ def named_functions() -> list[tuple[str, str]]:
     return re.findall(r"`([\w/]+\.py)`: `([\w.]+)`", PAGE.read_text(encoding="utf-8"))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("path", "name"), named_functions())
-def test_functions_on_the_page_exist(path: str, name: str) -> None:
+@cache
+def names_in(path: str) -> set[str]:
+    """Functions, classes and variables that a file of the package defines."""
     tree = ast.parse((PACKAGE / path).read_text(encoding="utf-8"))
     defined = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef)}
     assigned = {t.id for n in ast.walk(tree) if isinstance(n, ast.Assign | ast.AnnAssign) for t in _targets(n)}
-    assert set(name.split(".")) <= defined | assigned
+    return defined | assigned
 
 
 def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:

@@ -6,10 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.inside import evaluate, whole_number, written_number
 from symkin import InputError, MechanismError
-from symkin.cli.options import whole_number
-from symkin.model.arithmetic import evaluate
-from symkin.model.written_number import written_number
 
 VALUES = {
     "240/sqrt(3)": 240 / math.sqrt(3),

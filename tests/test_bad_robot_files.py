@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from helpers.command_line import run
-from symkin.formats.read_options import ReadOptions
+from symkin import ReadOptions
 
 SUFFIXES = ("urdf", "sdf", "xml")
 GOOD = {

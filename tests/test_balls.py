@@ -9,10 +9,8 @@ from flint import arb, fmpq
 from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.inside import COMPLEX, REAL, AlgebraicSystem, BallFunction, BallSystem, precision, upper
 from helpers.samples import seeds
-from symkin.certificate.ball_system import BallSystem
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.numeric.balls import COMPLEX, REAL, BallFunction, precision, upper
 
 
 def exact(function: ca.Function, *inputs: list[Fraction]) -> list[Fraction]:

@@ -7,12 +7,17 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import (
+    Coordinate,
+    Mapped,
+    build_problem,
+    canonical,
+    conditions,
+    least_squares_steps,
+    null_space,
+    singular_values,
+)
 from helpers.samples import five_bar, three_rrr
-from symkin.model.joint import Coordinate
-from symkin.numeric.linear_algebra import conditions, least_squares_steps, null_space, singular_values
-from symkin.numeric.mapped import Mapped
-from symkin.position.canonical import canonical
-from symkin.position.problem import build_problem
 
 RNG = np.random.default_rng(3)
 

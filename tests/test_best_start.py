@@ -5,14 +5,18 @@ from functools import lru_cache
 import numpy as np
 
 import symkin
-from symkin.homotopy.best_start import bases_beside, best_start
-from symkin.homotopy.monodromy import Fibre
-from symkin.homotopy.quadratic import quadratic_form, track
-from symkin.homotopy.six_distances import universal_system
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.tracker import Tracked
-from symkin.homotopy.values import known_values
-from symkin.position.problem import build_problem
+from helpers.inside import (
+    Fibre,
+    Tracked,
+    bases_beside,
+    best_start,
+    build_problem,
+    known_values,
+    quadratic_form,
+    start_of,
+    universal_system,
+)
+from helpers.inside import track_quadratic as track
 
 
 @lru_cache

@@ -10,17 +10,22 @@ import pytest
 from flint import arb
 
 import symkin
+from helpers.inside import (
+    AlgebraicSystem,
+    Coordinate,
+    algebraic_point,
+    algebraic_systems,
+    bound_of,
+    build_problem,
+    certify,
+    exact_known,
+    known_values,
+    proves,
+    univariate_degree,
+)
 from helpers.known_roots import DIETMAIER, case, complex_roots, dietmaier
 from helpers.samples import five_bar, unit
 from symkin import Joint, Limb, Mechanism
-from symkin.certificate.bounds import bound_of, proves, univariate_degree
-from symkin.certificate.certificate import certify
-from symkin.certificate.exact import exact_known
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.systems import algebraic_systems
-from symkin.homotopy.values import algebraic_point, known_values
-from symkin.model.joint import Coordinate
-from symkin.position.problem import build_problem
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

@@ -8,14 +8,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
+from helpers.inside import (
+    Fibre,
+    algebraic_systems,
+    build_problem,
+    complex_count,
+    cover,
+    quaternion_from_axis_angle,
+    real_candidates,
+    rotate,
+    start_of,
+    two_angles,
+    uncovered,
+)
 from symkin import Joint, Limb, Mechanism
-from symkin.homotopy.branches import complex_count, cover, real_candidates, uncovered
-from symkin.homotopy.monodromy import Fibre
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.systems import algebraic_systems
-from symkin.homotopy.universal_joints import two_angles
-from symkin.position.problem import build_problem
-from symkin.spatial.rotation import quaternion_from_axis_angle, rotate
 
 unit = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 0.1).map(lambda v: np.array(v) / np.linalg.norm(v))
 angle = st.floats(-math.pi, math.pi)

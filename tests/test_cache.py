@@ -11,13 +11,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
+from helpers.inside import algebraic_systems, build_problem, cache_folder, keep, read_kept, start_files, start_store
 from helpers.samples import five_bar
-from symkin.errors import InputError
-from symkin.homotopy import start_files, start_store
-from symkin.homotopy.systems import algebraic_systems
-from symkin.numeric import cache_folder
-from symkin.numeric.cache_folder import keep, read_kept
-from symkin.position.problem import build_problem
+from symkin import InputError
 
 
 @pytest.fixture
@@ -102,7 +99,7 @@ def test_a_fifo_or_a_device_does_not_block(folder):
     place.unlink()
     os.mkfifo(place)
     (folder / "key-0123456789abcdef.npz").symlink_to("/dev/zero")
-    code = "import sys, pathlib; from symkin.numeric.cache_folder import *; f = pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
+    code = f"import sys, pathlib; from {inside.where('keep')} import *; f = pathlib.Path(sys.argv[1]); print(read_kept(f, 'key', '.npz'))"
     code += "; print(keep(f, 'key', '.npz', b'content').read_bytes())"
     done = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.split() == ["[]", "b'content'"]
@@ -177,14 +174,12 @@ def test_a_size_that_is_none_is_refused(monkeypatch, text):
 WRITE = """
 import sys
 from pathlib import Path
-from symkin.numeric.cache_folder import keep, read_kept
-from symkin.homotopy.systems import algebraic_systems
-from symkin.position.problem import build_problem
+from HERE import keep, read_kept
 for k in range(200):
     keep(Path(sys.argv[1]), f"key{k % 7}", ".npz", bytes([k % 7]) * 100_000)
     for place, content in read_kept(Path(sys.argv[1]), f"key{(k + 3) % 7}", ".npz"):
         assert content == bytes([(k + 3) % 7]) * 100_000
-"""
+""".replace("HERE", inside.where("keep"))
 
 
 @pytest.mark.slow

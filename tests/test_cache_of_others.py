@@ -18,15 +18,21 @@ import casadi as ca
 import pytest
 
 import symkin
+from helpers.inside import (
+    AlgebraicSystem,
+    CompilerError,
+    Coordinate,
+    NotBuiltError,
+    c_library,
+    compiled,
+    find_compilers,
+    folder_fault,
+    keep,
+    load_library,
+    read_kept,
+)
 from helpers.samples import five_bar
-from symkin.errors import InputError
-from symkin.homotopy import compiled
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.model.joint import Coordinate
-from symkin.numeric import c_library
-from symkin.numeric.c_library import CompilerError, NotBuiltError, find_compilers, load_library
-from symkin.numeric.cache_folder import folder_fault, keep, read_kept
-from symkin.page.result_views import view
+from symkin import InputError, view
 
 pytestmark = pytest.mark.skipif(
     not hasattr(os, "getuid") or shutil.which("cc") is None, reason="owners and a C compiler are needed"

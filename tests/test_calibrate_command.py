@@ -9,7 +9,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from symkin.cli.app import main
+from helpers.inside import main
 
 FILES = {"residuals.png", "parameters.png", "pose_sigma.png", "report.json", "report.md", "ren2008.toml", "manifest.json"}
 

@@ -7,7 +7,7 @@ import hashlib
 import pytest
 
 import symkin
-from symkin.cli.app import main
+from helpers.inside import main
 
 FIT = ("fit", "ren2008", "data.csv", "-o", "out")
 SIMULATE = ("simulate", "ren2008", "--readings", "pose", "--postures", "16", "-o", "made.csv")
@@ -106,7 +106,7 @@ def test_a_fit_replaces_its_own_unedited_folder(capsys, folder):
 @pytest.mark.slow
 def test_a_run_that_was_cut_short_is_mended(capsys, folder, monkeypatch):
     """Where the disk is full after some files, the same command writes the folder, the file, once there is room."""
-    from symkin.cli import calibrate_folder
+    from helpers.inside import calibrate_folder
 
     assert run(capsys, *FIT)[0] == 0
     whole, left = calibrate_folder.write_output, iter(range(4))

@@ -9,9 +9,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.configuration_model import build_model
-from symkin.formats.read_options import ReadOptions
+from helpers.inside import build_model
+from symkin import Measurements, ReadOptions
 
 ARM = Path(__file__).parents[1] / "docs" / "robots" / "arm.urdf"
 

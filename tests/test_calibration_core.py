@@ -16,19 +16,24 @@ from helpers.inclinometer import (
     measured,
     random_geometry,
 )
+from helpers.inside import (
+    FORMS,
+    METHODS,
+    Distance,
+    build_calibration,
+    build_closure,
+    build_model,
+    default_parameters,
+    joint_frames,
+    map_functions,
+    nominal_parameters,
+    parse,
+    solve_configurations,
+    with_parameters,
+)
+from helpers.inside import evaluate_state as evaluate
 from helpers.samples import five_bar, three_rrr
-from symkin import InputError
-from symkin.calibration.calibrate import METHODS, calibrate
-from symkin.calibration.data.measurements import Distance, Measurements
-from symkin.calibration.data.parameters import joint_frames, nominal_parameters, with_parameters
-from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.calibration.estimate.mapped_functions import map_functions
-from symkin.calibration.estimate.problem import build_calibration, default_parameters
-from symkin.calibration.estimate.residuals import FORMS
-from symkin.calibration.estimate.state import evaluate
-from symkin.closure.closure import build_closure
-from symkin.model.file import parse
+from symkin import InputError, Measurements, calibrate
 
 NOMINAL = symkin.load("ren2008")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -84,9 +89,8 @@ def test_methods_agree(form):
 @pytest.mark.slow
 def test_ipopt_alone_reaches_the_minimum():
     """Before it is polished, the end of IPOPT is within 1e-7 m of the nested estimate: it solved the same program."""
-    from symkin.calibration.estimate.lifted import build_program
-    from symkin.calibration.estimate.solver import estimate
-    from symkin.calibration.estimate.state import closed_state
+    from helpers.inside import build_lifted_program as build_program
+    from helpers.inside import closed_state, estimate
 
     rng = np.random.default_rng(5)
     truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)

@@ -10,15 +10,23 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
 from helpers.csv_cells import rewritten
+from helpers.inside import (
+    SEQUENCES,
+    Noise,
+    Workspace,
+    diagnose,
+    find_sequence,
+    fit_file,
+    group_numbers,
+    match_parameters,
+    random_configurations,
+    read_measurements,
+    simulate_readings,
+    write_measurements,
+)
 from symkin import InputError
-from symkin.calibration.data.files import read_measurements, write_measurements
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.fit_file import fit_file, match_parameters
-from symkin.calibration.judge.diagnoses import diagnose
-from symkin.calibration.judge.euler_sequence import find_sequence
-from symkin.files.euler_columns import SEQUENCES
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 QUIET = Noise(lengths=1e-6, group=1e-5, inclination=1e-5, position=1e-5, orientation=1e-5)
@@ -229,7 +237,7 @@ def test_the_euler_sequence_that_fits_is_found(tmp_path, sequence, rows):
     report = fit_file(wrong, data, any_machine=True)
     assert report.believable, report.verdict
     assert report.fit.rank == 42
-    closure = symkin.closure.closure.build_closure(true)
+    closure = inside.build_closure(true)
     truth = dict(zip(closure.parameter_names, closure.parameter_values, strict=True))
     for p in report.fit.parameters:
         assert abs(p.value - truth[p.name]) < 5 * p.sigma, p.name

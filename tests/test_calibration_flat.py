@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin import InputError
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.files import read_measurements, write_measurements
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.fit_file import fit_file, match_parameters
+from helpers.inside import (
+    Noise,
+    Workspace,
+    fit_file,
+    group_numbers,
+    match_parameters,
+    random_configurations,
+    read_measurements,
+    simulate_readings,
+    write_measurements,
+)
+from symkin import InputError, calibrate
 
 
 def three_rps():

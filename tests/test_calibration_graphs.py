@@ -7,20 +7,26 @@ import pytest
 
 import symkin
 from helpers import linkages
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.files import measurements_text, read_measurements
-from symkin.calibration.data.observables import observables
-from symkin.calibration.data.parameters import geometry_parameters, parameter_names, with_parameters
-from symkin.calibration.data.reference_motions import reference_motions
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.judge.identifiability import identifiability
-from symkin.errors import InputError
-from symkin.model.file import parse
-from symkin.model.joint import Joint
+from helpers.inside import (
+    Noise,
+    Workspace,
+    build_model,
+    default_parameters,
+    geometry_parameters,
+    group_numbers,
+    identifiability,
+    measurements_text,
+    observables,
+    parameter_names,
+    parse,
+    random_configurations,
+    read_measurements,
+    reference_motions,
+    simulate_readings,
+    solve_configurations,
+    with_parameters,
+)
+from symkin import InputError, Joint, calibrate
 
 ANGLE, LENGTH = 2e-5, 0.01
 """Noise of encoders (radians) and of positions (mm)."""

@@ -7,12 +7,9 @@ import json
 import numpy as np
 import pytest
 
+from helpers.inside import draw_held_out, held_out_count, main, predict_held_out
 from helpers.tracker import NOISE, Hexapod
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.judge.holdout import draw_held_out, held_out_count, predict_held_out
-from symkin.cli.app import main
-from symkin.errors import InputError
+from symkin import InputError, Measurements, calibrate
 
 NOMINAL = Hexapod.nominal()
 MECHANISM = NOMINAL.mechanism()

@@ -7,12 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import symkin.calibration.estimate.problem as problems
+from helpers import inside
 from helpers.inclinometer import geometry, measured, random_geometry
 from helpers.tracker import NOISE, Hexapod
-from symkin import load
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.measurements import Measurements
+from symkin import Measurements, calibrate, load
 
 HEXAPOD = Hexapod.nominal()
 PLATFORM = load("ren2008")
@@ -55,8 +53,8 @@ def fitted(case, residual, method):
 def test_parts_give_the_fit_of_the_whole(monkeypatch, case, residual, method):
     """Values, standard deviations, chi-square, residuals, outliers and notes are those of all postures taken together."""
     whole = fitted(case, residual, method)
-    monkeypatch.setattr(problems, "MAX_WHOLE_ROWS", 20)
-    monkeypatch.setattr(problems, "PART_ROWS", 9)
+    monkeypatch.setattr(inside.fit_problem, "MAX_WHOLE_ROWS", 20)
+    monkeypatch.setattr(inside.fit_problem, "PART_ROWS", 9)
     found = fitted(case, residual, method)
     assert found.problem.is_large
     assert len(found.problem.parts) > 3
@@ -75,10 +73,10 @@ def test_parts_give_the_fit_of_the_whole(monkeypatch, case, residual, method):
 
 def test_members_of_a_group_stay_together(monkeypatch):
     """No group is divided, however large it is."""
-    monkeypatch.setattr(problems, "MAX_WHOLE_ROWS", 20)
-    monkeypatch.setattr(problems, "PART_ROWS", 5)
+    monkeypatch.setattr(inside.fit_problem, "MAX_WHOLE_ROWS", 20)
+    monkeypatch.setattr(inside.fit_problem, "PART_ROWS", 5)
     mechanism, data = groups()
-    made = problems.build_calibration(mechanism, data)
+    made = inside.fit_problem.build_calibration(mechanism, data)
     for rows, part in made.parts:
         held = set(data.groups[rows].tolist()) - {-1}
         assert all(set(np.flatnonzero(data.groups == k)) <= set(rows.tolist()) for k in held)

@@ -9,10 +9,8 @@ import pytest
 
 import symkin
 from helpers import hexapods
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.files import read_measurements
-from symkin.calibration.fit_file import fit_file
-from symkin.cli.app import main
+from helpers.inside import fit_file, main, read_measurements
+from symkin import calibrate
 
 
 def described(folder, base, platform):

@@ -10,13 +10,8 @@ import pytest
 
 import symkin
 from helpers import parallel_arm
-from symkin.calibration.calibrate import METHODS, calibrate
-from symkin.calibration.data.files import write_measurements
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.judge import assessment
-from symkin.cli.app import main
-from symkin.formats.load import load
-from symkin.model.file import parse
+from helpers.inside import METHODS, assessment, main, parse, write_measurements
+from symkin import Measurements, calibrate, load
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,8 @@ import numpy as np
 import pytest
 
 from helpers import hexapod_log
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.files import write_measurements
-from symkin.calibration.estimate.solver import estimate
-from symkin.calibration.judge import outlier_removal
-from symkin.calibration.judge.assessment import Fit
-from symkin.cli.app import main
+from helpers.inside import Fit, estimate, main, outlier_removal, write_measurements
+from symkin import calibrate
 
 
 @pytest.fixture(scope="module")

@@ -10,17 +10,24 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.files import read_measurements, write_measurements
-from symkin.calibration.data.parameters import bound_by_motion
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.fit_file import fit_file, match_parameters
-from symkin.calibration.judge.assignments import best_column_order
-from symkin.calibration.judge.diagnoses import nominal_misfit
-from symkin.cli.app import main
-from symkin.closure.closure import build_closure
+from helpers.inside import (
+    Noise,
+    Workspace,
+    best_column_order,
+    bound_by_motion,
+    build_closure,
+    default_parameters,
+    fit_file,
+    group_numbers,
+    main,
+    match_parameters,
+    nominal_misfit,
+    random_configurations,
+    read_measurements,
+    simulate_readings,
+    write_measurements,
+)
+from symkin import calibrate
 
 Z = (0.0, 0.0, 1.0)
 

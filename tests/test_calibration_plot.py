@@ -5,13 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from helpers.inside import MEASURING_FRAMES, default_parameters, parameter_figure, png, pose_sigma_figure, predict_pose_sigma
 from helpers.tracker import NOISE, WORLD_POSITION, Hexapod
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import MEASURING_FRAMES
-from symkin.calibration.estimate.problem import default_parameters
-from symkin.calibration.judge.pose_accuracy import predict_pose_sigma
-from symkin.plots.calibration_plot import parameter_figure, png, pose_sigma_figure
+from symkin import Measurements, calibrate
 
 
 @pytest.fixture(scope="module")

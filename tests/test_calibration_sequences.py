@@ -8,12 +8,19 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import (
+    Noise,
+    SequenceTrial,
+    Workspace,
+    find_sequence,
+    fit_file,
+    group_numbers,
+    random_configurations,
+    read_measurements,
+    simulate_readings,
+    write_measurements,
+)
 from symkin import InputError
-from symkin.calibration.data.files import read_measurements, write_measurements
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.fit_file import fit_file
-from symkin.calibration.judge.euler_sequence import SequenceTrial, find_sequence
 
 NOMINAL = symkin.load("zhang2009")
 NOISE = Noise(lengths=0.005, position=0.02, orientation=np.radians(0.002))

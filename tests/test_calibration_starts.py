@@ -11,15 +11,17 @@ import pytest
 import symkin
 from helpers import hexapods
 from helpers.command_line import run
-from symkin import Joint, Limb, Mechanism
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.files import read_measurements
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.estimate.problem import build_calibration
-from symkin.calibration.estimate.starting import start_configurations, with_starts
-from symkin.calibration.estimate.workspace import home_pose, platform_points
-from symkin.calibration.fit_file import fit_file
-from symkin.spatial.rotation import matrix_from_quaternion
+from helpers.inside import (
+    build_calibration,
+    fit_file,
+    matrix_from_quaternion,
+    platform_points,
+    read_measurements,
+    start_configurations,
+    with_starts,
+)
+from helpers.inside import workspace_home_pose as home_pose
+from symkin import Joint, Limb, Measurements, Mechanism, calibrate
 
 
 def machine(folder, rng, *, home):

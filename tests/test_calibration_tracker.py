@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import main
 from helpers.tracker import ARM, NOISE, REFLECTOR, WORLD_POSITION, WORLD_ROTATION, Hexapod, Posed, arm, arm_posed
-from symkin.cli.app import main
 
 POSTURES = 70
 TRACKER = "all,world.*,target.position.*"

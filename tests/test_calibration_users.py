@@ -12,16 +12,26 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.inclinometer import BASE_LIMBS, PLATFORM_LIMBS, geometry, measured, random_geometry
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.parameters import joint_frames, with_parameters
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.calibration.estimate.problem import build_calibration
-from symkin.calibration.estimate.residuals import deviations, group_basis, linearise
-from symkin.calibration.estimate.solver import estimate
-from symkin.calibration.estimate.state import evaluate_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.judge.statistics import LinearModel, determined_directions, linear_model
+from helpers.inside import (
+    LinearModel,
+    Noise,
+    Workspace,
+    build_calibration,
+    determined_directions,
+    deviations,
+    estimate,
+    evaluate_readings,
+    group_basis,
+    group_numbers,
+    joint_frames,
+    linear_model,
+    linearise,
+    random_configurations,
+    simulate_readings,
+    solve_configurations,
+    with_parameters,
+)
+from symkin import calibrate
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)

@@ -12,13 +12,20 @@ import pytest
 
 import symkin
 from helpers.csv_cells import rewritten
+from helpers.inside import (
+    Noise,
+    NotFittedError,
+    Workspace,
+    fit_file,
+    group_numbers,
+    main,
+    random_configurations,
+    read_measurements,
+    residual_figure,
+    simulate_readings,
+    write_measurements,
+)
 from symkin import InputError
-from symkin.calibration.data.files import read_measurements, write_measurements
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.fit_file import NotFittedError, fit_file
-from symkin.cli.app import main
-from symkin.plots.calibration_plot import residual_figure
 
 NOMINAL, RODS, RODS_TRUE = symkin.load("zhang2009"), symkin.load("ren2008"), symkin.load("ren2008_true")
 NOISE = Noise(lengths=0.005, position=0.02, orientation=np.radians(0.002))

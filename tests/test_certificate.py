@@ -12,20 +12,26 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers import moved_points as machines
+from helpers.inside import (
+    AlgebraicSystem,
+    Certificates,
+    Coordinate,
+    algebraic_point,
+    algebraic_systems,
+    build_problem,
+    certify,
+    instance,
+    known_values,
+    precision,
+    real_values,
+    start_of,
+    system_of,
+    universal_start,
+    universal_system,
+)
 from helpers.known_roots import Case, case
 from helpers.samples import delta, five_bar, hexapod, three_rrr
 from symkin import Mechanism
-from symkin.certificate.certificate import Certificates, certify
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.instance import instance
-from symkin.homotopy.six_distances import universal_system
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.systems import algebraic_systems, system_of
-from symkin.homotopy.universal_start import universal_start
-from symkin.homotopy.values import algebraic_point, known_values, real_values
-from symkin.model.joint import Coordinate
-from symkin.numeric.balls import precision
-from symkin.position.problem import build_problem
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import symkin
+from helpers import inside
 from helpers.command_line import run, run_json
 from helpers.gate import in_gate_but
 from helpers.shipped import UNDRIVEN
@@ -176,14 +177,14 @@ def test_numbers_may_be_arithmetic(capsys: pytest.CaptureFixture[str]) -> None:
     assert answers[0] == answers[1] is not None
 
 
-@pytest.mark.parametrize("place", ["symkin.formats.load.load", "symkin.cli.app.app"])
-def test_ctrl_c_is_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, place: str) -> None:
+@pytest.mark.parametrize("name", ["load", "app"])
+def test_ctrl_c_is_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str) -> None:
     """Ctrl-C within a command or outside ends with status 130, nothing on stdout and one line on stderr."""
 
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(place, interrupted)
+    monkeypatch.setattr({"load": inside.load_file, "app": inside.cli_app}[name], name, interrupted)
     assert run(capsys, "solve", "zhao2000") == (130, "", "symkin: interrupted\n")
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import main
 from helpers.mjcf_models import MODELS, REAL, SMALL, body, file_text, joint
-from symkin.cli.app import main
 
 pytest.importorskip("mujoco")
 

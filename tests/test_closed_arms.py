@@ -14,10 +14,8 @@ import pytest
 import symkin
 from helpers.arms import along, direction, free, random_values, serial, short_structures, structures, through
 from helpers.gate import in_gate
+from helpers.inside import ArmScrews, AxisGeometry, Screw, plan_of
 from symkin import InputError
-from symkin.closed.geometry import AxisGeometry
-from symkin.closed.plan import plan_of
-from symkin.closed.screws import ArmScrews, Screw
 
 ARMS, SHORT = structures(np.random.default_rng(7)), short_structures(np.random.default_rng(7))
 ALL = ARMS | SHORT

@@ -8,13 +8,18 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import (
+    ClosedForm,
+    Problem,
+    System,
+    build_problem,
+    closed_form,
+    samples_about,
+    start_of,
+    structure_groups,
+    system_of,
+)
 from helpers.samples import delta, readme_five_bar, three_rps, three_rrr
-from symkin.elimination.closed_form import ClosedForm, closed_form, samples_about
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.systems import system_of
-from symkin.numeric.system import System
-from symkin.position.groups import structure_groups
-from symkin.position.problem import Problem, build_problem
 
 DYADS = ("four_bar", "slider_crank", "jansen_leg", "klann_leg", "watt_six_bar", "excavator_bucket", "pantograph_leg")
 

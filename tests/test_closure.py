@@ -9,6 +9,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import symkin
+from helpers import inside
+from helpers.inside import build_closure, build_problem, multiply, parse, random_values
 from helpers.laws import axis_turn, ball_turn, chain, differences, displacement, evaluated, frame, limb_gap
 from helpers.samples import (
     BENNETT,
@@ -22,10 +24,6 @@ from helpers.samples import (
     unit,
 )
 from symkin import Joint, Limb, Mechanism, Pose, Rod, RodLimb
-from symkin.closure.closure import build_closure, random_values
-from symkin.model.file import parse
-from symkin.position.problem import build_problem
-from symkin.spatial.rotation import multiply
 
 # limb by letters (lower case: actuated), the joint at which it is cut, and the rows that remain
 CUTS = {
@@ -121,8 +119,8 @@ def test_elsewhere_the_closure_does_not_vanish(kinds, rng):
         pushed = dict(named)
         for k in "xyz":
             pushed[f"pose.{k}"] = named[f"pose.{k}"] + step * closure.characteristic_length * rng.uniform(0.1, 1.0)
-        turn = symkin.spatial.rotation.quaternion_from_rotation_vector(step * rng.uniform(0.3, 1.0, 3))
-        pushed["pose.quaternion"] = symkin.spatial.rotation.multiply(turn, named["pose.quaternion"])
+        turn = inside.quaternion_from_rotation_vector(step * rng.uniform(0.3, 1.0, 3))
+        pushed["pose.quaternion"] = inside.multiply(turn, named["pose.quaternion"])
         rows, errors = evaluated(closure, variables(closure, pushed))
         known = {c.name: pushed[c.name] for c in closure.coordinates}
         platform = frame([pushed[f"pose.{k}"] for k in "xyz"], pushed["pose.quaternion"])

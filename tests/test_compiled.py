@@ -11,15 +11,20 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
+from helpers.inside import (
+    AlgebraicSystem,
+    CompilerError,
+    Coordinate,
+    TrackSettings,
+    algebraic_systems,
+    build_problem,
+    compiled,
+    find_compilers,
+    start_of,
+    tracker,
+)
 from helpers.samples import five_bar
-from symkin.homotopy import compiled, tracker
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.systems import algebraic_systems
-from symkin.homotopy.tracker import TrackSettings
-from symkin.model.joint import Coordinate
-from symkin.numeric.c_library import CompilerError, find_compilers
-from symkin.position.problem import build_problem
 
 
 def has_compiler() -> bool:
@@ -307,10 +312,10 @@ def test_a_cache_that_cannot_be_written_only_costs_time(monkeypatch, tmp_path):
     assert engine(square()).track(np.ones((1, 1)), np.ones(1), np.full(1, 2.0)).arrived.all()
 
 
-BUILD = """
+BUILD = f"""
 import casadi as ca, numpy as np
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.compiled import load
+from {inside.where("AlgebraicSystem")} import AlgebraicSystem
+from {inside.where("compiled")} import load
 z, k = ca.SX.sym("z"), ca.SX.sym("k")
 found, reason = load(AlgebraicSystem(1.0, (), z, k, z**2 - k, ()))
 print(complex(found.track(np.ones((1, 1)), np.ones(1), np.full(1, 2.0 + 1j)).z[0, 0] ** 2))

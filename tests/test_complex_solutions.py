@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import complex_solutions
 from helpers.laws import evaluated
-from symkin.page.complex_solutions import complex_solutions
 
 
 @pytest.mark.parametrize("name", ["zhang2009"])

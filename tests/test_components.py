@@ -11,9 +11,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.model.joint import Joint
-from symkin.model.limb import Limb, RodLimb
-from symkin.model.mechanism import Mechanism
+from symkin import Joint, Limb, Mechanism, RodLimb
 
 X = np.array([1.0, 0.0, 0.0])
 

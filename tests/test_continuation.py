@@ -9,18 +9,27 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
+from helpers.inside import (
+    BOUND,
+    algebraic_point,
+    algebraic_systems,
+    build_algebraic_closure,
+    build_closure,
+    build_problem,
+    instance,
+    known_values,
+    random_values,
+    real_values,
+    start_files,
+    start_store,
+    universal_start,
+    universal_system,
+    vectorise,
+)
 from helpers.known_roots import DIETMAIER, dietmaier
 from helpers.samples import delta, five_bar, hexapod, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism, Pose
-from symkin.closure.closure import build_algebraic_closure, build_closure, random_values
-from symkin.closure.numpy_code import vectorise
-from symkin.homotopy import start_files, start_store
-from symkin.homotopy.instance import instance
-from symkin.homotopy.six_distances import universal_system
-from symkin.homotopy.systems import algebraic_systems
-from symkin.homotopy.universal_start import BOUND, universal_start
-from symkin.homotopy.values import algebraic_point, known_values, real_values
-from symkin.position.problem import build_problem
 
 # --- the algebraic closure ----------------------------------------------------------------------------------------
 
@@ -36,7 +45,7 @@ def test_algebraic_rows_are_the_closure_rows_at_unit_quaternions(name, form):
         values = random_values(closure.coordinates, closure.characteristic_length, rng)
         joints = np.concatenate([values[closure.slices[c.name]] for c in closure.role("actuated", "passive")])
         t, e = values[closure.slices["pose.x"].start :][:3], values[closure.slices["pose.quaternion"]]
-        product = symkin.spatial.rotation.multiply(np.array([0.0, *t]), e)
+        product = inside.multiply(np.array([0.0, *t]), e)
         pose = np.concatenate([e, 0.5 * product]) if form == "study" else np.concatenate([t, e])
         rows = ca.Function("a", [algebraic.joints, algebraic.pose], [algebraic.rows])(joints, pose)
         expected = ca.Function("c", [closure.variables], [closure.bound(closure.rows)])(values)

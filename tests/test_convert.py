@@ -11,9 +11,8 @@ import pytest
 
 import symkin
 from helpers.gate import in_gate
+from helpers.inside import as_graph, main
 from helpers.same_mechanism import assert_same
-from symkin.cli.app import main
-from symkin.formats.graph_form import as_graph
 
 pytest.importorskip("mujoco")
 FORMATS = (".xml", ".urdf", ".sdf")

@@ -11,12 +11,11 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers.gate import in_gate_but
+from helpers.inside import as_graph, mjcf_text
 from helpers.mujoco_account import MujocoAccount
 from helpers.random_graphs import random_graph
 from helpers.robot_files import LARGEST, ROBOTS
 from helpers.same_mechanism import assert_same
-from symkin.formats.graph_form import as_graph
-from symkin.formats.mjcf_text import mjcf_text
 
 pytest.importorskip("mujoco")
 

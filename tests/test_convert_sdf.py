@@ -13,12 +13,11 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers.gate import in_gate_but
+from helpers.inside import as_graph, matrix_from_quaternion, quaternion_from_axis_angle
 from helpers.random_graphs import random_graph
 from helpers.robot_files import LARGEST, ROBOTS
 from helpers.same_mechanism import assert_same
 from helpers.written_moves import Moved, configurations
-from symkin.formats.graph_form import as_graph
-from symkin.spatial.rotation import matrix_from_quaternion, quaternion_from_axis_angle
 
 COUPLED = ("differential", "planetary_gear")
 """Mechanisms with joints that follow two others."""

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers.gate import in_gate_but
+from helpers.inside import as_graph
 from helpers.pinocchio_account import PinocchioAccount
 from helpers.random_graphs import random_graph
 from helpers.robot_files import LARGEST, ROBOTS
 from helpers.same_mechanism import assert_same
-from symkin.formats.graph_form import as_graph
 
 COUPLED = ("differential", "planetary_gear")
 """Mechanisms with joints that follow two others."""

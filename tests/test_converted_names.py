@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import as_graph, main
 from helpers.product_of_exponentials import displacement, random_values
 from helpers.same_mechanism import assert_same
-from symkin.cli.app import main
-from symkin.formats.graph_form import as_graph
 
 pytest.importorskip("mujoco")
 FORMATS = (".xml", ".urdf", ".sdf", ".yaml")

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import NOT_KNOWN, binomial_bound, product_of_counts, sum_of_counts
 from helpers.samples import Z
 from symkin import InputError, Joint, Limb, Mechanism
-from symkin.position.roots import NOT_KNOWN, binomial_bound, product_of_counts, sum_of_counts
 
 
 def skew_limb(number: int) -> Limb:

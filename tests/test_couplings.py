@@ -8,13 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import symkin
-from symkin.model.file import parse
-from symkin.model.graph import MOST_TEETH
-from symkin.position import groups
-from symkin.position.given import given_from
-from symkin.position.given_by_name import named_given, problem_of
-from symkin.position.problem import build_problem
-from symkin.position.starts import random_starts
+from helpers.inside import MOST_TEETH, build_problem, given_from, groups, named_given, parse, problem_of, random_starts
 
 HEAD = 'format = 1\nname = "coupled"\nlength_unit = "m"\nangle_unit = "deg"\n'
 POINTS = np.array([[3.0, 1.0], [1.0, 2.0], [2.0, 0.0], [1.0, 1.0], [0.0, 2.0]])

@@ -6,9 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from symkin.errors import InputError
-from symkin.files.csv_table import read_table, write_table
-from symkin.files.outputs import write_output
+from helpers.inside import read_table, write_output, write_table
+from symkin import InputError
 
 
 def table(tmp_path, text):

@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from symkin.following.cubic import Cubic
-from symkin.following.joint_limits import _extremes
+from helpers.inside import Cubic, _extremes
 
 
 def drawn(seed):

@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
+from helpers.inside import build_closure
 from helpers.laws import axis_turn, chain, displacement, evaluated, frame
 from helpers.samples import random_coordinate, random_mechanism
 from symkin import Pose
-from symkin.closure.closure import build_closure
 
 
 def evaluated_after(mechanism, rng, step):

@@ -10,10 +10,19 @@ import pytest
 import symkin
 from helpers import hexapod_log
 from helpers.hexapods import matrices
-from symkin.calibration.data.measurements import Distance, Measurements
-from symkin.calibration.design.simulation import Noise, random_configurations, simulate_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.judge.diagnoses import RULES, Case, Stage, diagnose, diagnose_labels
+from helpers.inside import (
+    RULES,
+    Case,
+    Distance,
+    Noise,
+    Stage,
+    Workspace,
+    diagnose,
+    diagnose_labels,
+    random_configurations,
+    simulate_readings,
+)
+from symkin import Measurements
 
 MACHINE = hexapod_log.TRUTH
 END, BASE = np.array([0.0, 0.0, 0.01]), np.array([0.0, 0.0, -0.02])

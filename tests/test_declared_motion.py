@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.model.file import parse, shipped_names
+from helpers.inside import parse
+from symkin import shipped_names
 
 ARM = """format = 1
 name = "arm"

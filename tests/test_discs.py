@@ -10,12 +10,9 @@ from flint import acb, arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from helpers.inside import COMPLEX, REAL, BallFunction, DiscFunction, Discs, build_tape, disc_library, precision, sine_and_cosine
+from helpers.inside import disc_exponential as exponential
 from helpers.samples import seeds
-from symkin.certificate.disc_arithmetic import exponential, sine_and_cosine
-from symkin.certificate.disc_library import disc_library
-from symkin.certificate.discs import DiscFunction, Discs
-from symkin.certificate.tape import build_tape
-from symkin.numeric.balls import COMPLEX, REAL, BallFunction, precision
 
 UNIT = 2.0**-53
 engines = pytest.mark.parametrize("engine", ["compiled", "numpy"])

@@ -12,22 +12,29 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import (
+    AlgebraicSystem,
+    Coordinate,
+    Ends,
+    Fibre,
+    Problem,
+    Tracked,
+    TrackSettings,
+    are_regular,
+    build_problem,
+    distances,
+    finish,
+    given_from,
+    known_values,
+    real_values,
+    start_of,
+    system_of,
+    universal_start,
+    universal_system,
+)
+from helpers.inside import track_paths as track
 from helpers.samples import delta, five_bar, hexapod, parallel_rrr, pieper, three_rrr
 from symkin import Mechanism, Pose
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.circles import distances
-from symkin.homotopy.endgame import are_regular, finish
-from symkin.homotopy.ends import Ends
-from symkin.homotopy.monodromy import Fibre
-from symkin.homotopy.six_distances import universal_system
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.systems import system_of
-from symkin.homotopy.tracker import Tracked, TrackSettings, track
-from symkin.homotopy.universal_start import universal_start
-from symkin.homotopy.values import known_values, real_values
-from symkin.model.joint import Coordinate
-from symkin.position.given import given_from
-from symkin.position.problem import Problem, build_problem
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

@@ -6,9 +6,9 @@ import pytest
 
 import symkin
 from helpers.command_line import run_json
+from helpers.inside import parse
 from helpers.samples import three_rps
 from symkin import MechanismError
-from symkin.model.file import parse
 
 
 def with_example(mechanism: symkin.Mechanism, values: str) -> str:

@@ -13,14 +13,12 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside, samples
 from helpers import jacobian_cases as cases
-from helpers import samples
 from helpers.exported_jacobians import module_of, run_c, run_latex
+from helpers.inside import FORMATS, jacobian_text, main, write_jacobian
 from helpers.shipped import LIMBS
-from symkin import InputError
-from symkin.cli.app import main
-from symkin.codegen.jacobian_formats import FORMATS, jacobian_text, write_jacobian
-from symkin.velocity.jacobian import jacobian
+from symkin import InputError, jacobian
 
 CASES = [
     *((name, "direct") for name in LIMBS), ("zhang2009", "inverse"), ("zhao2000", "inverse"),
@@ -152,14 +150,13 @@ def test_heads_say_what_the_file_is(language):
     assert "Inputs, in this order: theta1 [rad], theta2 [rad], theta3 [rad], op [mm], radial1 [mm]" in flat
 
 
-_HASHES = """
+_HASHES = f"""
 import hashlib
 import symkin
-from symkin.codegen.jacobian_formats import FORMATS, jacobian_text
-from symkin.velocity.jacobian import jacobian
+from {inside.where("jacobian_text")} import FORMATS, jacobian_text
 for name, kind in (("zhao2000", "direct"), ("zhang2009", "inverse")):
     for language in FORMATS:
-        print(hashlib.sha256(jacobian_text(jacobian(symkin.load(name), kind), language).encode()).hexdigest())
+        print(hashlib.sha256(jacobian_text(symkin.jacobian(symkin.load(name), kind), language).encode()).hexdigest())
 """
 
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
+from helpers.inside import quaternion_from_matrix, universal_arm
+from helpers.inside import six_revolute_start as universal_start
 from helpers.laws import chain
-from symkin.homotopy.six_revolute import universal_arm, universal_start
-from symkin.spatial.rotation import quaternion_from_matrix
 
 ROWS = [(162.5, 0.0, 90), (0.0, -425.0, 0), (0.0, -392.2, 0), (133.3, 0.0, 90), (99.7, 0.0, -90), (99.6, 0.0, 0)]
 """d, a, alpha of an arm with three parallel axes."""
@@ -94,7 +95,7 @@ def test_the_start_of_a_factory_arm_is_computed_once(monkeypatch):
     def searched_again(*_arguments, **_named):
         raise AssertionError("the generic roots were searched again")
 
-    monkeypatch.setattr("symkin.homotopy.start_store.compute_start", searched_again)
+    monkeypatch.setattr(inside.start_store, "compute_start", searched_again)
     second = symkin.modes(arm, pose=poses[1])
     assert first.complex_count == second.complex_count == 16
 

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import symkin
+from helpers.inside import mechanism_file, parse, text_fault
 from helpers.mistakes import assert_refused_in_one_line
 from helpers.samples import BENNETT, delta, pieper
 from symkin import (
@@ -27,9 +28,6 @@ from symkin import (
     SymkinError,
     serial_arm_from_dh,
 )
-from symkin.model import file as mechanism_file
-from symkin.model.file import parse
-from symkin.model.names import text_fault
 
 # --- round trips ---------------------------------------------------------------------------------------------------
 

@@ -11,12 +11,8 @@ import pytest
 from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate, in_gate_but
-from symkin import load
-from symkin.closure.snapping import snap
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
-from symkin.errors import InputError
+from helpers.inside import Options, Real, folder_files, snap, write_folder
+from symkin import InputError, load
 
 CODEGEN = tools.CODEGEN
 

@@ -15,8 +15,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import structures
 from helpers.gate import in_gate
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
+from helpers.inside import Options, folder_files, write_folder
 
 CODE = Path(__file__).parent.parent / "codegen" / "bench" / "arm_lines.c"
 

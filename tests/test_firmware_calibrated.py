@@ -8,10 +8,8 @@ import pytest
 
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
-from symkin import DHRow, DHTable, serial_arm_from_dh
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
-from symkin.errors import InputError
+from helpers.inside import Options, write_folder
+from symkin import DHRow, DHTable, InputError, serial_arm_from_dh
 
 
 def _calibrated():

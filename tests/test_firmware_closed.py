@@ -13,9 +13,8 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import direction, free, random_values, serial, short_structures, structures
 from helpers.gate import in_gate
+from helpers.inside import Options, folder_files, write_folder
 from helpers.samples import pieper
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
 
 ARMS = structures(np.random.default_rng(3)) | short_structures(np.random.default_rng(3))
 ARMS |= {"gluon_6l3": symkin.load("gluon_6l3"), "yao2020": symkin.load("yao2020"), "pieper": pieper()}

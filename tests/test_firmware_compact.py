@@ -12,9 +12,8 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import free, serial
 from helpers.gate import in_gate
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
-from symkin.errors import InputError
+from helpers.inside import Options, folder_files, write_folder
+from symkin import InputError
 
 MACHINES = Path(__file__).parents[1] / "codegen" / "bench" / "machines"
 HOME = (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)

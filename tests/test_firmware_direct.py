@@ -12,12 +12,9 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
+from helpers.inside import LimbPlatform, Options, build_program, folder_files
 from helpers.samples import delta_directions
 from symkin import Joint, Limb, Mechanism, Rod
-from symkin.codegen.folder import folder_files
-from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
 
 FIVE_BAR = str(Path(__file__).parents[1] / "codegen" / "bench" / "machines" / "five_bar.toml")
 

@@ -12,12 +12,8 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
+from helpers.inside import ClosedDirection, Options, Real, build_program, folder_files, write_folder
 from symkin import Coupling, Joint, Limb, LinkJoint, Mechanism
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.closed_direction import ClosedDirection
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
 
 MODELS = Path(__file__).parent / "data" / "models"
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)

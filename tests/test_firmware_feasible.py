@@ -11,10 +11,8 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
-from symkin.codegen.folder import folder_files
-from symkin.codegen.options import Options
-from symkin.codegen.own_test import can_run, run_own_test
-from symkin.errors import InputError
+from helpers.inside import Options, can_run, folder_files, run_own_test
+from symkin import InputError
 
 MACHINES = Path(__file__).parents[1] / "codegen" / "bench" / "machines"
 OK, SINGULAR, OUT_OF_RANGE, WRONG_BRANCH = 0, 2, 4, 5

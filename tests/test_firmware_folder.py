@@ -6,10 +6,8 @@ import pytest
 from typer.testing import CliRunner
 
 import symkin
+from helpers.inside import Options, app, write_folder
 from symkin import InputError
-from symkin.cli.app import app
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
 
 PLATFORM = symkin.load("ren2008")
 

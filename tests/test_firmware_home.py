@@ -11,16 +11,8 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
-from symkin import Mechanism, RodLimb, load, solve
-from symkin.cli.app import main
-from symkin.codegen.folder import write_folder
-from symkin.codegen.home_pose import home_pose
-from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
-from symkin.codegen.vectors import build_vectors
-from symkin.errors import InputError
-from symkin.model.mechanism import Example
-from symkin.model.writer import mechanism_to_toml
+from helpers.inside import Options, build_program, build_vectors, home_pose, main, mechanism_to_toml, write_folder
+from symkin import Example, InputError, Mechanism, RodLimb, load, solve
 
 ABOVE = (0.0, 0.0, 200.0, 1.0, 0.0, 0.0, 0.0)
 JOINTS = (60.0, 62.0, 58.0, 61.0, 59.0, 60.0)

@@ -11,16 +11,19 @@ import pytest
 import symkin
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
+from helpers.inside import (
+    LimbPlatform,
+    Options,
+    Real,
+    build_closure,
+    build_problem,
+    build_program,
+    fit_passive,
+    keeps_motion,
+    limb_platform,
+    limbwise_form,
+)
 from helpers.moved_points import three_upu
-from symkin.closure.closure import build_closure
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.implied_platform import keeps_motion, limb_platform
-from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.limbwise import limbwise_form
-from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
-from symkin.position.passive import fit_passive
-from symkin.position.problem import build_problem
 
 pytestmark = pytest.mark.slow
 

@@ -7,8 +7,7 @@ import pytest
 from helpers import firmware_tools as tools
 from helpers import joint_types
 from helpers.gate import in_gate, in_gate_but
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
+from helpers.inside import Options, write_folder
 
 
 @pytest.mark.slow

@@ -11,9 +11,8 @@ import pytest
 
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
+from helpers.inside import Options, write_folder
 from helpers.wide_five_bar import COUPLER, HOME, passes_dead_centre, slack_of, tip_of, wide_five_bar
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
 
 MANY = """
 #include "wide_five_bar.h"

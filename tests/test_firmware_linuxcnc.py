@@ -11,10 +11,9 @@ from scipy.spatial.transform import Rotation
 import symkin
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
+from helpers.inside import Options, write_folder
 from helpers.samples import readme_five_bar
 from symkin import InputError
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
 
 SHIMS = tools.HELPERS / "linuxcnc"
 

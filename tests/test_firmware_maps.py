@@ -14,15 +14,8 @@ from typer.testing import CliRunner
 import symkin
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
+from helpers.inside import JointMap, Options, Real, app, build_program, followed, home_sheet, map_configurations, write_folder
 from symkin import InputError
-from symkin.cli.app import app
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.folder import write_folder
-from symkin.codegen.home_sheet import home_sheet
-from symkin.codegen.joint_map import JointMap, map_configurations
-from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
-from symkin.codegen.samples import followed
 
 ANKLE = ("ankle", ("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))
 MODELS = str(Path(__file__).parent / "data" / "models") + "/"

@@ -10,8 +10,7 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
+from helpers.inside import Options, write_folder
 
 CODEGEN = tools.CODEGEN
 """Folders of machines with a pose: maps between joints have an example of their own."""

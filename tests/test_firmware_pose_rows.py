@@ -7,14 +7,9 @@ import pytest
 
 from helpers import moved_points as machines
 from helpers.gate import in_gate
+from helpers.inside import LimbPlatform, Options, Real, _null_space, configurations, followed, pose_of
 from helpers.many_answers import answers_of
 from helpers.samples import delta, three_rps, three_rrr
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.limb_platform import LimbPlatform
-from symkin.codegen.options import Options
-from symkin.codegen.pose_rows import _null_space
-from symkin.codegen.samples import configurations, followed
-from symkin.position.solution import pose_of
 
 MACHINES = {
     "3-RRR": lambda: three_rrr("planar"), "3-RPR": machines.three_rpr, "3-RPS": three_rps,

@@ -9,8 +9,8 @@ import pytest
 
 import symkin
 from helpers.firmware_tools import built, passed
+from helpers.inside import arm_of
 from symkin import Joint, LinkJoint, Mechanism
-from symkin.model.arm import arm_of
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 Row = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float]]

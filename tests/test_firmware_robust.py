@@ -12,10 +12,9 @@ import pytest
 from helpers import firmware_tools as tools
 from helpers import joint_types, samples
 from helpers.gate import in_gate, in_gate_but
+from helpers.inside import Options, write_folder
 from helpers.wide_five_bar import wide_five_bar
 from symkin import load
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
 
 CODEGEN = tools.CODEGEN
 

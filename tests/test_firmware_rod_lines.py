@@ -11,8 +11,7 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
+from helpers.inside import Options, folder_files, write_folder
 
 ARM = symkin.load("ren2008")
 POINTS = 2000

@@ -14,11 +14,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import joint_types
 from helpers.gate import in_gate
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
-from symkin.codegen.serial_arm import SerialArm
-from symkin.spatial.rotation import multiply
+from helpers.inside import Options, SerialArm, build_program, multiply, write_folder
 
 OK, NONFINITE, OUT_OF_RANGE = 0, 3, 4
 ARMS = {

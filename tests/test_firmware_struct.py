@@ -11,15 +11,8 @@ import pytest
 
 from helpers import firmware_tools as tools
 from helpers import joint_types, samples
+from helpers.inside import Geometry, Options, System, build_closure, build_problem, configurations, pose_of, write_folder
 from symkin import load
-from symkin.closure.closure import build_closure
-from symkin.codegen.folder import write_folder
-from symkin.codegen.geometry import Geometry
-from symkin.codegen.options import Options
-from symkin.codegen.samples import configurations
-from symkin.numeric.system import System
-from symkin.position.problem import build_problem
-from symkin.position.solution import pose_of
 
 STRUCT = Options("double", geometry="struct")
 

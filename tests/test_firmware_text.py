@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
-from symkin.codegen.c_emitter import Emitter, Real
-from symkin.codegen.line_width import WIDTH, narrowed
+from helpers.inside import WIDTH, Emitter, Real, narrowed
 
 CODEGEN = tools.CODEGEN
 SOURCES = sorted(path for folder in CODEGEN.glob("*/manifest.json") for path in folder.parent.glob("*.[ch]"))

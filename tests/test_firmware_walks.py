@@ -14,10 +14,9 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers import joint_types, samples
 from helpers.gate import in_gate
+from helpers.inside import Options, folder_files, write_folder
 from helpers.samples import bars
 from symkin import Joint, Limb, Mechanism
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.options import Options
 
 MECHANISMS = {
     "five-bar": (lambda: samples.readme_five_bar("planar"), 0.9, 60.0),

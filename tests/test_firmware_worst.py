@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 
 from helpers import firmware_tools as tools
-from symkin.codegen.operation_bound import bounds
-from symkin.codegen.worst_case import WorstCase
+from helpers.inside import WorstCase, bounds
 
 CODEGEN = tools.CODEGEN
 OPERATIONS = ("additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")

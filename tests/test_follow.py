@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_problem, great_circle
 from helpers.laws import closes, same_angle, same_pose
 from helpers.samples import (
     COUPLER,
@@ -23,10 +24,7 @@ from helpers.samples import (
     three_rps,
     three_rrr,
 )
-from symkin import InputError, Mechanism
-from symkin.following.track import track
-from symkin.following.trajectory import great_circle
-from symkin.position.problem import build_problem
+from symkin import InputError, Mechanism, track
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from helpers.samples import (
     ROCKER,
     bars,
 )
-from symkin.following.track import track
+from symkin import track
 
 
 def test_limit_is_met_at_its_value_and_may_be_touched():

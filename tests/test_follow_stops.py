@@ -24,8 +24,7 @@ from helpers.samples import (
     three_rrr,
     turning,
 )
-from symkin import Joint, Limb, Mechanism
-from symkin.following.track import track
+from symkin import Joint, Limb, Mechanism, track
 
 
 @pytest.fixture(scope="module")

@@ -9,19 +9,26 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import (
+    ROWS,
+    Robot,
+    Tree,
+    assembled,
+    build_closure,
+    close_robot,
+    closed_neighbours,
+    closing,
+    constraint_rows,
+    generic_rank,
+    mechanism_of,
+    nearest_closed,
+    rank_at,
+    row_count,
+    whole_system,
+)
+from helpers.inside import RobotClosure as Closure
 from helpers.laws import axis_turn, chain
-from symkin.closure.closure import build_closure
-from symkin.formats import closing
-from symkin.formats.assembled import assembled, mechanism_of
-from symkin.formats.closing import closed_neighbours, constraint_rows, generic_rank, nearest_closed, rank_at, row_count
-from symkin.formats.closure_rows import ROWS
-from symkin.formats.robot import Closure, Robot
-from symkin.formats.tree_motion import Tree
-from symkin.model.graph import Coupling, LinkJoint
-from symkin.model.joint import Joint
-from symkin.position.close import close_robot
-from symkin.position.closed_configurations import whole_system
-from symkin.spatial.pose import Pose
+from symkin import Coupling, Joint, LinkJoint, Pose
 
 Z = (0.0, 0.0, 1.0)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from symkin.codegen.gathered import gathered
+from helpers.inside import gathered
 
 
 def _values(expressions, symbols, point):

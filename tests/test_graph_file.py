@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import symkin
+from helpers.inside import parse
 from helpers.mistakes import assert_refused_in_one_line
 from symkin import Coupling, Joint, Limb, LinkJoint, LinkPoint, LinkRod, Mechanism, RodLimb
-from symkin.model.file import parse
 
 GALLERY = sorted(json.loads((Path(__file__).parent / "data" / "gallery.json").read_text()))
 

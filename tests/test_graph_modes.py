@@ -13,9 +13,9 @@ import pytest
 import symkin
 from helpers import samples
 from helpers.command_line import run, run_json
+from helpers.inside import build_closure
 from helpers.plain_check import MECHANISMS, plain_gap
-from symkin.assembly.modes_result import Modes
-from symkin.closure.closure import build_closure
+from symkin import Modes
 
 GALLERY = json.loads((Path(__file__).parent / "data" / "gallery.json").read_text())
 CASES = [(name, k) for name, entry in GALLERY.items() for k in range(len(entry["cases"]))]

@@ -12,14 +12,18 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.gate import in_gate
-from symkin.formats.load import read_robot
-from symkin.model.file import parse
-from symkin.model.graph import LinkJoint
-from symkin.model.joint import Joint
-from symkin.plots.graph_figures import sketch_of_graph
-from symkin.plots.graph_lines import reference_graph_lines, solution_lines, view_axes
-from symkin.plots.modes_plot import figure_of_modes, figure_of_solution
-from symkin.plots.style import drawing
+from helpers.inside import (
+    drawing,
+    figure_of_modes,
+    figure_of_solution,
+    parse,
+    read_robot,
+    reference_graph_lines,
+    sketch_of_graph,
+    solution_lines,
+    view_axes,
+)
+from symkin import Joint, LinkJoint
 
 GALLERY = json.loads((Path(__file__).parent / "data" / "gallery.json").read_text())
 PLANAR = {

@@ -7,8 +7,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from symkin.position.solution import Solution
-from symkin.position.transfer import variables_elsewhere
+from helpers.inside import variables_elsewhere
+from symkin import Solution
 
 CASES = [
     ("four_bar", ["follower", "crank_pin"], {"crank": 60.0}),

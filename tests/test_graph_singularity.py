@@ -12,8 +12,7 @@ import pytest
 import symkin
 from helpers import samples
 from helpers.command_line import run, run_json
-from symkin import InputError
-from symkin.position.solution import Solution
+from symkin import InputError, Solution
 
 STEP = 1e-3
 """In the file's units; central differences are exact to about its square over the size."""

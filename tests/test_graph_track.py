@@ -15,8 +15,7 @@ import symkin
 from helpers import samples
 from helpers.command_line import run, run_json
 from helpers.plain_check import MECHANISMS, plain_gap
-from symkin import InputError
-from symkin.following.track_result import Track
+from symkin import InputError, Track
 
 PATHS: list[tuple[str, dict[str, Any]]] = [
     ("four_bar", {"crank": [0.0, 360.0]}),

@@ -12,8 +12,9 @@ import pytest
 import typer
 
 import symkin
+from helpers import inside
 from helpers.command_line import run
-from symkin.cli.app import app
+from helpers.inside import app
 
 COMMANDS = typer.main.get_command(app)
 
@@ -84,7 +85,7 @@ def test_bash_completes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: 
     environment = {"_SYMKIN_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(len(words.split()) - 1)}
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
-    code = "from symkin.cli.app import main; main([])"
+    code = f"from {inside.where('main')} import main; main([])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path, check=True)
     assert done.stdout.split() == expected
 
@@ -93,7 +94,7 @@ def test_bash_completes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: 
 def test_completion_is_a_script(monkeypatch: pytest.MonkeyPatch) -> None:
     """`--show-completion bash` prints a script that bash reads."""
     monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
-    code = "from symkin.cli.app import main; main(['--show-completion', 'bash'])"
+    code = f"from {inside.where('main')} import main; main(['--show-completion', 'bash'])"
     script = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert "_SYMKIN_COMPLETE" in script
     subprocess.run(["bash", "-n"], input=script, text=True, check=True)

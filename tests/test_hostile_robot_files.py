@@ -14,9 +14,7 @@ from pathlib import Path
 import pytest
 
 from helpers.command_line import run
-from symkin.formats import child
-from symkin.formats.gepetto_yaml import loops_beside
-from symkin.text import shown
+from helpers.inside import child, loops_beside, shown
 
 MJCF = "<mujoco model='r'>{0}<worldbody><body name='b'><joint name='j' axis='0 0 1'/>{1}</body></worldbody></mujoco>"
 URDF = "<robot name='r'><link name='l0'/>{}</robot>"

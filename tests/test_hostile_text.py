@@ -22,17 +22,27 @@ from markdown_it import MarkdownIt
 import symkin
 from helpers.firmware_tools import STRICT, built, compiler, passed
 from helpers.gate import in_gate
-from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb
-from symkin.cli.app import main
-from symkin.codegen.folder import folder_files, write_folder
-from symkin.codegen.jacobian_formats import jacobian_text
-from symkin.codegen.latex import document, equations
-from symkin.codegen.options import Options
-from symkin.model.file import parse
-from symkin.model.names import identifier, identifiers
-from symkin.sweeps.layout import labels
-from symkin.text import c_comment, docstring_line, latex_text, markdown, markdown_block, markdown_code, matplotlib_text
-from symkin.velocity.jacobian import jacobian
+from helpers.inside import (
+    Options,
+    c_comment,
+    docstring_line,
+    document,
+    equations,
+    folder_files,
+    identifier,
+    identifiers,
+    jacobian_text,
+    labels,
+    latex_text,
+    main,
+    markdown,
+    markdown_block,
+    markdown_code,
+    matplotlib_text,
+    parse,
+    write_folder,
+)
+from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb, jacobian
 
 Z = (0.0, 0.0, 1.0)
 TITLE = (
@@ -417,7 +427,7 @@ def test_line_breaks_and_tabs_in_titles_are_spaces():
 
 def test_headers_and_labels_of_csv_files_are_text(tmp_path):
     """A control character in a header, a label or a cell is refused by line and cell."""
-    from symkin.files.csv_table import read_table
+    from helpers.inside import read_table
 
     for text, place in (("a\x1b[31m,b\n1,2\n", "line 1: cell 1"), ('a,group\n1,"x\n=1"\n', "line 3: cell 2")):
         (tmp_path / "data.csv").write_text(text, encoding="utf-8")

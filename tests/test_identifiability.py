@@ -16,17 +16,20 @@ from helpers.inclinometer import (
     measured,
     random_geometry,
 )
+from helpers.inside import (
+    build_calibration,
+    build_closure,
+    build_problem,
+    default_parameters,
+    identifiability,
+    joint_frames,
+    named_motions,
+    nominal_parameters,
+    solve_configurations,
+)
+from helpers.inside import evaluate_state as evaluate
 from helpers.samples import five_bar
-from symkin import InputError
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import joint_frames, nominal_parameters
-from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.calibration.estimate.problem import build_calibration, default_parameters
-from symkin.calibration.estimate.state import evaluate
-from symkin.calibration.judge.identifiability import identifiability
-from symkin.calibration.judge.named_directions import named_motions
-from symkin.closure.closure import build_closure
-from symkin.position.problem import build_problem
+from symkin import InputError, Measurements
 
 NOMINAL = symkin.load("ren2008")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)

@@ -5,13 +5,9 @@ import pytest
 
 import symkin
 from helpers.command_line import run
+from helpers.inside import SOLVERS, Noise, Workspace, refuse_ignored
 from helpers.samples import Z, parallel_rrr
-from symkin import InputError, Joint, Limb, Measurements, Mechanism
-from symkin.calibration.design.planning import plan_measurements
-from symkin.calibration.design.simulation import Noise
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.ignored_options import refuse_ignored
-from symkin.position.solve import SOLVERS
+from symkin import InputError, Joint, Limb, Measurements, Mechanism, plan_measurements
 
 ARM_JOINTS = "0,0,0,0,0,0"
 ARM_POSE = "0,0,400,1,0,0,0"

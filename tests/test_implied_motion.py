@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import implied_motion
 from helpers.samples import delta, four_bar, readme_five_bar, three_rps, three_rrr
 from symkin import Joint, Limb, Mechanism
-from symkin.position.platform_motion import implied_motion
 
 
 def three_upu() -> Mechanism:

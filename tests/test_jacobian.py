@@ -11,9 +11,8 @@ import pytest
 import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
-from symkin import InputError
-from symkin.velocity.equations import velocity_equations
-from symkin.velocity.jacobian import KINDS, jacobian
+from helpers.inside import KINDS, velocity_equations
+from symkin import InputError, jacobian
 
 
 def _kinds(case):

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.inside import FREEDOMS, JOINT_TYPES
 from helpers.samples import random_joint, seeds
 from symkin import Joint, MechanismError
-from symkin.model.joint import FREEDOMS, JOINT_TYPES
 
 X, Z = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 NAMES = {"R": [""], "P": [""], "H": [""], "C": [".angle", ".slide"], "U": [".1", ".2"], "S": [""]}

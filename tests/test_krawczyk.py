@@ -11,13 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from helpers.inside import COMPLEX, REAL, AlgebraicSystem, BallSystem, Box, Coordinate, chart_of, distinct_boxes, enclose, is_pose
 from helpers.samples import seeds
-from symkin.certificate.ball_system import BallSystem
-from symkin.certificate.krawczyk import Box, chart_of, enclose
-from symkin.certificate.separation import distinct_boxes, is_pose
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.model.joint import Coordinate
-from symkin.numeric.balls import COMPLEX, REAL
 
 
 def single(row) -> BallSystem:

@@ -14,14 +14,24 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers.exported_jacobians import run_latex
+from helpers.inside import (
+    build_closure,
+    closed_configurations,
+    coordinate_symbols,
+    document,
+    equations,
+    jacobian_text,
+    letter_of_values,
+    random_values,
+    snap,
+    snapped_expression,
+    symbol_name,
+    tidied,
+    write,
+)
+from helpers.inside import distinct_in_latex as distinct
 from helpers.latex_reader import evaluated
 from helpers.samples import delta, five_bar, pieper, three_rps, three_rrr
-from symkin.closure.closure import build_closure, random_values
-from symkin.closure.snapping import snap, snapped_expression
-from symkin.codegen.jacobian_formats import jacobian_text
-from symkin.codegen.latex import coordinate_symbols, distinct, document, equations, letter_of_values, symbol_name, write
-from symkin.codegen.simplification import tidied
-from symkin.position.closed_configurations import closed_configurations
 
 OWN = {"five_bar": five_bar, "3-RRR": three_rrr, "3-RPS": three_rps, "delta": delta, "pieper": pieper}
 EVERY = [*symkin.shipped_names(), *OWN]

@@ -8,8 +8,7 @@ from hypothesis import given
 
 from helpers.laws import refused_in_one_line
 from helpers.samples import point, random_joint, seeds
-from symkin import Joint, Limb, LinkRod, Rod, RodLimb
-from symkin.spatial.pose import Pose
+from symkin import Joint, Limb, LinkRod, Pose, Rod, RodLimb
 
 
 @given(seeds)

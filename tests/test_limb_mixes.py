@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_problem, quadratic_form, redundant_rows, system_of
 from symkin import InputError, Joint, Limb, Mechanism, Modes, Solution
-from symkin.homotopy.quadratic_form import quadratic_form
-from symkin.homotopy.start_store import redundant_rows
-from symkin.homotopy.systems import system_of
-from symkin.position.problem import build_problem
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 from plain_closure import PlainMechanism
@@ -149,8 +146,7 @@ def test_firmware_is_refused_where_a_pose_leaves_a_limb_free(tmp_path):
         Limb("b", [Joint(f"q{k}", "R", (0, 0, 0), axis, actuated=True) for k, axis in enumerate((Z, X, Y))]),
     ]
     machine = Mechanism("loose", limbs, motion="spherical")
-    from symkin.codegen.folder import write_folder
-    from symkin.codegen.options import Options
+    from helpers.inside import Options, write_folder
 
     with pytest.raises(InputError, match=r"pose does not fix joints of one limb \(free\)"):
         write_folder(machine, tmp_path / "out", Options())

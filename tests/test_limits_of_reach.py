@@ -16,10 +16,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run_json
-from symkin.model.joint import Coordinate
-from symkin.numeric.root_checks import are_double
-from symkin.numeric.system import System
-from symkin.position.roots import polished_roots, unite
+from helpers.inside import Coordinate, System, are_double, polished_roots, unite
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 import limits_of_reach as campaign

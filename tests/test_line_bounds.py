@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Chebyshev
 
-from symkin.codegen.line_bounds import Span, bend_of
+from helpers.inside import Span, bend_of
 
 SPANS = (Span(True), Span(True), Span(False, 2.0, 3.0))
 

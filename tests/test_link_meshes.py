@@ -9,10 +9,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from symkin.errors import MechanismError
-from symkin.formats.load import load, read_robot
-from symkin.formats.read_options import ReadOptions
-from symkin.spatial.pose import Pose
+from helpers.inside import read_robot
+from symkin import MechanismError, Pose, ReadOptions, load
 
 TETRAHEDRON = "v 0 0 0\nv 300 0 0\nv 0 200 0\nv 0 0 100\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 """A mesh in millimetres, as an OBJ file."""

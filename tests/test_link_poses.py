@@ -5,13 +5,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import Closure, Partition, build_closure, closed_configurations, joint_readings, link_poses, wrapped
 from helpers.plain_check import MECHANISMS, plain_gap
 from helpers.shipped import GRAPHS
-from symkin.closure.closure import Closure, build_closure
-from symkin.closure.link_poses import joint_readings, link_poses
-from symkin.closure.partition import Partition
-from symkin.position.closed_configurations import closed_configurations
-from symkin.spatial.rotation import wrapped
 
 LOOP = """
 format = 1

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_problem, classify, figure_of_loci, has_self_motion, locus_systems, main, make_solution, plane_of
 from helpers.samples import (
     RRR_BASE,
     RRR_LINKS,
@@ -22,16 +23,7 @@ from helpers.samples import (
     three_rrr,
     tilted_rps,
 )
-from symkin import InputError
-from symkin.cli.app import main
-from symkin.plots.loci_plot import figure_of_loci
-from symkin.position.problem import build_problem
-from symkin.position.solution_list import make_solution
-from symkin.singularities.classification import classify
-from symkin.singularities.loci import Loci
-from symkin.singularities.locus_system import locus_systems, plane_of
-from symkin.singularities.self_motion import has_self_motion
-from symkin.singularities.singular_loci import singular_loci
+from symkin import InputError, Loci, singular_loci
 
 
 def loci_of(mechanism: symkin.Mechanism, plane: tuple[str, str], **options: object) -> Loci:

@@ -9,14 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from helpers.inside import LOST_OVER_PLANE, NONE_MET, Locus, configuration, figure_of_loci, merged
 from helpers.laws import act, joint_displacement
 from helpers.samples import DELTA, delta, delta_directions
-from symkin import Joint, Limb, Mechanism
-from symkin.plots.loci_plot import figure_of_loci
-from symkin.singularities.configuration import configuration
-from symkin.singularities.loci import LOST_OVER_PLANE, NONE_MET, Loci
-from symkin.singularities.locus import Locus, merged
-from symkin.singularities.singular_loci import singular_loci
+from symkin import Joint, Limb, Loci, Mechanism, singular_loci
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 

@@ -4,11 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from symkin.homotopy import engine
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.monodromy import Looping, around, fibre, orbits, within_reach
-from symkin.model.joint import Coordinate
-from symkin.numeric.linear_algebra import conditions
+from helpers.inside import AlgebraicSystem, Coordinate, Looping, around, conditions, engine, fibre, within_reach
+from helpers.inside import monodromy_orbits as orbits
 
 
 def power(degree: int) -> AlgebraicSystem:

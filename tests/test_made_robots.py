@@ -12,13 +12,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import Robot, Tree, rank_at, read_robot
 from helpers.made_robots import MACHINES, Machine, humanoid, opened
 from helpers.robot_accounts import MuJoCo, Pinocchio, ball_values, freedom, rank
 from helpers.robot_texts import write
-from symkin.formats.closing import rank_at
-from symkin.formats.load import read_robot
-from symkin.formats.robot import Robot
-from symkin.formats.tree_motion import Tree
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.assembly.by_groups import modes_by_groups
-from symkin.assembly.search import Search
-from symkin.position.given_by_name import named_given, problem_of
+from helpers.inside import Search, modes_by_groups, named_given, problem_of
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 SEARCH = Search.of(None)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.model.mesh import LinkMesh
-from symkin.page.mesh_files import mesh_item, read_triangles, why_unread
+from helpers import inside
+from helpers.inside import LinkMesh, mesh_item, read_triangles, why_unread
 
 COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><created>2026-01-01</created><modified>2026-01-01</modified><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
@@ -84,7 +84,7 @@ def test_meshes_without_bounds_are_told(tmp_path: Path) -> None:
 
 
 def test_why_a_mesh_is_not_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("symkin.page.mesh_files._LARGEST", 10)
+    monkeypatch.setattr(inside.mesh_files, "_LARGEST", 10)
     for name, content, reason in (
         ("a.glb", "x", "read are .stl, .obj, .dae"),
         ("a.stl", "x" * 11, "files up to 1e-05 MB are read"),

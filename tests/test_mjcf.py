@@ -11,13 +11,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import Closed, Robot, State, assembled, closed_neighbours, nearest_closed, rank_at, read_mjcf
 from helpers.mjcf_models import MODELS, REAL, SMALL, Account, body, file_text, joint, random_robot
-from symkin.formats.assembled import assembled
-from symkin.formats.closing import Closed, closed_neighbours, nearest_closed, rank_at
-from symkin.formats.mjcf import read_mjcf
-from symkin.formats.robot import Robot
-from symkin.formats.tree_motion import State
-from symkin.spatial.pose import Pose
+from symkin import Pose
 
 pytest.importorskip("mujoco")
 POSE = 1e-10

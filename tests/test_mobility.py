@@ -8,18 +8,22 @@ import pytest
 
 import symkin
 from helpers.body_constraints import redundant_rows
+from helpers.inside import (
+    Rank,
+    as_graph,
+    build_closure,
+    describe,
+    fewer_rows,
+    loops_at,
+    prismatic_screw,
+    reciprocal_product,
+    reciprocal_system,
+    redundant_constraints,
+    revolute_screw,
+)
 from helpers.random_graphs import random_graph
 from helpers.samples import delta, three_rrr
-from symkin import Joint, Mechanism
-from symkin.closure.closure import build_closure
-from symkin.formats.graph_form import as_graph
-from symkin.model.limb import Limb
-from symkin.numeric.rank import Rank
-from symkin.position.describe import describe
-from symkin.position.limb_screws import reciprocal_system
-from symkin.position.loops import loops_at, redundant_constraints
-from symkin.position.platform_motion import fewer_rows
-from symkin.spatial.screw import prismatic_screw, reciprocal_product, revolute_screw
+from symkin import Joint, Limb, Mechanism
 
 
 def four_bar(x: float = 4.0, z: float = 0.0) -> Mechanism:

@@ -8,13 +8,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from helpers.inside import Axis, build_problem
 from helpers.laws import same_pose
 from helpers.samples import five_bar, pieper
-from symkin import InputError, Joint, Limb, Mechanism
-from symkin.following.mode_graph import Axis, ModeGraph, mode_graph
-from symkin.following.track import track
-from symkin.position.problem import build_problem
-from symkin.position.solution import Solution
+from symkin import InputError, Joint, Limb, Mechanism, ModeGraph, Solution, mode_graph, track
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

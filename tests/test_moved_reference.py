@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import (
+    Closure,
+    build_closure,
+    closed_configurations,
+    joint_readings,
+    link_poses,
+    whole_system,
+    with_reference_at,
+)
 from helpers.random_graphs import random_graph
-from symkin.closure.closure import Closure, build_closure
-from symkin.closure.link_poses import joint_readings, link_poses
-from symkin.position.closed_configurations import closed_configurations, whole_system
-from symkin.position.moved_reference import with_reference_at
 
 
 def check(closure: Closure, seed: int) -> None:

@@ -14,14 +14,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_problem, given_from, main, moved_starts, start_values
 from helpers.laws import closes, same_pose
 from helpers.samples import pieper
 from symkin import Joint, Limb, Mechanism
-from symkin.cli.app import main
-from symkin.position.given import given_from
-from symkin.position.moved_starts import moved_starts
-from symkin.position.problem import build_problem
-from symkin.position.starts import start_values
 
 SOLVERS = ["newton", "fast_newton", "ipopt"]
 EXAMPLE = [15.0] * 6

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_problem, group_paths, group_solver, is_linear, structure_groups
 from helpers.moved_mechanisms import displaced, reordered, scaled, scaled_values
 from helpers.samples import delta
-from symkin.assembly.group_roots import group_paths, group_solver
-from symkin.position.groups import is_linear, structure_groups
-from symkin.position.problem import build_problem
 
 TURN = symkin.Pose.from_euler([0.0, 0.0, 0.0], [0.3, 0.5, 0.7])
 NAMES = ("four_bar", "pantograph_five_bar", "slider_crank", "watt_six_bar")

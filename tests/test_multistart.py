@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
+from helpers.inside import Roots, build_closure, build_problem, distinct, features, given_from, merge, parse, random_values
 from helpers.laws import all_distinct, ball_turn, closes, frame, matched, same_angle, same_modes, same_pose, solution_coordinates
 from helpers.samples import (
     BENNETT,
@@ -33,11 +34,6 @@ from helpers.samples import (
 )
 from helpers.shipped import LIMBS
 from symkin import InputError, Joint, Limb, Mechanism, Pose
-from symkin.closure.closure import build_closure, random_values
-from symkin.model.file import parse
-from symkin.position.given import given_from
-from symkin.position.problem import build_problem
-from symkin.position.roots import Roots, distinct, features, merge
 
 sampled = partial(symkin.modes, method="multistart")
 

@@ -8,9 +8,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run, run_json
-from symkin.model.file import parse
-from symkin.model.mechanism import MOST_PARTS
-from symkin.model.oddities import oddities
+from helpers.inside import MOST_PARTS, oddities, parse
 
 HEXAPOD = symkin.load("zhang2009")
 

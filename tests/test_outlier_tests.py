@@ -9,13 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.calibration.judge.outliers import (
-    OUTLIER_LEVEL,
-    _test_readings,
-    max_outliers,
-    screen_readings,
-)
-from symkin.calibration.judge.statistics import LinearModel
+from helpers.inside import OUTLIER_LEVEL, LinearModel, _test_readings, max_outliers, screen_readings
 
 WIDTH = 3
 """Components of a reading."""

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import symkin
-from symkin.files.outputs import write_output
+from helpers.inside import write_output
 
 ARGUMENTS = {
     "jacobian": ["jacobian", "gluon_6l3", "--format", "numpy", "-o"],

@@ -10,11 +10,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_closure, closed_configurations, describe, own_component, parse, whole_system
 from symkin import Joint, Limb, Mechanism
-from symkin.closure.closure import build_closure
-from symkin.model.file import parse
-from symkin.position.closed_configurations import closed_configurations, own_component, whole_system
-from symkin.position.describe import describe
 
 # the families and their independent judge are those of the campaign
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))

@@ -14,8 +14,7 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.samples import readme_five_bar, rus, three_rrr
-from symkin import Joint, Limb, RodLimb
-from symkin.errors import InputError
+from symkin import InputError, Joint, Limb, RodLimb
 
 sync_api = pytest.importorskip("playwright.sync_api")
 CHROMIUM = next((found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None)
@@ -367,7 +366,7 @@ def test_a_path_is_played(open_page: Callable[..., Any], tmp_path: Path) -> None
 
 
 def symkin_view(*arguments: object) -> int:
-    from symkin.cli.app import _status
+    from helpers.inside import _status
 
     return _status(["view", *map(str, arguments)])
 

@@ -9,12 +9,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import completed_sliders, determination, page_html, page_model, problem_of_names
 from symkin import Mechanism
-from symkin.page.model_data import page_model
-from symkin.page.page import page_html
-from symkin.page.sliders import completed_sliders
-from symkin.position.determination import determination
-from symkin.position.given_by_name import problem_of_names
 
 GRAPHS = ["jansen_leg", "klann_leg", "watt_six_bar", "stephenson_six_bar", "slider_crank", "double_wishbone", "planetary_gear"]
 GRIPPER = """<robot name='r'><link name='a'/>{links}<link name='left'/><link name='right'/>{chain}

@@ -15,12 +15,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import symkin
+from helpers.inside import GraphPainter, graph_lines, links_of, pieces, reference_graph_lines, view_axes
 from helpers.random_graphs import random_graph
 from helpers.samples import unit
-from symkin.model.graph_checks import links_of
-from symkin.plots.crossings import pieces
-from symkin.plots.graph_lines import graph_lines, reference_graph_lines, view_axes
-from symkin.plots.graph_painter import GraphPainter
 
 SEEDS = range(12)
 

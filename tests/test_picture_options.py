@@ -8,10 +8,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
+from helpers.inside import chosen_numbers, figure_of_modes, left_out, pieces, ranges_text, shown_numbers
 from symkin import InputError
-from symkin.plots.crossings import pieces
-from symkin.plots.modes_plot import figure_of_modes, left_out, shown_numbers
-from symkin.plots.picture_options import chosen_numbers, ranges_text
 
 
 @cache

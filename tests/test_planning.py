@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import math
 
+import casadi as ca
 import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
+from helpers.inside import (
+    CRITERIA,
+    NO_GROUP,
+    Candidates,
+    ExchangeSearch,
+    Noise,
+    System,
+    Workspace,
+    build_closure,
+    group_numbers,
+    pose_slopes,
+    random_configurations,
+    reading_slopes,
+    simulate_readings,
+)
 from helpers.samples import delta, three_rps
-from symkin import InputError
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.measurements import NO_GROUP
-from symkin.calibration.design.exchange_algorithm import CRITERIA, Candidates, ExchangeSearch
-from symkin.calibration.design.planning import plan_measurements
-from symkin.calibration.design.reading_slopes import reading_slopes
-from symkin.calibration.design.simulation import Noise, group_numbers, random_configurations, simulate_readings
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.judge.pose_accuracy import pose_slopes
-from symkin.closure.closure import build_closure
-from symkin.numeric.system import System
-from symkin.spatial.pose import Pose
+from symkin import InputError, Pose, calibrate, plan_measurements
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 NOISE = Noise(lengths=2e-6 / math.sqrt(12), group=math.radians(0.001) / math.sqrt(12), uniform=True)
@@ -100,7 +106,7 @@ def test_drawn_postures_close_within_limits_at_their_inclination(mechanism, held
     system = System(
         closure.coordinates,
         closure.variables,
-        symkin.closure.closure.ca.SX(0, 1),
+        ca.SX(0, 1),
         closure.bound(closure.rows),
         closure.bound(closure.errors),
         closure.characteristic_length,
@@ -127,7 +133,7 @@ def test_inclinations_that_a_platform_cannot_take_are_refused():
 
 def test_pose_slopes_are_differences_of_the_direct_problem():
     """dX/dp at held joints against a central difference of the direct problem of two neighbouring geometries."""
-    from symkin.calibration.data.parameters import with_parameters
+    from helpers.inside import with_parameters
 
     rng = np.random.default_rng(1)
     workspace = Workspace.about(NOMINAL)
@@ -145,16 +151,13 @@ def test_pose_slopes_are_differences_of_the_direct_problem():
 
 def test_predicted_deviations_are_those_of_a_fit():
     """The information of a plan's rows is the inverse of the covariance that a maximum-likelihood fit reports, held frames."""
-    from symkin.calibration.data.parameters import joint_frames
-    from symkin.calibration.design.planning import less_inclinations
+    from helpers.inside import joint_frames, less_inclinations
 
     rng = np.random.default_rng(3)
     groups = group_numbers(40, 10)
     made = random_configurations(Workspace.about(NOMINAL), groups, Noise(), rng)
     quiet = simulate_readings(NOMINAL, made, groups, (), Noise(), rng)
-    exact = symkin.calibration.data.measurements.Measurements(
-        quiet.joints, groups=groups, joint_sigma=NOISE.joints(NOMINAL), group_sigma=NOISE.group
-    )
+    exact = symkin.Measurements(quiet.joints, groups=groups, joint_sigma=NOISE.joints(NOMINAL), group_sigma=NOISE.group)
     fit = calibrate(
         NOMINAL,
         exact,
@@ -189,7 +192,7 @@ def test_a_plan_keeps_its_workspace_and_wedges(plan_24):
         & (plan_24.configurations.joints <= high - 0.02 * (high - low))
     )
     for row, group in zip(plan_24.configurations.poses, plan_24.groups, strict=True):
-        angles = symkin.spatial.rotation.euler_from_quaternion(row[3:], "xyz")
+        angles = inside.euler_from_quaternion(row[3:], "xyz")
         np.testing.assert_allclose(angles[:2], plan_24.wedges[group], atol=1e-9)
         assert abs(angles[2]) <= math.radians(20) + 1e-9
 

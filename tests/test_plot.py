@@ -14,15 +14,22 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
+from helpers.inside import (
+    MechanismLines,
+    View,
+    build_closure,
+    check_picture_path,
+    figure_of_modes,
+    joint_displacement,
+    lines_at,
+    link_displacements,
+    outline,
+    reference_lines,
+)
 from helpers.laws import chain, frame
 from helpers.samples import random_coordinate, random_mechanism
 from symkin import InputError, Joint, Limb, Mechanism, Modes, Pose, Rod
-from symkin.closure.closure import build_closure
-from symkin.plots.link_displacements import joint_displacement, link_displacements
-from symkin.plots.mechanism_lines import MechanismLines, lines_at, outline, reference_lines
-from symkin.plots.modes_plot import figure_of_modes
-from symkin.plots.picture_file import check_picture_path
-from symkin.plots.view3d import View
 
 AROUND = [2 * math.pi * k / 3 for k in range(3)]
 
@@ -387,7 +394,7 @@ def test_a_write_that_fails_is_an_input_error(tmp_path, monkeypatch):
 def test_symkin_does_not_import_matplotlib():
     """Nor does the plotting module before it draws; pyplot is never imported."""
     code = (
-        "import sys, symkin, symkin.plots.modes_plot as plot; assert 'matplotlib' not in sys.modules;"
+        f"import sys, symkin, {inside.where('figure_of_modes')} as plot; assert 'matplotlib' not in sys.modules;"
         "plot.figure_of_modes(symkin.modes(symkin.load('gluon_6l3'))); assert 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import SINGULAR_VALUE
 from helpers.laws import axis_turn
 from helpers.samples import Z, three_rrr
-from symkin import InputError
-from symkin.numeric.tolerances import SINGULAR_VALUE
-from symkin.singularities.loci import Loci
-from symkin.singularities.singular_loci import singular_loci
-from symkin.sweeps.run import sweep
+from symkin import InputError, Loci, singular_loci, sweep
 
 HEXAPOD = symkin.load("zhang2009")
 TURNED = (math.cos(0.2), 0.1, -0.15, math.sqrt(math.sin(0.2) ** 2 - 0.1**2 - 0.15**2))
@@ -97,7 +94,7 @@ def test_gamma_and_rz_of_a_planar_platform_differ_by_the_orientation_held() -> N
 
 def test_what_angles_mean_is_said() -> None:
     """In the JSON, in the text and on the axes of the picture."""
-    from symkin.plots.loci_plot import figure_of_loci
+    from helpers.inside import figure_of_loci
 
     loci = loci_of([20.0, 10.0, 150.0, 1, 0, 0, 0], ("rx", "z"), (60, 60), 1)
     assert "one rotation vector in the base frame" in loci.to_dict()["angles"]

@@ -6,10 +6,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from helpers.inside import (
+    HomogeneousPose,
+    StudyPose,
+    UnitPose,
+    multiply,
+    quaternion_from_matrix,
+    rotation_conditions,
+    tilt_and_torsion,
+)
 from helpers.laws import axis_turn, ball_turn
-from symkin.closure.pose_forms import HomogeneousPose, StudyPose, UnitPose
-from symkin.closure.tilt_torsion import rotation_conditions, tilt_and_torsion
-from symkin.spatial.rotation import multiply, quaternion_from_matrix
 
 Y, Z = (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 

@@ -8,7 +8,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run, run_json
-from symkin.spatial.rotation import euler_from_quaternion, quaternion_from_euler
+from helpers.inside import euler_from_quaternion, quaternion_from_euler
 
 ANGLES = np.array([4.0, -7.0, 11.0])
 WHOLE = [10.0, -5.0, 90.0, *quaternion_from_euler(np.radians(ANGLES), "xyz")]

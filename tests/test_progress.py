@@ -7,7 +7,8 @@ import subprocess
 import sys
 import time
 
-from symkin.cli import progress
+from helpers import inside
+from helpers.inside import progress
 
 
 def _lines(capsys, monkeypatch, work):
@@ -45,14 +46,14 @@ def test_the_log_is_left_as_it_was(capsys, monkeypatch):
     assert (logger.level, logger.handlers) == before
 
 
-CODE = """
+CODE = f"""
 import sys, time
-from symkin.cli import progress
-from symkin.assembly import modes
+import {inside.where("progress")} as progress
+import {inside.where("modes_module")} as modes
 progress._FIRST = 0.05
 search = modes._modes
 modes._modes = lambda *a: (time.sleep(0.4), search(*a))[1]
-from symkin.cli.app import main
+from {inside.where("main")} import main
 main(["modes", "zhang2009", "--json"])
 """
 

@@ -9,16 +9,22 @@ import pytest
 from hypothesis import given
 
 import symkin
+from helpers.inside import (
+    AlgebraicSystem,
+    QuadraticForm,
+    algebraic_systems,
+    build_problem,
+    distance_data,
+    known_values,
+    line_of,
+    quadratic,
+    quadratic_form,
+    tracker,
+    universal_start,
+    universal_system,
+)
+from helpers.inside import track_quadratic as track
 from helpers.samples import delta, hexapod, seeds
-from symkin.homotopy import quadratic, tracker
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.quadratic import quadratic_form, track
-from symkin.homotopy.quadratic_form import QuadraticForm, line_of
-from symkin.homotopy.six_distances import distance_data, universal_system
-from symkin.homotopy.systems import algebraic_systems
-from symkin.homotopy.universal_start import universal_start
-from symkin.homotopy.values import known_values
-from symkin.position.problem import build_problem
 
 
 def gauss(rng: np.random.Generator, *shape: int) -> np.ndarray:

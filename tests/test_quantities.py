@@ -7,8 +7,8 @@ import math
 import pytest
 
 import symkin
-from symkin.cli.quantities import noise_quantity, quantity
-from symkin.errors import InputError
+from helpers.inside import noise_quantity, quantity
+from symkin import InputError
 
 METRES = {"um": 1e-6, "mm": 1e-3, "m": 1.0, "in": 0.0254}
 

@@ -14,15 +14,20 @@ from flint import arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from helpers import inside
+from helpers.inside import (
+    AlgebraicSystem,
+    Coordinate,
+    Enclosures,
+    Knowns,
+    certify,
+    certify_batch,
+    disc_library,
+    enclose_all,
+    in_phase,
+)
 from helpers.known_roots import case
 from helpers.samples import seeds
-from symkin.certificate.certificate import certify, certify_batch
-from symkin.certificate.coordinates import in_phase
-from symkin.certificate.disc_library import disc_library
-from symkin.certificate.knowns import Knowns
-from symkin.certificate.quick_test import Enclosures, enclose_all
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.model.joint import Coordinate
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
@@ -52,7 +57,7 @@ def engine(request, monkeypatch):
     """Both arithmetics; the one in NumPy also for few points."""
     if request.param == "numpy":
         monkeypatch.setenv("SYMKIN_ENGINE", "numpy")
-        monkeypatch.setattr("symkin.certificate.quick_test._WORTH_NUMPY", 0)
+        monkeypatch.setattr(inside.quick_test, "_WORTH_NUMPY", 0)
     elif disc_library() is None:
         pytest.skip("no C compiler")
 
@@ -243,7 +248,7 @@ def test_engines_agree():
         for chosen in ("", "numpy"):
             with pytest.MonkeyPatch.context() as patch:
                 patch.setenv("SYMKIN_ENGINE", chosen)
-                patch.setattr("symkin.certificate.quick_test._WORTH_NUMPY", 0)
+                patch.setattr(inside.quick_test, "_WORTH_NUMPY", 0)
                 results.append(certify(system, z, k))
         first, second = results
         assert first.certified.all()
@@ -256,7 +261,7 @@ def test_a_radius_without_discs_is_one_by_balls(monkeypatch):
     """Where coordinates have no form over discs, the radius comes from balls: not nothing, and no larger than by discs."""
     _, system, k, z = case("yao2020")
     by_discs = certify(system, z, k).radius
-    monkeypatch.setattr("symkin.certificate.coordinates._disc_coordinates", lambda _: None)
+    monkeypatch.setattr(inside.certificate_coordinates, "_disc_coordinates", lambda _: None)
     by_balls = certify(system, z, k).radius
     assert np.all(by_balls > 0)
     assert np.all(by_balls <= by_discs * (1 + 1e-9))

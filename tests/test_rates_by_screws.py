@@ -14,16 +14,19 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.exported_jacobians import run_exported
+from helpers.inside import (
+    POSE_CONDITIONS,
+    as_graph,
+    build_problem,
+    closed_configurations,
+    jacobian_text,
+    link_poses,
+    make_solution,
+    many_elsewhere,
+    variables_elsewhere,
+)
 from helpers.screw_rates import screw_rates
 from symkin import Joint, LinkJoint, Mechanism, Pose
-from symkin.closure.link_poses import link_poses
-from symkin.codegen.jacobian_formats import jacobian_text
-from symkin.formats.graph_form import as_graph
-from symkin.model.joint import POSE_CONDITIONS
-from symkin.position.closed_configurations import closed_configurations
-from symkin.position.problem import build_problem
-from symkin.position.solution_list import make_solution
-from symkin.position.transfer import many_elsewhere, variables_elsewhere
 
 REGULAR = 1e-3
 """Least singular value by which `by` decide the motion (screws of unit size) of a configuration

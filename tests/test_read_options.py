@@ -11,11 +11,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from symkin.errors import InputError, SymkinError
-from symkin.formats.load import load, read_robot
-from symkin.formats.read_options import ReadOptions
-from symkin.formats.sdf import read_sdf
-from symkin.formats.urdf import read_urdf
+from helpers.inside import read_robot, read_sdf, read_urdf
+from symkin import InputError, ReadOptions, SymkinError, load
 from tests.test_urdf import FORMS, PAIR, TREE, closed_values
 
 CLOSING = f"<robot name='r'>{TREE}{FORMS['closing']}</robot>"

@@ -10,7 +10,8 @@ import pytest
 import symkin
 from helpers.command_line import run
 from helpers.documents import ROOT, Command, blocks, is_as_printed, machines, sessions, shown_outputs
-from symkin.model.file import parse, shipped_names
+from helpers.inside import parse
+from symkin import shipped_names
 
 TUTORIALS = tuple(str(path.relative_to(ROOT)) for path in sorted((ROOT / "docs" / "tutorials").glob("*.md")))
 DOCUMENTS = ("README.md", "docs/index.md", "docs/bring-your-robot.md", *TUTORIALS)

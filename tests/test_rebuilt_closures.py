@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import symkin
-from symkin.calibration.data.observables import observed
-from symkin.calibration.estimate.configuration_model import build_model
-from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.closure.closure import build_closure
-from symkin.model.mechanism import Mechanism
+from helpers.inside import build_closure, build_model, observed, solve_configurations
+from symkin import Mechanism
 
 
 def bench(name: str) -> Mechanism:

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.codegen.folder import folder_files
-from symkin.codegen.options import Options
-from symkin.errors import InputError
+from helpers.inside import Options, folder_files
+from symkin import InputError
 
 
 def _rotation(q):

@@ -11,10 +11,9 @@ import pytest
 from helpers import firmware_tools as tools
 from helpers import samples
 from helpers.gate import in_gate
+from helpers.inside import Options, build_problem
 from helpers.wide_five_bar import COUPLER, HOME, slack_of, tip_of, wide_five_bar
-from symkin.codegen.options import Options
-from symkin.formats.load import load
-from symkin.position.problem import build_problem
+from symkin import load
 
 MACHINES = Path(__file__).parents[1] / "codegen" / "bench" / "machines"
 

@@ -15,10 +15,10 @@ import pytest
 
 import symkin
 from helpers.command_line import run, run_json
+from helpers.inside import LONGEST_REPR, Result, Summary
 from helpers.known_roots import DIETMAIER, dietmaier
 from helpers.samples import five_bar
 from symkin import InputError
-from symkin.result import LONGEST_REPR, Result, Summary
 
 MOST_CHARACTERS = 3000
 """Characters of a result's repr: a screen of a terminal."""

@@ -17,20 +17,19 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import (
+    Noise,
+    NotFittedError,
+    Plan,
+    Workspace,
+    build_closure,
+    build_problem,
+    fit_file,
+    read_measurements,
+    velocity_equations,
+)
 from helpers.samples import five_bar, three_rrr
-from symkin import InputError, Mechanism, SolveError
-from symkin.calibration.data.files import read_measurements
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.design.planning import Plan, plan_measurements
-from symkin.calibration.design.simulation import Noise
-from symkin.calibration.estimate.workspace import Workspace
-from symkin.calibration.fit_file import NotFittedError, fit_file
-from symkin.closure.closure import build_closure
-from symkin.following.mode_graph import mode_graph
-from symkin.position.problem import build_problem
-from symkin.singularities.singular_loci import singular_loci
-from symkin.spatial.pose import Pose
-from symkin.velocity.equations import velocity_equations
+from symkin import InputError, Measurements, Mechanism, Pose, SolveError, mode_graph, plan_measurements, singular_loci
 
 BARS = five_bar()
 

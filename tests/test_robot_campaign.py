@@ -11,10 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from helpers.inside import Robot, read_robot
 from helpers.mjcf_models import SMALL
-from symkin.formats.load import read_robot
-from symkin.formats.robot import Robot
-from symkin.model.graph import LinkJoint
+from symkin import LinkJoint
 
 pytest.importorskip("mujoco")
 pytest.importorskip("pinocchio")

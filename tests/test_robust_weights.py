@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from symkin.calibration.estimate.robust import EFFICIENCY, loss_weights, with_weights
+from helpers.inside import EFFICIENCY, loss_weights, with_weights
 
 T = np.linspace(-12.0, 12.0, 200_001)
 

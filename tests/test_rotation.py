@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.inside import rotation as rot
 from helpers.laws import axis_turn, ball_turn, is_group, is_rotation
 from helpers.samples import seeds, unit
-from symkin.spatial import rotation as rot
 
 SEQUENCES = ["".join(s) for s in itertools.product("xyz", repeat=3) if s[0] != s[1] and s[1] != s[2]]
 SEQUENCES += [s.upper() for s in SEQUENCES]

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from helpers.inside import reciprocal_system
+from helpers.inside import screw as sc
 from helpers.laws import act, axis_turn, displacement, frame, same_pose
 from helpers.samples import point, seeds, unit
 from symkin import Pose
-from symkin.position.limb_screws import reciprocal_system
-from symkin.spatial import screw as sc
 
 values = st.floats(-6, 6) | st.sampled_from([0.0, 1e-12, 1e-7, 1e-5, 1.1e-5, 1e-4, math.pi])
 

@@ -10,13 +10,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import Robot, assembled, closed_neighbours, mechanism_of, nearest_closed, rank_at, read_sdf
 from helpers.product_of_exponentials import displacement
-from symkin.errors import SymkinError
-from symkin.formats.assembled import assembled, mechanism_of
-from symkin.formats.closing import closed_neighbours, nearest_closed, rank_at
-from symkin.formats.robot import Robot
-from symkin.formats.sdf import read_sdf
-from symkin.model.joint import Joint
+from symkin import Joint, SymkinError
 from tests.helpers.robot_files import MODELS, all_frames, closure_misfit, displaced, facts, joint_misfit, poses_at, told_poses
 
 KINDS = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}

@@ -8,12 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symkin.formats.closing import closed_neighbours, nearest_closed
-from symkin.formats.robot import Robot
-from symkin.formats.sdf import read_sdf
-from symkin.model.joint import Joint
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import euler_from_quaternion
+from helpers.inside import Robot, closed_neighbours, euler_from_quaternion, nearest_closed, read_sdf
+from symkin import Joint, Pose
 from tests.helpers.robot_files import joint_misfit
 
 WORDS = {"R": "revolute", "P": "prismatic", "H": "screw", "U": "universal", "S": "ball", "weld": "fixed"}

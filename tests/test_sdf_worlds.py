@@ -9,9 +9,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from symkin.errors import InputError, SymkinError
-from symkin.formats.read_options import ReadOptions
-from symkin.formats.sdf import read_sdf
+from helpers.inside import read_sdf
+from symkin import InputError, ReadOptions, SymkinError
 
 ARM = """<model name='{name}'><pose>{at} 0 0 0</pose><link name='low'/><link name='high'><pose>0 0 1 0 0 0</pose></link>
 <joint name='knee' type='revolute'><parent>low</parent><child>high</child><axis><xyz>0 1 0</xyz></axis></joint></model>"""

@@ -9,9 +9,7 @@ import pytest
 
 import symkin
 from helpers.command_line import run, run_json
-from symkin.closure.branches import edges_of
-from symkin.position.describe import describe
-from symkin.position.loops import independent_cycles
+from helpers.inside import describe, edges_of, independent_cycles
 
 GALLERY = json.loads((Path(__file__).parent / "data" / "gallery.json").read_text())
 

@@ -9,12 +9,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_problem, classify, make_solution
 from helpers.samples import delta, four_bar, pieper, random_mechanism, three_rrr
-from symkin import InputError, Joint, Limb, Mechanism
-from symkin.position.problem import build_problem
-from symkin.position.solution_list import make_solution
-from symkin.singularities.classification import classify, singularity
-from symkin.singularities.singularity_result import Singularity
+from symkin import InputError, Joint, Limb, Mechanism, Singularity, singularity
 
 
 def equal_upu() -> Mechanism:

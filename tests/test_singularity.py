@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import build_closure, reciprocal_product, variables_of, whole_system
 from helpers.laws import act, assert_wrenches_do_no_work, joint_displacement
 from helpers.samples import (
     DELTA,
@@ -23,13 +24,7 @@ from helpers.samples import (
     planar_pose,
     three_rps,
 )
-from symkin import InputError, Joint, Limb, Mechanism, SolveError
-from symkin.closure.closure import build_closure
-from symkin.position.closed_configurations import whole_system
-from symkin.singularities.classification import singularity
-from symkin.singularities.singularity_result import Singularity
-from symkin.spatial.screw import reciprocal_product
-from symkin.velocity.equations import variables_of
+from symkin import InputError, Joint, Limb, Mechanism, Singularity, SolveError, singularity
 
 Z = (0.0, 0.0, 1.0)
 

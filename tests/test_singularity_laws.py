@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import SINGULAR_VALUE, classify, generic_ranks, motion_ranks
 from helpers.laws import assert_wrenches_do_no_work
 from helpers.moved_mechanisms import displaced, reference_solution, scaled
 from helpers.samples import (
@@ -23,12 +24,7 @@ from helpers.samples import (
     three_rrr,
     tilted_rps,
 )
-from symkin import Mechanism, SolveError
-from symkin.numeric.tolerances import SINGULAR_VALUE
-from symkin.singularities import motion_ranks
-from symkin.singularities.classification import classify, singularity
-from symkin.singularities.motion_ranks import generic_ranks
-from symkin.singularities.singularity_result import Singularity
+from symkin import Mechanism, Singularity, SolveError, singularity
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import main
 from helpers.samples import Z, hexapod, readme_five_bar
-from symkin import InputError, Joint, Limb, Mechanism
-from symkin.cli.app import main
-from symkin.position.solution import Solution
+from symkin import InputError, Joint, Limb, Mechanism, Solution
 
 TIP = ("x", "y")
 

@@ -12,13 +12,10 @@ from matplotlib.colors import to_rgb
 
 import symkin
 from helpers.command_line import run
+from helpers.inside import COLOURS, Label, Page, apart, draw_sketch, figure_of_sketch, make_layout, write_picture
+from helpers.inside import LabelBox as Box
 from helpers.samples import Z, delta, readme_five_bar, three_rrr
 from symkin import InputError, Joint, Limb, Mechanism, RodLimb
-from symkin.plots.label_placement import Box, Label, Page
-from symkin.plots.picture_file import write_picture
-from symkin.plots.sketch import draw_sketch, figure_of_sketch
-from symkin.plots.sketch_layout import apart, make_layout
-from symkin.plots.style import COLOURS
 
 SYMBOLS = {"R", "P", "H", "C", "U", "S"}
 

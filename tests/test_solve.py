@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 
 import symkin
+from helpers.inside import multiply, quaternion_from_rotation_vector
 from helpers.laws import chain, closes, frame, same_angle, same_pose
 from helpers.samples import delta, five_bar, four_bar, pieper, random_joint, seeds, three_rps, three_rrr, unit
 from symkin import InputError, Joint, LeastSquares, Limb, Mechanism, MechanismError, Newton, Pose, SolveError
-from symkin.spatial.rotation import multiply, quaternion_from_rotation_vector
 
 SOLVERS = ["newton", "fast_newton", "ipopt"]
 PARALLEL = ["zhang2009", "zhao2000", "zhao2000_links", "ren2008", "ren2008_true"]

@@ -20,15 +20,21 @@ from helpers.inclinometer import (
     random_geometry,
     tilted,
 )
-from symkin.calibration.calibrate import calibrate
-from symkin.calibration.data.measurements import Measurements
-from symkin.calibration.data.parameters import joint_frames
-from symkin.calibration.estimate.configurations import solve_configurations
-from symkin.calibration.estimate.problem import build_calibration
-from symkin.calibration.estimate.solver import estimate
-from symkin.calibration.judge.outliers import screen_readings
-from symkin.calibration.judge.pose_accuracy import pose_sigma
-from symkin.calibration.judge.statistics import DOUBTFUL_CURVATURE, chi_square_tail, covariance, curvature, f_tail, linear_model
+from helpers.inside import (
+    DOUBTFUL_CURVATURE,
+    build_calibration,
+    chi_square_tail,
+    covariance,
+    curvature,
+    estimate,
+    f_tail,
+    joint_frames,
+    linear_model,
+    pose_sigma,
+    screen_readings,
+    solve_configurations,
+)
+from symkin import Measurements, calibrate
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)

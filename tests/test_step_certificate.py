@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import Cubic, Interval, build_problem, coefficients, make_trajectory, on_plane, path_systems
 from helpers.laws import same_angle
 from helpers.samples import (
     COUPLER,
@@ -18,12 +19,6 @@ from helpers.samples import (
     bars,
     rocker_angle,
 )
-from symkin.following.cubic import Cubic
-from symkin.following.last_tube import on_plane
-from symkin.following.path_system import coefficients, path_systems
-from symkin.following.step_certificate import Interval
-from symkin.following.trajectory import make_trajectory
-from symkin.position.problem import build_problem
 
 
 def test_tube_holds_one_branch_and_not_the_other():

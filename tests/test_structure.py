@@ -6,20 +6,22 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.assembly import group_roots
-from symkin.closure.link_poses import link_poses
-from symkin.closure.numpy_code import vectorise
-from symkin.homotopy import structure
-from symkin.homotopy.algebraic import complex_normal
-from symkin.homotopy.seeds import random_known
-from symkin.homotopy.structure import structure_of
-from symkin.homotopy.systems import system_of
-from symkin.homotopy.values import known_values
-from symkin.model.file import parse
-from symkin.position.closed_configurations import closed_configurations
-from symkin.position.groups import structure_groups
-from symkin.position.problem import build_problem
-from symkin.position.solution_list import make_solution
+from helpers.inside import (
+    build_problem,
+    closed_configurations,
+    complex_normal,
+    group_roots,
+    known_values,
+    link_poses,
+    make_solution,
+    parse,
+    random_known,
+    structure,
+    structure_groups,
+    structure_of,
+    system_of,
+    vectorise,
+)
 
 group_paths = group_roots.group_paths.__wrapped__
 HEAD = 'format = 1\nname = "bars"\nlength_unit = "mm"\nangle_unit = "deg"\n'

@@ -11,19 +11,23 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
 from helpers.command_line import run, run_json
+from helpers.inside import (
+    BASE,
+    COMPLETENESS,
+    Rank,
+    build_problem,
+    closed_configurations,
+    given_by_name,
+    independent_parts,
+    layout_of,
+    make_finder,
+    parse,
+    problem_of,
+    structure_groups,
+)
 from symkin import InputError
-from symkin.assembly.by_groups import independent_parts
-from symkin.assembly.mode_table import COMPLETENESS
-from symkin.assembly.modes_at_points import make_finder
-from symkin.closure.branches import layout_of
-from symkin.model.file import parse
-from symkin.model.joint import BASE
-from symkin.numeric.rank import Rank
-from symkin.position.closed_configurations import closed_configurations
-from symkin.position.given_by_name import given_by_name, problem_of
-from symkin.position.groups import structure_groups
-from symkin.position.problem import build_problem
 
 ROOT = Path(__file__).resolve().parents[1]
 GALLERY = json.loads((Path(__file__).parent / "data" / "gallery.json").read_text())
@@ -204,7 +208,7 @@ def test_choices_on_the_command_line(capsys, tmp_path):
 
 def test_a_part_with_too_many_modes_names_the_remedy(monkeypatch):
     """A ladder of four-bars, each driven by the one before: the modes double with every rung."""
-    monkeypatch.setattr("symkin.assembly.by_groups.MOST_MODES", 3)
+    monkeypatch.setattr(inside.by_groups, "MOST_MODES", 3)
     mechanism = symkin.load("jansen_leg")
     with pytest.raises(symkin.SymkinError, match="--choose"):
         symkin.modes(mechanism, given={"crank": 40})

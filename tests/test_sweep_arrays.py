@@ -5,12 +5,9 @@ import pytest
 
 import symkin
 from helpers.folders import same_files
+from helpers.inside import COMPRESSION_LEVEL, given_from, make_space, write_chunk
 from helpers.samples import three_rrr
-from symkin import InputError
-from symkin.position.given import given_from
-from symkin.sweeps.chunk_files import COMPRESSION_LEVEL, write_chunk
-from symkin.sweeps.run import sweep
-from symkin.sweeps.space import make_space
+from symkin import InputError, sweep
 
 zarr = pytest.importorskip("zarr")
 pytestmark = pytest.mark.usefixtures("kept_starts")

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import draw_sweep, figure_of_sweep, main
 from helpers.samples import Z, three_rrr
-from symkin import InputError, Joint, Limb, Mechanism
-from symkin.cli.app import main
-from symkin.plots.sweep_plot import draw_sweep, figure_of_sweep
-from symkin.sweeps.run import sweep
+from symkin import InputError, Joint, Limb, Mechanism, sweep
 
 xarray = pytest.importorskip("xarray")
 pytestmark = pytest.mark.usefixtures("kept_starts")

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin import InputError
-from symkin.cli.app import main
-from symkin.sweeps.run import Swept, sweep
+from helpers.inside import Swept, main
+from symkin import InputError, sweep
 
 pytest.importorskip("xarray")
 pytestmark = pytest.mark.usefixtures("kept_starts")

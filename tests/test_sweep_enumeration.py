@@ -6,15 +6,9 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import COMPLETENESS, build_problem, make_finder, modes_at_need, multiply, parse
 from helpers.samples import Z, delta, five_bar, hexapod, random_mechanism, three_rps
-from symkin import Joint, Limb, Mechanism
-from symkin.assembly.mode_table import COMPLETENESS
-from symkin.assembly.modes import modes_at_need
-from symkin.assembly.modes_at_points import make_finder
-from symkin.model.file import parse
-from symkin.position.problem import build_problem
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import multiply
+from symkin import Joint, Limb, Mechanism, Pose
 
 pytestmark = pytest.mark.usefixtures("kept_starts")
 

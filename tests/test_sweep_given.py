@@ -13,14 +13,11 @@ import pytest
 
 import symkin
 from helpers.folders import same_files
+from helpers.inside import main, make_space_by_name, read_given
 from helpers.plain_check import MECHANISMS
 from helpers.samples import three_rps
 from plain_graph import configurations, read
-from symkin import InputError
-from symkin.cli.app import main
-from symkin.sweeps.ranges import read_given
-from symkin.sweeps.run import sweep
-from symkin.sweeps.space import make_space_by_name
+from symkin import InputError, sweep
 
 xarray = pytest.importorskip("xarray")
 pytestmark = pytest.mark.usefixtures("kept_starts")

@@ -11,10 +11,16 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.sweeps.interrupts import interrupts_held, interrupts_kept_from_children
-from symkin.sweeps.plan import Job, compute_chunk, make_plan
-from symkin.sweeps.space import make_space
-from symkin.sweeps.store import Store, open_store
+from helpers.inside import (
+    Job,
+    Store,
+    compute_chunk,
+    interrupts_held,
+    interrupts_kept_from_children,
+    make_plan,
+    make_space,
+    open_store,
+)
 
 pytestmark = [
     pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs the signals of POSIX"),

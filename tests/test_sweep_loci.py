@@ -11,9 +11,9 @@ import pytest
 
 import symkin
 from helpers.command_line import run
+from helpers.inside import figure_of_sweep
 from helpers.samples import five_bar
 from symkin import InputError
-from symkin.plots.sweep_plot import figure_of_sweep
 
 HERE = [81.6, 202.8, 330.6, 105.2]
 CASES = {

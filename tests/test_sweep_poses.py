@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import make_space, poses_vary
 from helpers.laws import axis_turn, ball_turn
 from helpers.samples import Z, delta, five_bar, four_bar, pieper, three_rps, three_rrr
-from symkin import InputError, Joint, Limb, Mechanism
-from symkin.position.pose_conditions import poses_vary
-from symkin.sweeps.run import sweep
-from symkin.sweeps.space import make_space
+from symkin import InputError, Joint, Limb, Mechanism, sweep
 
 SPATIAL = symkin.load("zhang2009")
 

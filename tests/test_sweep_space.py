@@ -8,12 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import symkin
+from helpers.inside import Blocks, check_slices, labels, make_space, read_ranges, read_values
 from helpers.laws import ball_turn
 from helpers.samples import Z, five_bar
 from symkin import InputError, Joint, Limb, Mechanism
-from symkin.sweeps.layout import labels
-from symkin.sweeps.ranges import check_slices, read_ranges, read_values
-from symkin.sweeps.space import Blocks, make_space
 
 
 @given(st.lists(st.integers(1, 9), min_size=1, max_size=4), st.integers(1, 200))

@@ -15,13 +15,8 @@ import pytest
 
 import symkin
 from helpers.folders import same_files
-from symkin import InputError, Pose
-from symkin.assembly.mode_table import COMPLETENESS
-from symkin.singularities.classification import classify
-from symkin.sweeps import store
-from symkin.sweeps.plan import make_plan
-from symkin.sweeps.run import sweep
-from symkin.sweeps.space import make_space
+from helpers.inside import COMPLETENESS, classify, make_plan, make_space, store
+from symkin import InputError, Pose, sweep
 
 xarray = pytest.importorskip("xarray")
 pytestmark = pytest.mark.usefixtures("kept_starts")

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers import inside
 from helpers.folders import same_files
-from symkin import InputError
-from symkin.sweeps.executors import Crew, Here, local_crew
-from symkin.sweeps.run import sweep
+from helpers.inside import Crew, Here, local_crew
+from symkin import InputError, sweep
 
 pytest.importorskip("zarr")
 pytestmark = pytest.mark.usefixtures("kept_starts")
@@ -131,7 +131,7 @@ def dies(job, index):
 @pytest.mark.slow
 def test_work_that_kills_its_workers_is_given_up(monkeypatch):
     """Chunks that end every worker stop the sweep with a sentence, and leave no process."""
-    monkeypatch.setattr("symkin.sweeps.executors._MOST_LOSSES", 1)
+    monkeypatch.setattr(inside.executors, "_MOST_LOSSES", 1)
     with pytest.raises(InputError, match="workers end abruptly"), local_crew(1) as crew:
         list(crew.results(dies, b"", range(3)))
     wait_for(lambda: not multiprocessing.active_children())
@@ -185,7 +185,7 @@ def test_dask_gives_the_same_files_though_a_worker_is_killed(whole, tmp_path, cl
 def test_dask_addresses_that_do_not_answer(tmp_path, monkeypatch):
     """A port that nobody serves, and text that is no address, are sentences."""
     pytest.importorskip("distributed")
-    monkeypatch.setattr("symkin.sweeps.executors._PATIENCE_S", 1.0)
+    monkeypatch.setattr(inside.executors, "_PATIENCE_S", 1.0)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -220,7 +220,7 @@ def processes(tmp_path):
 @pytest.mark.filterwarnings("ignore")
 def test_a_killed_dask_scheduler_is_one_sentence(whole, tmp_path, processes, monkeypatch, capfd):
     """What Dask's threads say of it is not shown, and the same sweep goes on elsewhere, to the same files."""
-    monkeypatch.setattr("symkin.sweeps.executors._PATIENCE_S", 30.0)
+    monkeypatch.setattr(inside.executors, "_PATIENCE_S", 30.0)
     scheduler, address = processes
 
     def kill(done, total):

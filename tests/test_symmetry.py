@@ -8,20 +8,28 @@ import pytest
 from hypothesis import given
 
 import symkin
+from helpers.inside import (
+    AlgebraicSystem,
+    Symmetries,
+    algebraic_point,
+    algebraic_systems,
+    binary_null_space,
+    build_problem,
+    distance_frames,
+    find_symmetries,
+    known_values,
+    matrix_from_quaternion,
+    orbits,
+    plane_frame,
+    quadratic_form,
+    reflection,
+    start_of,
+    tracker,
+    universal_system,
+)
+from helpers.inside import track_quadratic as track
 from helpers.samples import hexapod, pieper, seeds, three_rrr
-from symkin import RodLimb
-from symkin.homotopy import tracker
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.coplanar import distance_frames, plane_frame, reflection
-from symkin.homotopy.quadratic import quadratic_form, track
-from symkin.homotopy.six_distances import universal_system
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.symmetry import Symmetries, binary_null_space, find_symmetries, orbits
-from symkin.homotopy.systems import algebraic_systems
-from symkin.homotopy.values import algebraic_point, known_values
-from symkin.model.mechanism import Mechanism
-from symkin.position.problem import build_problem
-from symkin.spatial.rotation import matrix_from_quaternion
+from symkin import Mechanism, RodLimb
 
 
 def lengths_only(mechanism: Mechanism):

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 import symkin
 from helpers.command_line import run, run_json
+from helpers.inside import TERMINAL_WIDTH, folded
 from helpers.shipped import UNDRIVEN
-from symkin.result import TERMINAL_WIDTH, folded
 
 NAMES = [name for name in symkin.shipped_names() if name not in UNDRIVEN]
 _CELLS = st.text("0123456789.-", min_size=1, max_size=30)

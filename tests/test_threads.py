@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from symkin.computed_once import cached_property, lru_cache, not_waiting
+from helpers.inside import cached_property, lru_cache, not_waiting
 
 WORK = Path(__file__).parent / "helpers" / "thread_work.py"
 
@@ -23,7 +23,11 @@ WORK = Path(__file__).parent / "helpers" / "thread_work.py"
 def _run(folder, *arguments, code=None):
     folder.mkdir(parents=True)
     command = [sys.executable, "-X", "faulthandler", *(["-c", code] if code else [str(WORK), *arguments, str(folder)])]
-    environment = os.environ | {"SYMKIN_CACHE": str(folder.parent / "cache"), "SYMKIN_ENGINE": "numpy"}
+    environment = os.environ | {
+        "SYMKIN_CACHE": str(folder.parent / "cache"),
+        "SYMKIN_ENGINE": "numpy",
+        "PYTHONPATH": str(WORK.parents[1]),
+    }
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, env=environment, check=False)
     assert done.returncode == 0, f"status {done.returncode}: {done.stderr[-2000:]}"
     return folder / "found.json"

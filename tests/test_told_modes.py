@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.inside import Meeting, _labels, shown_numbers
 from helpers.samples import rus
-from symkin.assembly.mode_groups import _labels
-from symkin.following.meeting_modes import Meeting
-from symkin.plots.modes_plot import shown_numbers
 
 
 @pytest.mark.parametrize("limbs", [2, 4])

@@ -11,10 +11,8 @@ import pytest
 
 import symkin
 from helpers.command_line import run
-from symkin import Joint, LinkJoint, Mechanism
-from symkin.errors import InputError
-from symkin.formats.read_options import ReadOptions
-from symkin.model.arm import arm_of, joints_left_out
+from helpers.inside import arm_of, joints_left_out
+from symkin import InputError, Joint, LinkJoint, Mechanism, ReadOptions
 
 LINKS = "".join(f"<link name='{name}'/>" for name in ("foot", "one", "two", "three", "tool0"))
 ORIGINS = {

@@ -11,12 +11,10 @@ import pytest
 
 import symkin
 from helpers.command_line import run, run_json
+from helpers.inside import read_table, read_trajectory, write_track
 from helpers.laws import closes
 from helpers.samples import bars
-from symkin import InputError
-from symkin.files.csv_table import read_table
-from symkin.following.track import track
-from symkin.following.track_csv import read_trajectory, write_track
+from symkin import InputError, track
 
 EXAMPLE = "144.6,347.0,110.3,178.6,277.6,269.4"
 NEAR = "154.6,340.0,115.3,180.6,270.6,269.4"
@@ -241,7 +239,7 @@ def test_no_start_has_status_3(capsys):
 @pytest.mark.parametrize("problem", ["direct", "inverse"])
 def test_picture_is_written(tmp_path, problem):
     """The robot at start and end; panels of what moves and of distances over the inputs; a stop is marked in all panels."""
-    from symkin.plots.track_plot import figure_of_track
+    from helpers.inside import figure_of_track
 
     mechanism = symkin.load("zhang2009")
     if problem == "direct":
@@ -269,7 +267,7 @@ def test_texts_of_the_picture_lie_apart_and_within(name):
     """No text of a track's picture meets another or the edge; every curve has a name, and limits a panel where there are some."""
     from itertools import combinations
 
-    from symkin.plots.track_plot import figure_of_track
+    from helpers.inside import figure_of_track
 
     ends = {
         "ren2008": [[0.2, 0.25, 0.2, 0.22, 0.3, 0.25], [0.4, 0.25, 0.2, 0.22, 0.6, 0.25]], "ankle": [[0.0, 0.0], [80.0, 60.0]],
@@ -294,7 +292,7 @@ def test_texts_of_the_picture_lie_apart_and_within(name):
 
 def test_curves_that_are_one_have_all_their_names():
     """A level platform that rises: six rods move alike, in one line with six names."""
-    from symkin.plots.track_curves import panels_of
+    from helpers.inside import panels_of
 
     found = track(symkin.load("zhang2009"), poses=[[0, 0, 100, 1, 0, 0, 0], [0, 0, 120, 1, 0, 0, 0]], samples=5)
     (curve,) = next(panels_of(found)).curves
@@ -306,8 +304,7 @@ def test_a_curve_that_another_covers_is_seen():
     """Law: of curves that lie on each other the earlier is wider there; of curves that only cross none is."""
     from matplotlib.figure import Figure
 
-    from symkin.plots.track_curves import Curve, CurvePanel
-    from symkin.plots.track_plot import _draw_curves
+    from helpers.inside import Curve, CurvePanel, _draw_curves
 
     x, at = np.linspace(0.0, 1.0, 51), np.arange(51)
     for second, widths in ((x.copy(), 1), (1.0 - x, 0), (np.where(x < 0.5, x, 0.5), 1)):

@@ -10,8 +10,7 @@ import pytest
 
 import symkin
 from helpers.samples import four_bar, three_rrr, turning
-from symkin import Joint, Limb, Mechanism
-from symkin.following.track import track
+from symkin import Joint, Limb, Mechanism, track
 
 Z = (0.0, 0.0, 1.0)
 

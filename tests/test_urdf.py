@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from symkin.errors import SymkinError
-from symkin.formats.robot import Robot
-from symkin.formats.urdf import read_urdf
+from helpers.inside import Robot, read_urdf
+from symkin import SymkinError
 from tests.helpers.robot_files import closure_misfit, displaced, poses_at
 
 TREE = """

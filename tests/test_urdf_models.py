@@ -7,14 +7,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from symkin.formats.closing import closed_neighbours, nearest_closed, rank_at
-from symkin.formats.load import load
-from symkin.formats.robot import Robot
-from symkin.formats.urdf import read_urdf
-from symkin.model.joint import Joint
-from symkin.position.mobility import mobility
-from symkin.spatial.pose import Pose
-from symkin.spatial.screw import turn_about
+from helpers.inside import Robot, closed_neighbours, nearest_closed, rank_at, read_urdf, turn_about
+from symkin import Joint, Pose, load, mobility
 from tests.helpers.robot_files import MODELS, all_frames, closure_misfit, facts, joint_misfit, poses_at, told_poses
 
 NAMES = (

@@ -10,9 +10,8 @@ import pytest
 import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
+from helpers.inside import velocity_equations, whole_system
 from symkin import InputError, SolveError
-from symkin.position.closed_configurations import whole_system
-from symkin.velocity.equations import velocity_equations
 
 
 def _scaled(equations, direct):

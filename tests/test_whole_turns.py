@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
-from symkin.following import block_follower
+from helpers.inside import block_follower
 
 # machine, what is given at the start, and by how many degrees it moves
 PATHS = [

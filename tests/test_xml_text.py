@@ -8,10 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from symkin.errors import InputError, MechanismError
-from symkin.formats.naming import allowed_names, renamed, robot_name
-from symkin.formats.xml_text import DEEPEST, LARGEST_FILE, parse_xml, read_xml
-from symkin.model.names import name_fault
+from helpers.inside import DEEPEST, LARGEST_FILE, allowed_names, name_fault, parse_xml, read_xml, renamed, robot_name
+from symkin import InputError, MechanismError
 
 BOMB = b"""<?xml version="1.0"?>
 <!DOCTYPE robot [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;"><!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;">]>

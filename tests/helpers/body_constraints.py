@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import symkin
-from symkin.formats.graph_form import as_graph
-from symkin.model.graph_checks import links_of
+from helpers.inside import as_graph, links_of
 
 
 def redundant_rows(mechanism: symkin.Mechanism) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from symkin.cli.app import main
+from helpers.inside import main
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:

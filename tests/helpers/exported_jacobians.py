@@ -11,9 +11,8 @@ from typing import Any
 import casadi
 import numpy as np
 
+from helpers.inside import jacobian_text, symbols_read, write_jacobian
 from helpers.latex_reader import evaluated
-from symkin.codegen.jacobian_formats import jacobian_text, write_jacobian
-from symkin.codegen.jacobian_latex import symbols_read
 
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror"]
 

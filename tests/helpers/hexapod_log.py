@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 import symkin
-from symkin.calibration.data.measurements import Measurements
+from symkin import Measurements
 
 TRUTH = symkin.load("ren2008_true")
 SCATTER = 0.44e-6

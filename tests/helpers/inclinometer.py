@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import symkin
-from symkin.calibration.data.measurements import Measurements
+from symkin import Measurements
 
 PLATFORM_CENTRE = np.array([0.38435, 0.28757, 0.0])
 BASE_CENTRE = np.array([0.0752, 0.59525, 0.0])

@@ -10,13 +10,18 @@ import numpy as np
 
 import symkin
 from helpers import joint_types, samples
+from helpers.inside import (
+    Closure,
+    build_closure,
+    build_problem,
+    closed_configurations,
+    conjugate,
+    multiply,
+    pose_of,
+    whole_system,
+)
 from helpers.shipped import LIMBS
 from symkin import Mechanism
-from symkin.closure.closure import Closure, build_closure
-from symkin.position.closed_configurations import closed_configurations, whole_system
-from symkin.position.problem import build_problem
-from symkin.position.solution import pose_of
-from symkin.spatial.rotation import conjugate, multiply
 
 FAMILIES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "6 SPS": (["SPS"] * 6, {}),

@@ -9,14 +9,8 @@ from pathlib import Path
 import numpy as np
 
 import symkin
+from helpers.inside import AlgebraicSystem, Problem, algebraic_systems, build_problem, instance, known_values, merge, start_of
 from symkin import Mechanism, RodLimb
-from symkin.homotopy.algebraic import AlgebraicSystem
-from symkin.homotopy.instance import instance
-from symkin.homotopy.start_store import start_of
-from symkin.homotopy.systems import algebraic_systems
-from symkin.homotopy.values import known_values
-from symkin.position.problem import Problem, build_problem
-from symkin.position.roots import merge
 
 DIETMAIER = json.loads((Path(__file__).parents[1] / "data" / "dietmaier1998.json").read_text())
 

@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from helpers.inside import Closure
 from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb
-from symkin.closure.closure import Closure
 
 CLOSED = 1e-9
 """A closed configuration's largest error, over the mechanism's size."""
@@ -198,7 +198,7 @@ def all_distinct(solutions: Iterable[Any], size: float) -> bool:
 
 
 def solution_coordinates(solution: Any) -> Sequence[Any]:
-    from symkin.closure.closure import build_closure
+    from helpers.inside import build_closure
 
     return build_closure(solution.mechanism).coordinates
 

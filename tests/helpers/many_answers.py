@@ -10,9 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from helpers import firmware_tools as tools
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
-from symkin.model.mechanism import Mechanism
+from helpers.inside import Options, write_folder
+from symkin import Mechanism
 
 _MANY = """
 #include "NAME.h"

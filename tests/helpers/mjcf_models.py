@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 
 from helpers.equality_rows import equality_rows
-from symkin.formats.closing import Closed
-from symkin.formats.robot import Robot
-from symkin.formats.tree_motion import State
+from helpers.inside import Closed, Robot, State
 
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models" / "mjcf"
 REAL = ("cassie", "g1_parallel_ankle", "kangaroo_lower_body", "robotiq_2f85", "talos")

@@ -8,10 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 import symkin
-from symkin import Coupling, Joint, Limb, LinkJoint, LinkRod, Mechanism, RodLimb
-from symkin.position.problem import build_problem
-from symkin.position.solution import Solution
-from symkin.position.solution_list import make_solution
+from helpers.inside import build_problem, make_solution
+from symkin import Coupling, Joint, Limb, LinkJoint, LinkRod, Mechanism, RodLimb, Solution
 
 
 def reference_solution(mechanism: Mechanism) -> Solution:

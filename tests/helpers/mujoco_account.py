@@ -8,9 +8,9 @@ import numpy as np
 
 import symkin
 from helpers.equality_rows import equality_rows
+from helpers.inside import as_graph
 from helpers.written_moves import configurations
-from symkin.formats.graph_form import as_graph
-from symkin.spatial.pose import Pose
+from symkin import Pose
 
 POSE = 1e-10
 """Metres, and quaternions."""

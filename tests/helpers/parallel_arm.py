@@ -8,9 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 import symkin
-from symkin.calibration.data.measurements import Measurements
-from symkin.model.dh import DHRow, DHTable
-from symkin.model.mechanism import serial_arm_from_dh
+from symkin import DHRow, DHTable, Measurements, serial_arm_from_dh
 
 KEYS = ("theta", "d", "a", "alpha")
 QUARTER = np.pi / 2

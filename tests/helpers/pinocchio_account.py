@@ -8,9 +8,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 import symkin
+from helpers.inside import matrix_from_quaternion
 from helpers.written_moves import configurations
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import matrix_from_quaternion
+from symkin import Pose
 
 POSE = 1e-10
 """Metres, and components of rotation matrices."""

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from symkin.closure.closure import Closure
-from symkin.closure.link_poses import joint_readings, link_poses
+from helpers.inside import Closure, joint_readings, link_poses
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.append(str(ROOT / "benchmarks"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import symkin
+from helpers.inside import FREEDOMS
 from helpers.samples import point, unit
-from symkin.model.joint import FREEDOMS
 
 _NAMES = ["knee", "q 1", "a'b", 'hip"2"', "toe#3", "Gelenk ä", "x/y", "1st", "l-r", "rod*"]
 

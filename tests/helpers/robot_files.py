@@ -9,11 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from symkin.formats.robot import Closure, Robot
-from symkin.model.joint import Joint
-from symkin.spatial.pose import Pose
-from symkin.spatial.rotation import quaternion_from_axis_angle
-from symkin.spatial.screw import exponential, prismatic_screw, revolute_screw
+from helpers.inside import Robot, exponential, prismatic_screw, quaternion_from_axis_angle, revolute_screw
+from helpers.inside import RobotClosure as Closure
+from symkin import Joint, Pose
 
 MODELS = Path(__file__).resolve().parent.parent / "data" / "models"
 ROBOTS = sorted(path for ending in ("xml", "urdf", "sdf") for path in MODELS.glob(f"*/*.{ending}"))

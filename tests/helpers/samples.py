@@ -10,8 +10,8 @@ import numpy as np
 from hypothesis import strategies as st
 
 from helpers.documents import machines
+from helpers.inside import parse
 from symkin import Joint, Limb, Mechanism, Rod, RodLimb
-from symkin.model.file import parse
 
 Z = (0.0, 0.0, 1.0)
 seeds = st.integers(0, 2**32 - 1).map(np.random.default_rng)

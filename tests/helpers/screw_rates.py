@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from helpers.inside import as_graph
 from symkin import Mechanism, Pose
-from symkin.formats.graph_form import as_graph
 
 Values = Mapping[str, Any]
 _METRES = {"m": 1.0, "mm": 1e-3}

@@ -17,12 +17,8 @@ from typing import Any
 import numpy as np
 
 import symkin
-from symkin.calibration.data.measurements import Measurements
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
-from symkin.plots.calibration_plot import png, residual_figure
-from symkin.position.describe import describe
-from symkin.singularities.singular_loci import singular_loci
+from helpers.inside import Options, describe, png, residual_figure, write_folder
+from symkin import Measurements, singular_loci
 
 Verb = Callable[[symkin.Mechanism, Path], Any]
 THREADS = 8

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import symkin
-from symkin.model.dh import DHRow, DHTable
-from symkin.model.mechanism import serial_arm_from_dh
+from symkin import DHRow, DHTable, serial_arm_from_dh
 
 WORLD_POSITION, WORLD_ROTATION = np.array([2400.0, -1300.0, 650.0]), np.array([0.3, -0.5, 2.1])
 REFLECTOR = np.array([35.0, -60.0, 80.0])

@@ -8,11 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 import symkin
-from symkin.closure.closure import build_closure
-from symkin.closure.link_poses import joint_readings, link_poses
-from symkin.formats.graph_form import as_graph
-from symkin.position.closed_configurations import closed_configurations
-from symkin.spatial.pose import Pose
+from helpers.inside import as_graph, build_closure, closed_configurations, joint_readings, link_poses
+from symkin import Pose
 
 Moved = tuple[dict[str, Pose], dict[str, float], dict[str, np.ndarray]]
 """Displacements of links by name, values of coordinates, quaternions of spherical joints from their first link to their second."""
