@@ -2,7 +2,7 @@
 
     python codegen/bench/closes.py [--random 30] [--seed 0] [--poses 60] [--only NAME]
 
-What C answers is put into the closure of benchmarks/plain_closure.py and plain_graph.py, where every joint keeps its coordinates; passive
+What C answers is put into the closure of tests/oracle/plain_closure.py and plain_graph.py, where every joint keeps its coordinates; passive
 joints are looked for from many starts. A folder's own test is run too. Exit status 1 where an OK does not close or a test fails.
 """
 
@@ -21,14 +21,14 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
-import plain_graph
 import symkin
-from plain_closure import PlainMechanism, matrix_quaternion
-from plain_search import closed_configurations, random_configurations, solve
-from random_files import random_file, to_toml
-from random_graphs import Drawing
+from campaigns.random_files import random_file, to_toml
+from campaigns.random_graphs import Drawing
+from oracle import plain_graph
+from oracle.plain_closure import PlainMechanism, matrix_quaternion
+from oracle.plain_search import closed_configurations, random_configurations, solve
 from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
 from symkin.errors import InputError, SymkinError

@@ -28,7 +28,7 @@ from queue import SimpleQueue
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = Path(__file__).with_suffix(".toml")
-BYTE_COMPARISONS = ("tests/test_firmware.py::test_committed_folders_are_what_the_generator_writes",)
+BYTE_COMPARISONS = ("tests/codegen/test_firmware.py::test_committed_folders_are_what_the_generator_writes",)
 """Tests that compare generated C with committed C."""
 TIMEOUT_S = 900.0
 """Seconds after which the tests of one fault are ended: one that makes a search endless is found

@@ -1,1 +1,1 @@
-"""Shared by the tests and benchmarks: sample mechanisms, laws that results must satisfy, tools that build and run generated C."""
+"""Shared by tests, campaigns and benchmarks: sample mechanisms, laws that results must satisfy, tools that build and run generated C."""

@@ -100,6 +100,8 @@ NAMES = {
     "assembled": "symkin.formats.assembled",
     "mechanism_of": "symkin.formats.assembled",
     "Closed": "symkin.formats.closing",
+    "DIGITS": "symkin.formats.closing",
+    "RANK_SHARE": "symkin.formats.closing",
     "closed_neighbours": "symkin.formats.closing",
     "constraint_rows": "symkin.formats.closing",
     "generic_rank": "symkin.formats.closing",
@@ -109,6 +111,7 @@ NAMES = {
     "ROWS": "symkin.formats.closure_rows",
     "loops_beside": "symkin.formats.gepetto_yaml",
     "as_graph": "symkin.formats.graph_form",
+    "is_robot": "symkin.formats.load",
     "read_robot": "symkin.formats.load",
     "read_mjcf": "symkin.formats.mjcf",
     "mjcf_text": "symkin.formats.mjcf_text",
@@ -380,6 +383,7 @@ NAMES = {
     "platform_points": "symkin.calibration.estimate.workspace",
     "workspace_home_pose": "symkin.calibration.estimate.workspace:home_pose",
     "NotFittedError": "symkin.calibration.fit_file",
+    "calibrated_mechanism": "symkin.calibration.fit_file",
     "fit_file": "symkin.calibration.fit_file",
     "match_parameters": "symkin.calibration.fit_file",
     "Fit": "symkin.calibration.judge.assessment",
@@ -412,6 +416,7 @@ NAMES = {
     "determined_directions": "symkin.calibration.judge.statistics",
     "f_tail": "symkin.calibration.judge.statistics",
     "linear_model": "symkin.calibration.judge.statistics",
+    "FitReport": "symkin.calibration.report",
     # generated C
     "Emitter": "symkin.codegen.c_emitter",
     "Real": "symkin.codegen.c_emitter",
@@ -519,6 +524,7 @@ NAMES = {
 
 MODULES = {
     "by_groups": "symkin.assembly.by_groups",
+    "continuation": "symkin.assembly.continuation",
     "group_roots": "symkin.assembly.group_roots",
     "modes_module": "symkin.assembly.modes",
     "fit_problem": "symkin.calibration.estimate.problem",

@@ -1,6 +1,6 @@
 """Machines with closed loops described once, in no format: their parts stand where they are when all joints are 0, which is closed.
 
-`tests/helpers/robot_texts.py` writes them in MJCF, URDF and SDF; `tests/helpers/robot_accounts.py` builds them in MuJoCo and Pinocchio.
+`tests/helpers/robot_texts.py` writes them in MJCF, URDF and SDF; `tests/oracle/robot_accounts.py` builds them in MuJoCo and Pinocchio.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ import numpy as np
 
 import symkin
 from helpers.inside import links_of
-from helpers.product_of_exponentials import between_links, random_values
+from oracle.product_of_exponentials import between_links, random_values
 
 DIGITS = 1e-12
 """Of the size: the rounding of sums and turns of numbers that are written with all their digits."""

@@ -1,0 +1,1 @@
+"""Long random and hostile runs, a script each, outside the gate."""

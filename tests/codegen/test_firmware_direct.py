@@ -1,0 +1,91 @@
+"""C of direct problems that formulas solve: lines beside folds, far lines, and what is said of them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers import firmware_tools as tools
+from helpers import samples
+from helpers.gate import in_gate
+from helpers.inside import LimbPlatform, Options, build_program, folder_files
+from helpers.samples import delta_directions
+from symkin import Joint, Limb, Mechanism, Rod
+
+FIVE_BAR = str(Path(__file__).parents[2] / "codegen" / "bench" / "machines" / "five_bar.toml")
+
+
+def linear_delta() -> Mechanism:
+    """Three upright slides on a circle of 150, rods of 250 to a platform's circle of 40."""
+    limbs = []
+    for k in range(3):
+        outward, tangent = delta_directions(k)
+        rods = [Rod(tuple(150 * outward + s * tangent), tuple(40 * outward + s * tangent)) for s in (-25, 25)]
+        limbs.append(Limb(f"limb{k}", [Joint(f"q{k}", "P", tuple(150 * outward), (0.0, 0.0, 1.0), actuated=True)], rods))
+    depth = -math.sqrt(250.0**2 - 110.0**2)
+    return Mechanism("linear_delta", limbs, platform_position=(0.0, 0.0, depth), motion="translation")
+
+
+MACHINES = {
+    "delta": lambda: symkin.load("delta"),
+    "linear delta": linear_delta,
+    "five-bar": lambda: symkin.load(FIVE_BAR),
+    "3-TRT + SPS": lambda: symkin.load("zhao2000"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
+@pytest.mark.parametrize("name", MACHINES)
+def test_lines_from_all_over_the_workspace(name, real):
+    """A quarter of the guesses beside a fold: what is OK is what a walk in many points reaches, and nearly all regular lines are."""
+    tools.compiler("gcc")
+    lines = tools.bench_module("closed_lines")
+    found = lines.study(MACHINES[name](), real, 1500, lines.Reach(0.3, 1.5), 150, 5)
+    assert found.wrong == 0
+    assert found.regular > 500
+    assert found.good > 0.96 * found.regular
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_formulas_are_found(name):
+    """And nothing of Newton's method is left in the direct problem."""
+    program = build_program(MACHINES[name](), Options("float"))
+    assert isinstance(program.kind, LimbPlatform)
+    assert program.kind.direct_formulas is not None
+    assert "_direct_newton(" not in program.source
+    assert "atan2f" not in program.source.split("_direct_reach(", 1)[1].split("_track(", 1)[0]
+
+
+def test_machines_without_formulas_keep_the_iteration():
+    for mechanism, options in (
+        (samples.three_rps(), Options("double")),
+        (symkin.load("delta"), Options("double", geometry="struct")),
+    ):
+        program = build_program(mechanism, options)
+        assert program.kind.direct_formulas is None
+        assert "_direct_newton(" in program.source
+
+
+def test_the_readme_derives_the_formulas():
+    text = folder_files(symkin.load("delta"), Options("double"))["README.md"]
+    assert "## Direct problem in closed form" in text
+    assert "cut by the quadratic one: two values" in text
+    assert "Newton's method finds" not in text
+
+
+def test_guards_are_positive_where_the_machine_works():
+    """At sampled configurations of the workspace each guard is above zero, and below its bound."""
+    program = build_program(symkin.load("zhao2000"), Options("double"))
+    kind = program.kind
+    found = kind.direct_formulas
+    form = found.formulas
+    for sample in kind.samples[:10]:
+        signs = form.signs_at(sample.unknown, sample.known)
+        discriminants = form.discriminants_at(sample.known[None], signs)
+        assert np.all(discriminants > 0.0)
+        assert discriminants[0, 0] < found.guards[0].size

@@ -1,0 +1,271 @@
+"""OK of generated C means that all loops close, that limits are kept and that no infinity was passed; what fails its own test is not written."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import symkin
+from helpers import firmware_tools as tools
+from helpers.inside import Options, can_run, folder_files, run_own_test
+from symkin import InputError
+
+MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
+OK, SINGULAR, OUT_OF_RANGE, WRONG_BRANCH = 0, 2, 4, 5
+
+LEVER = """format = 1
+name = "lever"
+length_unit = "mm"
+angle_unit = "deg"
+[[joint]]
+name = "theta"
+type = "R"
+links = ["base", "arm"]
+point = [0.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+zero = 45.0
+actuated = true
+[[joint]]
+name = "slot"
+type = "P"
+links = ["arm", "block"]
+point = [10.0, 10.0, 0.0]
+axis = [1.0, 1.0, 0.0]
+[[joint]]
+name = "pin"
+type = "R"
+links = ["block", "carriage"]
+point = [10.0, 10.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+[[joint]]
+name = "guide"
+type = "P"
+links = ["base", "carriage"]
+point = [10.0, 10.0, 0.0]
+axis = [1.0, 0.0, 0.0]
+zero = 10.0
+"""
+"""An arm with a slot that draws a carriage along a guide: guide = 10 / tan theta."""
+
+FIVE_BAR = """format = 1
+name = "five_bar"
+length_unit = "mm"
+angle_unit = "deg"
+
+[platform]
+motion = "planar"
+position = [0.0, "100 + 75*sqrt(3)", 0.0]
+
+[[limb]]
+name = "left"
+[[limb.joint]]
+name = "crank1"
+type = "R"
+point = [-75.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+actuated = true
+[[limb.joint]]
+name = "elbow1"
+type = "R"
+point = [-75.0, 100.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+
+[[limb]]
+name = "right"
+[[limb.joint]]
+name = "crank2"
+type = "R"
+point = [75.0, 0.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+actuated = true
+[[limb.joint]]
+name = "elbow2"
+type = "R"
+point = [75.0, 100.0, 0.0]
+axis = [0.0, 0.0, 1.0]
+[[limb.joint]]
+name = "tip"
+type = "R"
+point = [0.0, "100 + 75*sqrt(3)", 0.0]
+axis = [0.0, 0.0, 1.0]
+"""
+"""Two cranks and a platform on the end of the left forearm, hinged to the right one: the left limb decides its turn."""
+
+
+def library(mechanism: symkin.Mechanism, folder: Path, **options: object) -> ctypes.CDLL:
+    """The code of a mechanism, compiled without a warning."""
+    symkin.write_firmware(mechanism, folder, **options)  # type: ignore[arg-type]
+    tools.built("gcc", folder, [f"{mechanism.name}.c"], "code.so", "-O1", "-shared", "-fPIC")
+    return ctypes.CDLL(str(folder / "code.so"))
+
+
+def limited(text: str, joint: str, low: float, high: float) -> str:
+    """A file with limits of one joint."""
+    assert f'name = "{joint}"\n' in text
+    return text.replace(f'name = "{joint}"\n', f'name = "{joint}"\nlimits = [{low}, {high}]\n')
+
+
+def loaded(folder: Path, text: str) -> symkin.Mechanism:
+    """The mechanism of a file's text."""
+    (folder / "mechanism.toml").write_text(text)
+    return symkin.load(folder / "mechanism.toml")
+
+
+def doubles(values: object) -> ctypes.Array[ctypes.c_double]:
+    numbers = np.ravel(np.asarray(values, float)).tolist()
+    return (ctypes.c_double * len(numbers))(*numbers)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["five_bar", "tricept", "three_rps"])
+def test_ok_of_a_platform_that_cannot_take_every_pose_closes_all_rows(name):
+    """Poses on and off what the limbs can take, in both types: an OK closes, poses that can be taken are taken in the type's rounding."""
+    tools.compiler("gcc")
+    closes = tools.bench_module("closes")
+    for tally in closes.run(closes.Machine(symkin.load(MACHINES / f"{name}.toml")), 8, 3):
+        assert tally.open == 0, tally.examples
+        assert tally.ok > 0
+        assert tally.test == "ok"
+        assert tally.on_set_ok == tally.on_set
+
+
+def test_a_five_bar_takes_the_turn_that_its_first_limb_leaves_and_no_other(tmp_path):
+    """The first limb of two revolutes holds the platform's point and its turn together."""
+    made = loaded(tmp_path, FIVE_BAR)
+    code = library(made, tmp_path / "c")
+    found = symkin.solve(made, joints=[10.0, -5.0]).solution
+    position, quaternion = np.array(found.pose.position), np.array(found.pose.quaternion)
+    joints = doubles([9.0, 9.0])
+    assert code.five_bar_inverse(doubles([*position, *quaternion]), joints) == OK
+    np.testing.assert_allclose(np.degrees(joints), [10.0, -5.0], atol=1e-7)
+    size = made.characteristic_length
+    for turn in (1e-3, -1e-3, 0.05, -0.3, 0.7):
+        turned = symkin.Pose(position, quaternion) @ symkin.Pose([0, 0, 0], [math.cos(turn / 2), 0, 0, math.sin(turn / 2)])
+        joints = doubles([9.0, 9.0])
+        assert code.five_bar_inverse(doubles([*turned.position, *turned.quaternion]), joints) == OUT_OF_RANGE
+        assert list(joints) == [9.0, 9.0]
+    for step in ([1e-3 * size, 0.0, 0.0], [0.0, -1e-3 * size, 0.0]):
+        assert code.five_bar_inverse(doubles([*(position + step), *quaternion]), joints) == OUT_OF_RANGE
+
+
+def test_no_ok_across_infinity(tmp_path):
+    """The guide of a lever is at infinity where the slot is along it; within a branch the answer is 10 / tan theta."""
+    code = library(loaded(tmp_path, LEVER), tmp_path / "c", given=["guide"], find=["theta"])
+    for degrees in (1.0, 44.0, 45.0, 90.0, 135.0, 170.0):
+        guide = doubles([0.0])
+        assert code.lever_inverse(None, doubles([math.radians(degrees)]), doubles([10.0]), guide, None) == OK
+        assert abs(guide[0] - 10.0 / math.tan(math.radians(degrees))) <= 1e-9 * max(10.0, abs(guide[0]))
+    for degrees in (-1.0, -10.0, -45.0, -80.0, -135.0):
+        guide = doubles([7.0])
+        assert code.lever_inverse(None, doubles([math.radians(degrees)]), doubles([10.0]), guide, None) == WRONG_BRANCH
+        assert guide[0] == 7.0
+
+
+@pytest.mark.parametrize(("joint", "low", "high"), [("crank_pin", -5.0, 5.0), ("follower_pin", -120.0, 3.0)])
+def test_limits_of_passive_joints_are_kept_by_a_map(tmp_path, joint, low, high):
+    """OK where, and only where, Python says that the configuration is within limits; of a joint that the closure cuts too."""
+    text = (Path(symkin.__file__).parent / "mechanisms" / "four_bar.toml").read_text()
+    made = loaded(tmp_path, limited(text, joint, low, high))
+    code = library(made, tmp_path / "c", given=["crank"], find=["follower"])
+    reference = symkin.solve(made, given={"crank": 90.0}).solution.joints["follower"]
+    statuses = set()
+    for crank in np.linspace(60.0, 125.0, 27):
+        solution = symkin.solve(made, given={"crank": float(crank)}).solution
+        found = doubles([0.0])
+        status = code.four_bar_direct(None, doubles([math.radians(crank)]), doubles([math.radians(reference)]), found, None)
+        assert status == (OK if solution.within_limits else OUT_OF_RANGE), crank
+        back = code.four_bar_inverse(
+            None, doubles([math.radians(solution.joints["follower"])]), doubles([math.pi / 2]), found, None
+        )
+        assert back == (OK if solution.within_limits else OUT_OF_RANGE), crank
+        statuses.add(status)
+    assert statuses == {OK, OUT_OF_RANGE}
+
+
+@pytest.mark.parametrize("joint", ["elbow1", "tip"])
+def test_limits_of_passive_joints_are_kept_by_a_platform(tmp_path, joint):
+    """Direct problem, inverse problem and tracking alike."""
+    made = loaded(tmp_path, limited(FIVE_BAR, joint, -8.0, 8.0))
+    code = library(made, tmp_path / "c")
+    home, statuses = doubles([*made.platform_position, 1.0, 0.0, 0.0, 0.0]), set()
+    for first, second in np.random.default_rng(5).uniform(-12.0, 12.0, (30, 2)):
+        solution = symkin.solve(made, joints=[first, second]).solution
+        wanted = OK if solution.within_limits else OUT_OF_RANGE
+        pose, joints = doubles(np.zeros(7)), doubles([0.0, 0.0])
+        assert code.five_bar_direct(None, doubles(np.radians([first, second])), home, pose, None) == wanted
+        stated = doubles([*solution.pose.position, *solution.pose.quaternion])
+        assert code.five_bar_inverse(stated, joints) == wanted
+        assert (code.five_bar_track(doubles(np.radians([first, second])), stated, None) == OK) == (wanted == OK)
+        statuses.add(wanted)
+    assert statuses == {OK, OUT_OF_RANGE}
+
+
+def test_code_that_fails_its_own_test_is_not_written(tmp_path):
+    tools.compiler("gcc")
+    made = loaded(tmp_path, FIVE_BAR)
+    files = folder_files(made, Options("double"))
+    run_own_test("five_bar", files)
+    wrong = {**files, "five_bar.c": files["five_bar.c"].replace("x[0] = ", "x[0] = 0.1 + ", 1)}
+    with pytest.raises(InputError, match=r"own test fails here \(failed: .*failures\)"):
+        run_own_test("five_bar", wrong)
+    with pytest.raises(InputError, match="the compiler says: "):
+        run_own_test("five_bar", {**files, "five_bar.c": files["five_bar.c"] + "}"})
+
+
+def test_without_a_compiler_code_is_written_untested(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    assert not can_run()
+    files = folder_files(loaded(tmp_path, FIVE_BAR), Options("double"))
+    run_own_test("five_bar", {**files, "five_bar.c": "}"})
+
+
+def test_tests_of_folders_hold_what_cannot_be_taken(tmp_path):
+    """Of a platform poses and joints beyond limits; of a map values of both sides."""
+    platform = folder_files(loaded(tmp_path, limited(FIVE_BAR, "crank1", -60.0, 60.0)), Options("float"))["five_bar_vectors.h"]
+    four_bar = folder_files(symkin.load("four_bar"), Options("float", given=("crank",), find=("follower",)))
+    assert "#define FIVE_BAR_VECTOR_PAST 2" in platform
+    assert "#define FIVE_BAR_VECTOR_INFEASIBLE 0" not in platform
+    # a crank turns all the way round, its follower does not
+    assert "#define FOUR_BAR_VECTOR_INFEASIBLE_FOUND 0" not in four_bar["four_bar_vectors.h"]
+
+
+def three_limbs(axis: tuple[float, float], types: str) -> str:
+    """A planar platform on three limbs of revolutes and a slide along an axis of its first limb's frame."""
+    text = 'format = 1\nname = "planar"\nlength_unit = "mm"\nangle_unit = "rad"\n[platform]\nmotion = "planar"\nposition = [0.0, 0.0, 0.0]\n'
+    for i in range(3):
+        turn = 2 * math.pi * i / 3
+        r = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        points, along = (r @ np.array([[-200.0, -200.0, -60.0], [0.0, 80.0, 60.0]])).T, r @ np.array(axis)
+        text += f'[[limb]]\nname = "limb{i}"\n'
+        for k, (kind, point) in enumerate(zip(types, points.tolist(), strict=True)):
+            direction = [0.0, 0.0, 1.0] if kind == "R" else [*along.tolist(), 0.0]
+            text += f'[[limb.joint]]\nname = "{kind.lower()}{i}{k}"\ntype = "{kind}"\npoint = [{point[0]}, {point[1]}, 0.0]\naxis = {direction}\n'
+            text += "actuated = true\n" if k == 0 else ""
+    return text
+
+
+@pytest.mark.parametrize("axis", [(1.0, 0.0), (0.0, 1.0), (0.6, 0.8), (1.0, 0.5)])
+@pytest.mark.parametrize("types", ["RRP", "RPR", "PRR"])
+def test_a_regular_home_is_answered_whatever_formulas_divide_by(tmp_path, axis, types):
+    """No divisor that vanishes, or is small, at home makes a regular pose there singular, nor joints inexact."""
+    made = loaded(tmp_path, three_limbs(axis, types))
+    try:
+        code = library(made, tmp_path / "c")
+    except InputError as reason:
+        # a home that is singular, or beside which nothing closes, has no code
+        assert "nothing to generate" in str(reason)  # noqa: PT017
+        return
+    home, rng = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]), np.random.default_rng(4)
+    for far in (0.0, 1e-6, 0.1, 0.5):
+        x, y, angle = far * rng.uniform(-1, 1, 3) * [1.0, 1.0, 0.01]
+        pose = home + [x, y, 0.0, math.cos(angle / 2) - 1.0, 0.0, 0.0, math.sin(angle / 2)]
+        joints = doubles([9.0] * 3)
+        assert code.planar_inverse(doubles(pose), joints) == OK
+        found = symkin.solve(made, pose=pose.tolist()).solution.joints
+        wanted = [found[c.name] for c in made.actuated]
+        np.testing.assert_allclose(joints, wanted, atol=1e-9 * made.characteristic_length)

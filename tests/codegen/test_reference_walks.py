@@ -1,0 +1,151 @@
+"""The reference that OK is held against: fine walks in C of its own, judged by formulas; and a quick campaign."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from helpers import firmware_tools as tools
+from helpers import samples
+from helpers.gate import in_gate
+from helpers.inside import Options, build_problem
+from helpers.wide_five_bar import COUPLER, HOME, slack_of, tip_of, wide_five_bar
+from symkin import load
+
+MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
+
+
+@pytest.fixture(scope="module")
+def walker():
+    """Walks of any mechanism's direct problem from its reference."""
+    tools.compiler("gcc")
+    made = tools.bench_module("continuation").Walker
+
+    def walks(mechanism, goals):
+        problem = build_problem(mechanism, "direct")
+        parts = (problem.system.unknowns, problem.known_coordinates)
+        start, begin = (np.tile(problem.select_values(problem.closure.reference, p), (len(goals), 1)) for p in parts)
+        return problem, made(problem).reached(start, begin, goals)
+
+    return walks
+
+
+@pytest.mark.parametrize("motion", ["planar", "spatial"])
+def test_walks_end_where_couplers_part(walker, motion):
+    """Lines of cranks by up to half a turn: a walk comes to its end where the couplers meet along all of it, and at the circles' tip;
+    else it ends before the first point at which they do not. With more rows than unknowns too."""
+    home = np.array(HOME)
+    goals = home + np.pi * np.random.default_rng(3).uniform(-1, 1, (300, 2))
+    problem, ends = walker(wide_five_bar(motion), goals)
+    slack = slack_of(home, goals, 4000)
+    clear = np.abs(slack) > 1e-5
+    np.testing.assert_array_equal((ends.shortest > 0)[clear], (slack > 0)[clear])
+    reached = problem.join_values(ends.unknowns, home + ends.done[:, None] * (goals - home))
+    tips = tip_of(home + ends.done[:, None] * (goals - home))[1]
+    place = problem.closure.slices["pose.x"].start
+    whole = ends.shortest > 0
+    np.testing.assert_allclose(reached[whole, place : place + 2], tips[whole], atol=1e-6 * COUPLER)
+    # beside a fold the unknowns go as the root of what is left of the line
+    np.testing.assert_allclose(reached[:, place : place + 2], tips, atol=1e-2 * COUPLER)
+    stopped = np.flatnonzero((ends.shortest == 0) & clear)
+    assert len(stopped) > 20
+    for k in stopped:
+        short = home + (ends.done[k] - 1e-6) * (goals[k] - home)
+        assert slack_of(home, short[None], 4000)[0] > 0
+        beyond = home + (ends.done[k] + 1e-4) * (goals[k] - home)
+        assert slack_of(home, beyond[None], 4000)[0] < 0
+
+
+@pytest.mark.parametrize("gap", in_gate([1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2], [1e-7, 1e-5, 1e-2]))
+def test_walks_leap_no_gap(walker, gap):
+    """Lines on which the couplers part for a moment only, by less than any step of a walk: the middle of a line of crank angles
+    has the least slack, -gap."""
+    home = np.array(HOME)
+    direction = np.array([1.0, -1.0]) / math.sqrt(2.0)
+    # beside each other: the left crank back, the right one forward; the pins are furthest apart where the cranks lie level
+    side = np.linspace(-1.2, 1.2, 41)[:, None] * np.array([1.0, 1.0]) / math.sqrt(2.0)
+    goals = home + 1.6 * direction + side
+    slack = slack_of(home, goals, 20001)
+    low, high = goals[slack > gap], goals[slack < -gap]
+    assert len(low)
+    assert len(high)
+    inner, outer = low[0], high[0]
+    for _ in range(200):
+        middle = 0.5 * (inner + outer)
+        if slack_of(home, middle[None], 20001)[0] < -gap:
+            outer = middle
+        else:
+            inner = middle
+    assert slack_of(home, outer[None], 20001)[0] < -0.9 * gap
+    _, ends = walker(wide_five_bar("planar"), np.array([outer]))
+    assert ends.shortest[0] == 0.0
+
+
+def test_walks_of_redundant_rods_end_at_the_fold(walker):
+    """A delta by pairs of rods, six rows for three unknowns: lines that lead out of the three spheres' common points do not end
+    well, others end where the spheres meet, on the side of the tips' plane that is below at home."""
+    d = samples.DELTA
+    goals = 3.0 * np.random.default_rng(4).uniform(-1, 1, (200, 3))
+    _, ends = walker(samples.delta(), goals)
+
+    def centres(q):
+        rows = []
+        for k in range(3):
+            outward, _ = samples.delta_directions(k)
+            arm = d["arm"] * (np.cos(q[..., k, None]) * outward - np.sin(q[..., k, None]) * np.array([0, 0, 1.0]))
+            rows.append((d["base"] - d["platform"]) * outward + arm)
+        return np.stack(rows, axis=-2)
+
+    def height(q):
+        """Square of the distance of the spheres' common point from the centres' plane, and that plane's foot."""
+        a, b, c = np.moveaxis(centres(q), -2, 0)
+        u, v = b - a, c - a
+        n = np.cross(u, v)
+        nn = np.sum(n * n, axis=-1, keepdims=True)
+        foot = np.cross(np.sum(u * u, -1, keepdims=True) * v - np.sum(v * v, -1, keepdims=True) * u, n) / (2 * nn)
+        return d["rod"] ** 2 - np.sum(foot * foot, axis=-1), a + foot, n / np.sqrt(nn)
+
+    line = np.linspace(0, 1, 4001)[:, None, None] * goals
+    least = np.min(height(line)[0], axis=0)
+    clear = np.abs(least) > 1.0
+    np.testing.assert_array_equal((ends.shortest > 0)[clear], (least > 0)[clear])
+    whole = np.flatnonzero(clear & (least > 0))
+    assert len(whole) > 50
+    assert np.sum(clear & (least < 0)) > 3
+    high, foot, normal = (v[whole] for v in height(goals))
+    # the side of the centres' plane stays, which is below at home
+    below = foot - np.sign(height(np.zeros(3))[2][2]) * normal * np.sqrt(high)[:, None]
+    np.testing.assert_allclose(ends.unknowns[whole], below, atol=1e-6 * d["rod"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "real"), [("five_bar", "double"), ("three_rps", "float"), ("delta", "double")])
+def test_quick_campaign(name, real):
+    """Two legs and one from beside folds, goals over the whole workspace: nothing wrong is OK."""
+    tools.compiler("gcc")
+    branches = tools.bench_module("branches")
+    found = branches.study(load(str(MACHINES / f"{name}.toml")), Options(real), 400, branches.WIDEST, seed=9, legs=2)
+    assert found.said == []
+    assert found.ok > 100
+    assert found.ok_of_regular > 80
+
+
+@pytest.mark.slow
+def test_a_wrong_ok_is_found(monkeypatch):
+    """Answers of code that calls everything OK: the campaign says which are not what the line leads to, and how to repeat them."""
+    tools.compiler("gcc")
+    branches, asked = tools.bench_module("branches"), tools.bench_module("asked")
+    honest = asked.Asked.answers
+
+    def careless(self, goals, guesses):
+        given = honest(self, goals, guesses)
+        return asked.Answers(0 * given.status, given.found, given.steps)
+
+    monkeypatch.setattr(asked.Asked, "answers", careless)
+    found = branches.study(wide_five_bar("planar"), Options("double"), 50, branches.WIDEST, seed=1)
+    assert found.wrong == len(found.said) > 10
+    assert "goal [" in found.said[0]
+    assert "guess [" in found.said[0]

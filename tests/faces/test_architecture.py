@@ -1,0 +1,193 @@
+"""The house stays as docs/architecture.md draws it: imports run down its layers and in no circle, functions take few parameters,
+and every path and function that the page names exists."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache, lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+from helpers import inside
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "symkin"
+TESTS = ROOT / "tests"
+DOOR = TESTS / "helpers" / "inside.py"
+PAGE = ROOT / "docs" / "architecture.md"
+MOST_PARAMETERS = 8
+COMMANDS = "symkin.cli"
+"""Typer makes an option of each parameter of a command: these functions have as many as the command line has options."""
+
+
+@lru_cache(maxsize=1)
+def modules() -> dict[str, ast.Module]:
+    """Every module of the package, parsed, by its dotted name."""
+    found = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = ast.parse(path.read_text(encoding="utf-8"))
+    return found
+
+
+@lru_cache(maxsize=1)
+def imports() -> dict[str, set[str]]:
+    """Modules that each module imports: at its top, within functions and for type checkers alike."""
+    return {name: set(_imported(tree)) - {name} for name, tree in modules().items()}
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in modules())
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            below = [f"{node.module}.{alias.name}" for alias in node.names]
+            yield from (name for name in below if name in modules())
+            if node.module in modules() and any(name not in modules() for name in below):
+                yield node.module
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") == "import_module" and node.args:
+            yield from (v for v in [getattr(node.args[0], "value", None)] if v in modules())
+
+
+def layers() -> list[list[str]]:
+    """Packages of each line of the page's table of layers, the lowest first; the public names and commands are above them."""
+    (table,) = re.findall(r"^```layers\n(.*?)^```$", PAGE.read_text(encoding="utf-8"), re.M | re.S)
+    return [line.split(":")[0].split() for line in table.splitlines()]
+
+
+def layer_of(module: str) -> int:
+    """The number of a module's layer: 0 for modules that stand alone in symkin/, the last for symkin itself."""
+    parts = module.split(".")
+    if len(parts) == 1 or parts[1] == "__main__":
+        return len(layers())
+    packages = [name for line in layers()[1:] for name in line]
+    return next((k for k, line in enumerate(layers()) if k and parts[1] in line), 0) if parts[1] in packages else 0
+
+
+def test_the_page_lists_every_package_once() -> None:
+    listed = sorted(name for line in layers()[1:] for name in line)
+    assert listed == sorted(path.parent.name for path in PACKAGE.glob("*/__init__.py"))
+
+
+def test_the_code_is_as_the_house_wants_it() -> None:
+    """The laws of one module and of all together, in one test, which parses the package once."""
+    assert [*upward_imports(), *rings(), *deciding_asserts(), *many_parameters()] == []
+
+
+def upward_imports() -> Iterator[str]:
+    """No module imports one of a layer above its own, deferred imports and those for type checkers included."""
+    for module, others in imports().items():
+        yield from (f"{module} imports {other}, a layer above" for other in others if layer_of(other) > layer_of(module))
+
+
+def deciding_asserts() -> Iterator[str]:
+    """Asserts tell a type checker what has been looked at before: that something is there, or of which class it is. Whatever compares
+    values is an error with a sentence."""
+    for name, tree in modules().items():
+        found = (node for node in ast.walk(tree) if isinstance(node, ast.Assert) and not _narrows(node.test))
+        yield from (f"{name}:{node.lineno}: an assert decides on input" for node in found)
+
+
+def _narrows(test: ast.expr) -> bool:
+    if isinstance(test, ast.BoolOp):
+        return all(map(_narrows, test.values))
+    if isinstance(test, ast.UnaryOp):
+        return isinstance(test.op, ast.Not) and _narrows(test.operand)
+    if isinstance(test, ast.Compare):
+        return isinstance(test.ops[0], ast.IsNot) and isinstance(test.comparators[0], ast.Constant)
+    return isinstance(test, ast.Call) and getattr(test.func, "id", "") == "isinstance"
+
+
+def rings() -> Iterator[str]:
+    """No two modules import each other, nor three or more in a ring."""
+    left = {name: set(others) for name, others in imports().items()}
+    while free := [name for name, others in left.items() if not others]:
+        left = {name: others - set(free) for name, others in left.items() if name not in free}
+    yield from (f"{name} imports {sorted(others)} in a ring" for name, others in left.items())
+
+
+def functions(tree: ast.Module) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
+    return (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef))
+
+
+def parameters(function: ast.FunctionDef | ast.AsyncFunctionDef) -> list[str]:
+    a = function.args
+    given = [*a.posonlyargs, *a.args, *a.kwonlyargs, *(arg for arg in (a.vararg, a.kwarg) if arg is not None)]
+    return [arg.arg for arg in given if arg.arg not in ("self", "cls")]
+
+
+def many_parameters() -> Iterator[str]:
+    """Functions take at most eight; commands of Typer are excepted, whose options are their parameters."""
+    for module, tree in modules().items():
+        if not module.startswith(COMMANDS):
+            many = (f for f in functions(tree) if len(parameters(f)) > MOST_PARAMETERS)
+            yield from (f"{module}: {f.name} takes {len(parameters(f))} parameters" for f in many)
+
+
+# --- the tests' door -----------------------------------------------------------------------------------------------
+
+
+def test_tests_come_in_by_one_door() -> None:
+    """Only `inside.py` names what is below the public names, in imports and in strings; it names nothing that no file uses."""
+    below = re.compile(rf"(?:from|import) symkin\.\w|\bsymkin\.(?:{'|'.join(sorted(inner_names()))})\.\w")
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(TESTS.rglob("*.py")) if path != DOOR}
+    assert [
+        f"{path.relative_to(TESTS)}: {line}" for path, text in texts.items() for line in text.splitlines() if below.search(line)
+    ] == []
+    words = {word for text in texts.values() for word in re.findall(r"\w+", text)}
+    assert [name for name in [*inside.NAMES, *inside.MODULES] if name not in words] == []
+
+
+def inner_names() -> set[str]:
+    """Packages, and modules that stand alone."""
+    return {path.stem for path in PACKAGE.iterdir() if path.suffix in ("", ".py") and path.stem.isidentifier()} - {"__init__"}
+
+
+# --- the page ------------------------------------------------------------------------------------------------------
+
+
+def named_paths() -> list[str]:
+    """Paths in backticks on the page."""
+    text = PAGE.read_text(encoding="utf-8")
+    return sorted(set(re.findall(r"`([\w.-]+(?:/[\w.-]+)*/?)`", text)) & set(_paths(text)))
+
+
+def _paths(text: str) -> Iterator[str]:
+    return (name for name in re.findall(r"`([\w./-]+)`", text) if "/" in name or re.search(r"\.(py|md|toml|yaml|npz)$", name))
+
+
+def test_paths_and_functions_on_the_page_exist() -> None:
+    assert named_paths()
+    assert [path for path in named_paths() if not any((folder / path).exists() for folder in (ROOT, PACKAGE))] == []
+    assert named_functions()
+    assert [(path, name) for path, name in named_functions() if not set(name.split(".")) <= names_in(path)] == []
+
+
+def named_functions() -> list[tuple[str, str]]:
+    """Pairs `file.py`: `function` on the page."""
+    return re.findall(r"`([\w/]+\.py)`: `([\w.]+)`", PAGE.read_text(encoding="utf-8"))
+
+
+@cache
+def names_in(path: str) -> set[str]:
+    """Functions, classes and variables that a file of the package defines."""
+    tree = ast.parse((PACKAGE / path).read_text(encoding="utf-8"))
+    defined = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef | ast.ClassDef)}
+    assigned = {t.id for n in ast.walk(tree) if isinstance(n, ast.Assign | ast.AnnAssign) for t in _targets(n)}
+    return defined | assigned
+
+
+def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    return [t for t in targets if isinstance(t, ast.Name)]
+
+
+def test_the_way_of_the_data_has_at_most_eight_steps() -> None:
+    """Numbered from 1, each with a file and a function."""
+    text = PAGE.read_text(encoding="utf-8").split("## From a file to the printed table")[1].split("\n## ")[0]
+    steps = re.findall(r"^(\d)\. .*$", text, re.M)
+    assert 1 <= len(steps) <= 8
+    assert all(int(b) - int(a) == 1 for a, b in pairwise(steps))
+    assert all(re.search(r"`[\w/]+\.py`: `\w+`", line) for line in re.findall(r"^\d\. .*(?:\n   .*)*", text, re.M))

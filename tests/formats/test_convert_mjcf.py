@@ -1,0 +1,73 @@
+"""MJCF that is written: read again it is the same mechanism, and MuJoCo has its links where symkin has them, its loops closed there and
+its freedoms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import symkin
+from helpers.gate import in_gate_but
+from helpers.inside import as_graph, mjcf_text
+from helpers.random_graphs import random_graph
+from helpers.robot_files import LARGEST, ROBOTS
+from helpers.same_mechanism import assert_same
+from oracle.mujoco_account import MujocoAccount
+
+pytest.importorskip("mujoco")
+
+
+def in_file(folder: Path, mechanism: symkin.Mechanism, name: str = "written.xml") -> Path:
+    path = folder / name
+    path.write_text(mjcf_text(mechanism), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_shipped_mechanisms_come_back(name: str, tmp_path: Path) -> None:
+    mechanism = symkin.load(name)
+    assert_same(as_graph(mechanism), symkin.load(in_file(tmp_path, mechanism)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
+def test_real_robots_come_back(path: Path, tmp_path: Path) -> None:
+    mechanism = symkin.load(path)
+    assert_same(as_graph(mechanism), symkin.load(in_file(tmp_path, mechanism)))
+
+
+@settings(max_examples=80)
+@given(seed=st.integers(0, 10_000))
+def test_random_graphs_come_back(seed: int, tmp_path_factory: pytest.TempPathFactory) -> None:
+    mechanism = random_graph(seed)
+    assert_same(as_graph(mechanism), symkin.load(in_file(tmp_path_factory.getbasetemp(), mechanism, "random.xml")))
+
+
+@pytest.mark.parametrize("name", symkin.shipped_names())
+def test_mujoco_moves_as_symkin(name: str, tmp_path: Path) -> None:
+    """Poses of all links, closed equalities, and freedoms: the mobility, and the spin of each rod."""
+    mechanism = symkin.load(name)
+    freedoms = MujocoAccount(mechanism, in_file(tmp_path, mechanism)).check()
+    assert freedoms[-1] == symkin.mobility(mechanism).mobility + len(mechanism.bars)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", in_gate_but(ROBOTS, LARGEST), ids=lambda path: path.stem)
+def test_mujoco_moves_as_real_robots(path: Path, tmp_path: Path) -> None:
+    """With the freedoms that the closures of the robot's own file leave there, and at generic configurations; where they close to digits
+    only, their rank is blurred."""
+    mechanism, account = symkin.load(path), symkin.close(path)
+    freedoms = MujocoAccount(mechanism, in_file(tmp_path, mechanism)).check()
+    if account.generic_rank is not None and account.residual <= 1e-12:
+        assert freedoms[0] == account.mobility
+        assert set(freedoms[1:]) <= {account.freedoms - account.generic_rank}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_mujoco_moves_as_random_graphs(seed: int, tmp_path: Path) -> None:
+    """Where a random graph moves at all: at the reference, and at closed configurations."""
+    mechanism = random_graph(seed)
+    MujocoAccount(mechanism, in_file(tmp_path, mechanism)).check()

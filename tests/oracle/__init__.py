@@ -1,0 +1,1 @@
+"""Independent accounts of mechanisms that judge symkin's: closures, graphs, searches, other tools."""
