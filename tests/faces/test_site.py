@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("furo")
+from helpers.needed import needs
+
+pytestmark = needs("furo")
 ROOT = Path(__file__).resolve().parents[2]
 
 

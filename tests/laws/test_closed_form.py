@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import cache
 
 import numpy as np
 import pytest
@@ -21,9 +22,16 @@ from helpers.inside import (
 )
 from helpers.samples import delta, readme_five_bar, three_rps, three_rrr
 
-DYADS = ("four_bar", "slider_crank", "jansen_leg", "klann_leg", "watt_six_bar", "excavator_bucket", "pantograph_leg")
+GROUPS = {
+    "four_bar": 1, "slider_crank": 1, "jansen_leg": 3, "klann_leg": 2, "watt_six_bar": 2, "excavator_bucket": 4, "pantograph_leg": 2,
+    "ankle's motors": 2,
+}  # fmt: skip
+"""Structure groups of linkages whose actuated joints are given; of the ankle its motors."""
+PLATFORMS = ["five-bar direct", "delta direct", "delta limb", "3-RRR limb", "3-RPS limb", "zhao2000 direct", "zhao2000 limb"]
+NAMES = [*PLATFORMS, *(f"{name} {number}" for name, count in GROUPS.items() for number in range(count))]
 
 
+@cache
 def parts() -> dict[str, tuple[Problem, int]]:
     """Blocks that have closed forms: of platforms, of their limbs, and structure groups of linkages."""
     found = {
@@ -35,18 +43,13 @@ def parts() -> dict[str, tuple[Problem, int]]:
         "zhao2000 direct": (build_problem(symkin.load("zhao2000"), "direct"), 0),
         "zhao2000 limb": (build_problem(symkin.load("zhao2000"), "inverse"), 1),
     }
-    for name in DYADS:
-        mechanism = symkin.load(name)
-        problem = build_problem(mechanism, "given", tuple(c.name for c in mechanism.actuated))
-        for number, group in enumerate(structure_groups(problem)):
-            found[f"{name} {number}"] = (group, 0)
-    for motors in (("ankle.1", "ankle.2"),):
-        for number, group in enumerate(structure_groups(build_problem(symkin.load("ankle"), "given", motors))):
-            found[f"ankle's motors {number}"] = (group, 0)
+    for name, count in GROUPS.items():
+        mechanism = symkin.load("ankle" if name == "ankle's motors" else name)
+        given = ("ankle.1", "ankle.2") if name == "ankle's motors" else tuple(c.name for c in mechanism.actuated)
+        groups = structure_groups(build_problem(mechanism, "given", given))
+        assert len(groups) == count
+        found |= {f"{name} {number}": (group, 0) for number, group in enumerate(groups)}
     return found
-
-
-PARTS = parts()
 
 
 def about(problem: Problem, system: System, seed: int = 0) -> np.ndarray:
@@ -54,7 +57,7 @@ def about(problem: Problem, system: System, seed: int = 0) -> np.ndarray:
 
 
 def formulas(name: str) -> ClosedForm:
-    problem, number = PARTS[name]
+    problem, number = parts()[name]
     block = problem.blocks[number]
     found = closed_form(block, about(problem, block))
     assert found is not None
@@ -66,9 +69,9 @@ def inputs(problem: Problem, count: int, seed: int = 7) -> np.ndarray:
     return np.concatenate([about(problem, problem.system, seed + k) for k in range(count // 3)])
 
 
-@pytest.mark.parametrize("name", [name for name in PARTS if name != "3-RPS limb"])
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "3-RPS limb"])
 def test_real_values_close_on_all_rows_and_tell_their_signs(name: str) -> None:
-    found, (problem, _) = formulas(name), PARTS[name]
+    found, (problem, _) = formulas(name), parts()[name]
     known = inputs(problem, 30)
     solutions, size = found.solutions(known), found.system.characteristic_length
     assert solutions.real.any()
@@ -80,7 +83,7 @@ def test_real_values_close_on_all_rows_and_tell_their_signs(name: str) -> None:
 
 def test_a_limb_that_not_every_pose_lets_close() -> None:
     """A limb R-P-S keeps its ball in a plane: of poses that do, both values close."""
-    found, (problem, _) = formulas("3-RPS limb"), PARTS["3-RPS limb"]
+    found, (problem, _) = formulas("3-RPS limb"), parts()["3-RPS limb"]
     known = problem.reference_known + np.array([[0.0, 0.0, z, 0.0, 0.0, 0.0, 0.0] for z in (-20.0, 0.0, 30.0)])
     solutions, size = found.solutions(known), found.system.characteristic_length
     assert solutions.real.all()
@@ -89,9 +92,9 @@ def test_a_limb_that_not_every_pose_lets_close() -> None:
         assert np.all(found.system.residuals(solutions.values[row], values) < 1e-10 * size)
 
 
-@pytest.mark.parametrize("name", [name for name in PARTS if name != "3-RPS limb"])
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "3-RPS limb"])
 def test_there_are_as_many_as_paths_find(name: str) -> None:
-    problem, number = PARTS[name]
+    problem, number = parts()[name]
     block = problem.blocks[number]
     start, _ = start_of(problem, system_of(problem, block), block)
     assert start is not None
@@ -102,7 +105,7 @@ def test_there_are_as_many_as_paths_find(name: str) -> None:
     "name", ["five-bar direct", "delta direct", "zhao2000 direct", "3-RRR limb", "slider_crank 0", "jansen_leg 2"]
 )
 def test_newton_from_random_starts_finds_no_other(name: str) -> None:
-    found, (problem, _) = formulas(name), PARTS[name]
+    found, (problem, _) = formulas(name), parts()[name]
     block, rng = found.system, np.random.default_rng(3)
     known = inputs(problem, 6)
     solutions = found.solutions(known)
@@ -130,7 +133,7 @@ def test_circles_that_are_too_far_apart_do_not_meet() -> None:
 def test_a_double_solution_is_not_clear() -> None:
     """A stretched five-bar: both circles touch."""
     found = formulas("five-bar direct")
-    mechanism = PARTS["five-bar direct"][0].mechanism
+    mechanism = parts()["five-bar direct"][0].mechanism
     # the tips of the cranks, 100 above bases 150 apart, are 300 apart where both cranks lean outward by asin(75 / 100)
     stretched = np.arcsin(0.75)
     reach = np.array([[mechanism.angle_in(0.0) + s * stretched for s in signs] for signs in itertools.product((1, -1), repeat=2)])

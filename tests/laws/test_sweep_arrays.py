@@ -6,11 +6,12 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from helpers.inside import COMPRESSION_LEVEL, given_from, make_space, write_chunk
+from helpers.needed import Later, needs
 from helpers.samples import three_rrr
 from symkin import InputError, sweep
 
-zarr = pytest.importorskip("zarr")
-pytestmark = pytest.mark.usefixtures("kept_starts")
+zarr = Later("zarr")
+pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("zarr")]
 
 
 @pytest.mark.parametrize("name", ["zhang2009", "zhao2000", "yao2020", "gluon_6l3"])

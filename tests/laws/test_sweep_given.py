@@ -14,13 +14,14 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from helpers.inside import main, make_space_by_name, read_given
+from helpers.needed import Later, needs
 from helpers.samples import three_rps
 from oracle.plain_check import MECHANISMS
 from oracle.plain_graph import configurations, read
 from symkin import InputError, sweep
 
-xarray = pytest.importorskip("xarray")
-pytestmark = pytest.mark.usefixtures("kept_starts")
+xarray = Later("xarray")
+pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("xarray")]
 COUPLER_POINT = """
 [[link]]
 name = "coupler"

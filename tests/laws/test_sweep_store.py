@@ -16,10 +16,11 @@ import pytest
 import symkin
 from helpers.folders import same_files
 from helpers.inside import COMPLETENESS, classify, make_plan, make_space, store
+from helpers.needed import Later, needs
 from symkin import InputError, Pose, sweep
 
-xarray = pytest.importorskip("xarray")
-pytestmark = pytest.mark.usefixtures("kept_starts")
+xarray = Later("xarray")
+pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("xarray")]
 PLATFORM = symkin.load("zhang2009")
 GRID = {"leg1": np.linspace(100, 160, 8), "leg2": np.linspace(320, 370, 5)}
 ONE = {"leg1": [140.0]}

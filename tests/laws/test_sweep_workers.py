@@ -16,10 +16,10 @@ import symkin
 from helpers import inside
 from helpers.folders import same_files
 from helpers.inside import Crew, Here, local_crew
+from helpers.needed import needs
 from symkin import InputError, sweep
 
-pytest.importorskip("zarr")
-pytestmark = pytest.mark.usefixtures("kept_starts")
+pytestmark = [pytest.mark.usefixtures("kept_starts"), needs("zarr")]
 PLATFORM = symkin.load("zhang2009")
 TEXT = "leg1=100:160:130,leg2=330:370:10"
 GRID = {"leg1": np.linspace(100, 160, 130), "leg2": np.linspace(330, 370, 10)}
