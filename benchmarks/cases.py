@@ -15,7 +15,7 @@ import numpy as np
 
 import symkin
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("tests", "studies")]
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / folder) for folder in ("tests", "")]
 
 REFERENCE_KERNEL = 40e-6
 """T in seconds where the prototype's times were taken."""
@@ -65,8 +65,8 @@ class Case:
 
 
 def all_cases(seed: int) -> list[Case]:
-    from dietmaier1998 import LEGS, platform
     from helpers.samples import delta, five_bar, pieper, three_rps, three_rrr
+    from studies.others.dietmaier1998 import LEGS, platform
 
     rng = np.random.default_rng(seed)
     dietmaier, planar, spatial = platform(), three_rrr("planar"), replace(delta(), motion="spatial")

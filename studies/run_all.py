@@ -1,4 +1,4 @@
-"""Every study with its default options, several at a time; the seconds of each, and whether it ended well.
+"""Run every study with its default options, several at a time; print the seconds of each, and whether it ended well.
 
     python studies/run_all.py [-o out] [--workers 2] [--only zhao2000 yao2020]
 
@@ -15,19 +15,19 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+if __name__ == "__main__":  # run as a file: modules are named from the folder that holds studies
+    sys.path[0] = str(Path(__file__).resolve().parents[1])
+
+from studies import SCRIPTS
+
 HERE = Path(__file__).resolve().parent
-PAPERS = ("zhang2009", "zhao2000", "gluon_6l3", "ren2008", "yao2020")
-OTHERS = (
-    "ren2008_planning", "zhang2009_modes_map", "zhao2000_singular", "gluon_singular", "cusp_3rrr", "solvers",
-    "coverage", "near_singular", "dietmaier1998", "general_6r", "hexapod_classes",
-)  # fmt: skip
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("-o", "--output", type=Path, default=Path("out"))
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--only", nargs="*", default=[*PAPERS, *OTHERS], choices=[*PAPERS, *OTHERS], metavar="NAME")
+    parser.add_argument("--only", nargs="*", default=[*SCRIPTS], choices=[*SCRIPTS], metavar="NAME")
     options = parser.parse_args()
     begin = time.perf_counter()
     with ThreadPoolExecutor(options.workers) as pool:
@@ -40,9 +40,9 @@ def main() -> int:
 
 
 def run(name: str, folder: Path) -> tuple[str, int, str]:
-    """One study in a process of its own, one thread in its linear algebra: name, exit status, output."""
+    """Run one study in a process of its own, one thread in its linear algebra; return name, exit status, output."""
     begin = time.perf_counter()
-    command = [sys.executable, "-W", "error", str(HERE / f"{name}.py"), "-o", str(folder)]
+    command = [sys.executable, "-W", "error", str(HERE / SCRIPTS[name]), "-o", str(folder)]
     threads = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | threads)
     print(f"{name:22} {time.perf_counter() - begin:5.0f} s  {'ok' if done.returncode == 0 else 'FAILED'}", flush=True)

@@ -20,7 +20,7 @@ Each page has the counts that symkin finds, the literature, and a page that move
 STUDIES = """
 ## Studies
 
-A study answers one question with the library and prints its table. `python studies/NAME.py` runs it.
+A study answers one question with the library and prints its table. `python studies/FILE` runs it.
 
 | study | what it does |
 |---|---|
@@ -102,7 +102,7 @@ def _view(name: str, path: Path) -> None:
 
 
 def _studies(folder: Path) -> list[str]:
-    """Studies that can be run: name and the first line of what their file says."""
-    files = sorted(path for path in folder.glob("*.py") if 'if __name__ == "__main__"' in path.read_text(encoding="utf-8"))
-    told = ((path.stem, ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "") for path in files)
-    return [f"| `{name}` | {text.splitlines()[0]} |\n" for name, text in told]
+    """List the studies that can be run: file and the first line of what it says."""
+    files = sorted(path for path in folder.rglob("*.py") if 'if __name__ == "__main__"' in path.read_text(encoding="utf-8"))
+    said = ((path.relative_to(folder), ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "") for path in files)
+    return [f"| `{name}` | {text.splitlines()[0]} |\n" for name, text in said]

@@ -10,16 +10,24 @@ from pathlib import Path
 import numpy as np
 
 STUDIES = Path(__file__).resolve().parents[2] / "studies"
+sys.path.append(str(STUDIES.parent))
+
+from studies import SCRIPTS  # noqa: E402
+
 DOCS = STUDIES.parent / "docs" / "papers"
 VERDICTS = {"reproduced", "differs", "refuted", "outside", "-"}
 
 
+def command(name: str, folder: Path, *options: str) -> list[str]:
+    """The command that runs a study, with warnings as errors."""
+    return [sys.executable, "-W", "error", str(STUDIES / SCRIPTS[name]), "-o", str(folder), *options]
+
+
 class Outcome:
-    """One run of `studies/NAME.py` with warnings as errors: its output, pictures and rows."""
+    """One run of a study's file with warnings as errors: its output, pictures and rows."""
 
     def __init__(self, name: str, folder: Path, *options: str) -> None:
-        command = [sys.executable, "-W", "error", str(STUDIES / f"{name}.py"), "-o", str(folder), *options]
-        self.run = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
+        self.run = subprocess.run(command(name, folder, *options), capture_output=True, text=True, timeout=900, check=False)
         self.name, self.folder = name, folder
         self.picture = folder / f"{name}.png"
         self.content = json.loads((folder / f"{name}.json").read_text()) if self.run.returncode == 0 else {}

@@ -9,21 +9,17 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import symkin
-
-STUDIES = Path(__file__).resolve().parents[2] / "studies"
-sys.path.append(str(STUDIES))
-
-import dietmaier1998  # noqa: E402
-import hexapod_classes as hexapods  # noqa: E402
-from incidence import IncidenceClass, all_classes, canonical, from_list  # noqa: E402
-from solvers import never  # noqa: E402
+from helpers.study_outcome import command
+from studies.others import dietmaier1998
+from studies.others import hexapod_classes as hexapods
+from studies.others.hexapod_classes import IncidenceClass, all_classes, canonical, from_list
+from studies.others.solvers import never
 
 pytestmark = pytest.mark.slow
 
@@ -34,8 +30,7 @@ class Study:
     """A study run once as a command: its JSON, by the beginnings of its rows' names."""
 
     def __init__(self, name: str, folder: Path, *options: str) -> None:
-        command = [sys.executable, "-W", "error", str(STUDIES / f"{name}.py"), "-o", str(folder), *options]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+        done = subprocess.run(command(name, folder, *options), capture_output=True, text=True, timeout=300, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         content = json.loads((folder / f"{name}.json").read_text())

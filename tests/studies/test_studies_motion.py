@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-pytestmark = [pytest.mark.slow, pytest.mark.long]
+from helpers.study_outcome import command
 
-STUDIES = Path(__file__).parents[2] / "studies"
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 
 def study(name: str, folder: Path, *options: str) -> list[dict]:
     """Rows of a study's JSON, once it has run without a warning and its picture is there."""
-    command = [sys.executable, "-W", "error", str(STUDIES / f"{name}.py"), "-o", str(folder), *options]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+    done = subprocess.run(command(name, folder, *options), capture_output=True, text=True, check=False, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
     return json.loads((folder / f"{name}.json").read_text())["rows"]

@@ -8,7 +8,6 @@ arms with parallel, antiparallel and no parallel axes.
 from __future__ import annotations
 
 import re
-import sys
 
 import casadi as ca
 import numpy as np
@@ -16,7 +15,8 @@ import pytest
 
 import symkin
 from helpers.samples import pieper
-from helpers.study_outcome import STUDIES, Outcome, assert_complete
+from helpers.study_outcome import Outcome, assert_complete
+from studies.gluon_6l3 import forward_transform
 from symkin import Joint, Limb, Mechanism
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
@@ -130,7 +130,7 @@ ARMS = {
 
 
 @pytest.mark.parametrize("name", ARMS)
-def test_parallel_axes_add_up(name, forward_transform):
+def test_parallel_axes_add_up(name):
     """Law: for any serial mechanism the transform is symkin's forward, its runs are those of parallel axes, and sums are
     named."""
     joints, runs, sums = ARMS[name]
@@ -141,7 +141,7 @@ def test_parallel_axes_add_up(name, forward_transform):
     assert_is_forward(arm, found.function())
 
 
-def test_arms_of_other_studies(forward_transform):
+def test_arms_of_other_studies():
     for arm in (pieper(), symkin.load("yao2020")):
         assert_is_forward(arm, forward_transform.forward_transform(forward_transform.chain_of(arm)).function())
 
@@ -152,16 +152,6 @@ def assert_is_forward(arm: Mechanism, function: ca.Function) -> None:
         values = [arm.angle_out(v) if c.is_angular else v for c, v in zip(arm.actuated, q, strict=True)]
         pose = symkin.solve(arm, joints=values).solution.pose
         assert np.abs(np.asarray(function(q)) - pose.matrix).max() < 1e-10
-
-
-@pytest.fixture(scope="module")
-def forward_transform():
-    sys.path.insert(0, str(STUDIES))
-    try:
-        import forward_transform as module
-    finally:
-        sys.path.remove(str(STUDIES))
-    return module
 
 
 # --- inverse -----------------------------------------------------------------------------------------------------

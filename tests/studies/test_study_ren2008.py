@@ -6,21 +6,13 @@ after 80 postures. The computed figures were found independently, before the stu
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 import pytest
 
 import symkin
-from helpers.study_outcome import STUDIES, Outcome, assert_complete
-
-sys.path.insert(0, str(STUDIES))
-import ren2008_errors as errors
-import ren2008_identification as identification
-import ren2008_levelling as levelling
-import ren2008_method as method
-import ren2008_model as model
-import ren2008_tables as tables
+from helpers.study_outcome import Outcome, assert_complete
+from studies.ren2008 import errors, identification, method, model
+from studies.ren2008 import procedure as levelling
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -142,7 +134,7 @@ def test_groups_have_one_inclination_and_tables_their_frames():
     assert np.abs(angles - angles[:, :1]).max() < 1e-9
     assert (measured.joints >= 0).all()
     assert (measured.joints <= 0.55).all()
-    held = [model.NAMES.index(name) for name in tables.held_names(TRUE)]
+    held = [model.NAMES.index(name) for name in model.held_names(TRUE)]
     assert len(held) == 10
     assert not TRUTH[held].any()
 

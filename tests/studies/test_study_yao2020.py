@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.study_outcome import STUDIES, Outcome, assert_complete
+from helpers.study_outcome import Outcome, assert_complete
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -29,11 +29,6 @@ PICTURES = ("frames", "planes", "returns", "guesses", "holes")
 @pytest.fixture(scope="module")
 def yao(tmp_path_factory) -> Outcome:
     return Outcome("yao2020", tmp_path_factory.mktemp("yao2020"), "--points", "3")
-
-
-@pytest.fixture
-def studies(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(STUDIES))
 
 
 def test_errata_and_pictures(yao):
@@ -158,11 +153,11 @@ def test_joint_errors(yao):
     assert yao.number("A moves for 1 deg")[0] == pytest.approx(math.radians(1) * math.hypot(x, y), abs=1e-6)
 
 
-def test_reach_is_where_solutions_are(studies: None):
+def test_reach_is_where_solutions_are():
     """Law: a pose has solutions with F between axis 5 and O exactly where the margin of the reach is not negative. Oracle:
     continuation on random poses around the edge, F beyond axis 5 being rare there."""
-    from yao2020_holes import reach_margin
-    from yao2020_model import symkin_pose, turn
+    from studies.yao2020.holes import reach_margin
+    from studies.yao2020.model import symkin_pose, turn
 
     arm, rng, seen = symkin.load("yao2020"), np.random.default_rng(1), set()
     for _ in range(12):
@@ -176,9 +171,9 @@ def test_reach_is_where_solutions_are(studies: None):
     assert seen == {True, False}
 
 
-def test_arms_of_figure_1_have_spherical_wrists(studies: None):
+def test_arms_of_figure_1_have_spherical_wrists():
     """Law: with a spherical wrist, joints 4 to 6 leave the wrist's centre where it is."""
-    from yao2020_model import drawn_axes, posed_axes, spherical_wrists
+    from studies.yao2020.model import drawn_axes, posed_axes, spherical_wrists
 
     for arm in spherical_wrists().values():
         lines, types = drawn_axes(arm), [joint.type for joint in arm.limbs[0].joints]

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from helpers.study_outcome import STUDIES, Outcome, assert_complete
+from helpers.study_outcome import Outcome, assert_complete
 
 pytestmark = [pytest.mark.slow, pytest.mark.long]
 
@@ -123,10 +123,9 @@ def test_zhang_real_time_by_instructions(zhang):
 
 
 @pytest.mark.skipif(not all(map(shutil.which, ("valgrind", "gcc", "make"))), reason="needs valgrind, gcc and make")
-def test_zhang_instructions_are_those_committed(monkeypatch):
+def test_zhang_instructions_are_those_committed():
     """Counting anew on the host gives the committed count, but for the compiler's version."""
-    monkeypatch.syspath_prepend(str(STUDIES))
-    from zhang2009_instructions import committed, counts
+    from studies.zhang2009.instructions import committed, counts
 
     found = counts(("six",), ("host",))["six"]["host"]
     assert found["error"] < 1e-6

@@ -1,0 +1,1 @@
+"""Further published mechanisms, and studies of enumeration itself."""

@@ -1,0 +1,1 @@
+"""XJ-HEXAS, a 6-UPS platform (Ren 2008)."""

@@ -1,0 +1,1 @@
+"""What several studies use: reports, guesses, words of rows, pictures of many modes."""

@@ -1,0 +1,1 @@
+"""Wrist-offset telescopic Pieper robot, 5R1P (Yao 2020)."""

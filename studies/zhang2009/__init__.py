@@ -1,0 +1,1 @@
+"""Six-SPS Gough-Stewart platform (Zhang 2009)."""

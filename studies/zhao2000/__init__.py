@@ -1,0 +1,1 @@
+"""3-TRT + SPS platform of four freedoms (Zhao 2000)."""
