@@ -14,24 +14,20 @@ J the quarter turn. The paper writes tan(theta_i) in place of n_i. Units: mm; de
 Source: Zhao Tieshi et al., A novel four-DOF mixed platform mechanism and its position analysis, Optics and Precision
 Engineering 8(1), 2000, 42-45. Table 1 has lost its decimal points in the copy at hand (1000 reads 100.0).
 
-Parts: `model` (geometry, inverse, closed form, closure), `screws`, `pictures`.
+Parts: `model` (geometry, inverse, closed form, closure), `screws` (mobility,
+inputs and their rows), `pictures`; `singular` (a study of its own).
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections import Counter
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import symkin
-from symkin.model.limb import Limb
-from symkin.plots.sketch import figure_of_sketch
-from symkin.position.limb_screws import reciprocal_system
 from symkin.spatial.rotation import euler_from_quaternion
 
 if __name__ == "__main__":  # run as a file: modules are named from the folder that holds studies
@@ -45,7 +41,6 @@ from studies.zhao2000.model import (
     INPUT,
     PAPER_POSES,
     PLATFORM,
-    SIZE,
     TABLE_1,
     closed_form,
     closure,
@@ -58,131 +53,11 @@ from studies.zhao2000.model import (
     turned,
 )
 from studies.zhao2000.pictures import draw, draw_guesses
-from studies.zhao2000.screws import couple, freedoms_left, input_choices, limb_twists, limbs_of, on_base, rank, work
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from studies.zhao2000.screws import LINKS_NAME, PLATFORM_NAME, report_figure_1, report_inputs, report_mobility, report_screws
 
 SEED = 4
 ROUNDING = np.array([0.05, 0.05, 0.05, 0.05])
 """Half a unit of the last digit of the inputs in table 1: degrees, degrees, degrees, mm."""
-PLATFORM_NAME, LINKS_NAME = "zhao2000", "zhao2000_links"
-
-
-# --- mobility (section 2) ----------------------------------------------------------------------------------------
-
-
-def report_screws(report: Report) -> None:
-    """The five screws of a limb beside their reciprocal couple, at the initial position and at table 1's second pose."""
-    for pose, _ in TABLE_1:
-        for i in range(3):
-            twists, wrench = limb_twists(pose, i), couple(pose, i)
-            where = f"at {pose}, limb {i + 1}"
-            if i == 0:
-                for k, twist in enumerate(twists, start=1):
-                    report.row(f"{where}: screw {k} (s; s0)", None, twist + 0.0, place="2.1", run=limb_twists)
-                form = bool(np.allclose(twists[[0, 4], :3], (0, 0, 1)) and np.allclose(twists[1:4, 2], 0))
-                item = f"{where}: screws 1 and 5 along Z; 2, 3 and 4 parallel and horizontal"
-                report.row(item, True, form, place="2.1", run=limb_twists)
-            report.row(f"{where}: reciprocal couple (0; l^r, m^r, 0)", None, wrench + 0.0, place="2.1", run=couple)
-            check = [twists[1, :3] @ wrench[3:], work(twists, wrench)]
-            report.row(
-                f"{where}: l l^r + m m^r; most work on its five screws",
-                [0, 0],
-                check,
-                place="2.1",
-                run=(couple, work),
-                tolerance=1e-9,
-            )
-    start = couple(TABLE_1[0][0], 0)
-    report.row(
-        "initial position, limb 1: |l^r|, |m^r| of the couple",
-        [0, 1],
-        np.abs(start[3:5]),
-        place="2.1",
-        run=couple,
-        tolerance=1e-9,
-    )
-
-
-def report_figure_1(report: Report) -> Figure:
-    """Figure 1: the mechanism with its real limbs, T joints as two hinges each."""
-    mechanism = symkin.load(LINKS_NAME)
-    joints = [limb.joints for limb in mechanism.limbs if isinstance(limb, Limb)]
-    crossed = [math.degrees(math.acos(abs(np.dot(a.axis, b.axis)))) for chain in joints for a, b in (chain[:2], chain[-2:])]
-    report.row(
-        "figure 1 drawn: limbs of hinges, hinges of each, and least angle of the two axes of a T [deg]", [3, 5, 90],
-        [len(joints), min(map(len, joints)), min(crossed)], place="1, figure 1", run=figure_of_sketch, tolerance=1e-9,
-    )  # fmt: skip
-    return figure_of_sketch(mechanism)
-
-
-def report_mobility(report: Report) -> None:
-    links, joints, freedoms = 2 + 3 * 4 + 2, 3 * 5 + 3, 3 * 5 + 7
-    report.row("n, g, sum of f", [16, 18, 22], [links, joints, freedoms], place="2.2", run="count of figure 1")
-    report.row(
-        "M = 6 (n - g - 1) + sum f + 1 redundant couple - 1 idle spin", 4, 6 * (links - joints - 1) + freedoms + 1 - 1,
-        place="2.2, (1)", run="formula (1)",
-    )  # fmt: skip
-    for pose, _ in TABLE_1:
-        twists = [limb_twists(pose, i) for i in range(3)]
-        couples = np.array([couple(pose, i) for i in range(3)])
-        free = reciprocal_system(couples, SIZE)
-        report.row(
-            f"at {pose}: rank of the three couples; of their forces",
-            [2, 0],
-            [rank(couples), rank(couples[:, :3])],
-            place="2.1",
-            run=couple,
-        )
-        common = len(reciprocal_system(np.vstack(twists), SIZE))
-        report.row(f"at {pose}: screws reciprocal to all twists (common constraints)", 0, common, place="2.2", run=limb_twists)
-        report.row(
-            f"at {pose}: platform freedoms; those that tilt it", [4, 0], [len(free), rank(free[:, :2])], place="2.1", run=couple
-        )
-    for name in (PLATFORM_NAME, LINKS_NAME):
-        found = symkin.mobility(symkin.load(name))
-        numbers = [found.freedoms, found.rows, found.rank.value, found.implied_rows, found.mobility]
-        paper = [None, None, None, 1, 4] if name == LINKS_NAME else None
-        verdict = "reproduced" if paper is not None and numbers[3:] == [1, 4] else None
-        report.row(
-            f"{name}, closure Jacobian: freedoms, rows, rank, redundant rows, mobility", paper, numbers, place="2.2",
-            run=symkin.mobility, verdict=verdict,
-        )  # fmt: skip
-
-
-def report_inputs(report: Report) -> None:
-    """Why these four inputs: what locking them leaves free, and how many other sets of four joints would hold the platform."""
-    for pose, _ in TABLE_1:
-        left = [freedoms_left(pose, locked) for locked in ((), (0, 5, 10), (0, 5, 10, 15))]
-        report.row(
-            f"at {pose}: freedoms with nothing, theta_1..3, theta_1..3 and l_op locked",
-            [4, 1, 0],
-            left,
-            place="2.1",
-            run=freedoms_left,
-        )
-        choices = input_choices(pose)
-        counts = Counter(limbs_of(choice) for choice in choices)
-        report.row(
-            f"at {pose}: sets of 4 of the 16 joints that hold the platform, of 1820",
-            None,
-            len(choices),
-            place="2.1",
-            run=input_choices,
-        )
-        report.row(
-            f"at {pose}: of these with one joint in each limb",
-            None,
-            counts[1, 1, 1, 1],
-            place="2.1",
-            run=(input_choices, limbs_of),
-        )
-        ours = [choice for choice in choices if on_base(choice)]
-        report.row(
-            f"at {pose}: of these with every motor on the base (the paper's four: 0, 5, 10, 15)", [[0, 5, 10, 15]],
-            [list(choice) for choice in ours], place="2.1", run=(input_choices, on_base),
-        )  # fmt: skip
 
 
 # --- inverse problem (3.1, table 1) ------------------------------------------------------------------------------
