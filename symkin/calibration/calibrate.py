@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypedDict, Unpack
 
 import numpy as np
 
@@ -44,7 +43,6 @@ __all__ = [
     "METHODS",
     "OUTLIER_RULES",
     "Calibration",
-    "CalibrationOptions",
     "Parameter",
     "Residual",
     "calibrate",
@@ -59,47 +57,20 @@ standard deviations, or below this share of the size where these are not known."
 OUTLIER_RULES = ("remove", "report", "ignore")
 
 
-class CalibrationOptions(TypedDict, total=False):
-    """What `calibrate` takes beside mechanism and measurements; the values in brackets stand where nothing is given."""
-
-    parameters: Sequence[str] | None
-    """Names of parameters to identify (see `parameter_names`, for factors of readings and measuring frames too). [all that
-    matter]"""
-    fixed: Sequence[str]
-    """Those among them that keep their nominal values, which is one way to choose frames (see `joint_frames`). [none]"""
-    residual: str
-    """"means", "differences" or "maximum likelihood" (see `residuals`). ["means"]"""
-    tolerance: tuple[float, float] | None
-    """Standard deviations to which lengths (length unit) and angles (radians) are made: the estimate is then the maximum a
-    posteriori. [none]"""
-    method: str
-    """"nested", "lifted" or "ipopt". ["nested"]"""
-    loss: str
-    """"squared", "huber" or "cauchy" (see `robust`). ["squared"]"""
-    outliers: str
-    """"remove", "report" or "ignore". ["remove"]"""
-    level: float | None
-    """Share of clean data sets in which a reading may be called an outlier. [0.02]"""
-    max_iterations: int
-    """Most steps of an iteration. [60]"""
-    seed: int
-    """Seed of random starts of direct problems. [0]"""
-
-
 @dataclass(frozen=True)
 class _Options:
-    """The options of one call of `calibrate`, with their defaults."""
+    """Hold the options of one call of `calibrate`."""
 
-    parameters: Sequence[str] | None = None
-    fixed: Sequence[str] = ()
-    residual: str = "means"
-    tolerance: tuple[float, float] | None = None
-    method: str = "nested"
-    loss: str = "squared"
-    outliers: str = "remove"
-    level: float | None = None
-    max_iterations: int = 60
-    seed: int = 0
+    parameters: Sequence[str] | None
+    fixed: Sequence[str]
+    residual: str
+    tolerance: tuple[float, float] | None
+    method: str
+    loss: str
+    outliers: str
+    level: float | None
+    max_iterations: int
+    seed: int
 
     def __post_init__(self) -> None:
         if self.outliers == "ignore":
@@ -112,11 +83,11 @@ class _Options:
 
     @property
     def significance(self) -> float:
-        """Share of clean data sets in which a reading may be called an outlier."""
+        """Return the share of clean data sets in which a reading may be called an outlier."""
         return OUTLIER_LEVEL if self.level is None else self.level
 
     def build(self, mechanism: Mechanism, measurements: Measurements) -> CalibrationProblem:
-        """The problem of these parameters and residuals."""
+        """Build the problem of these parameters and residuals."""
         return build_calibration(
             mechanism,
             measurements,
@@ -128,13 +99,34 @@ class _Options:
 
 
 @without_float_warnings
-def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpack[CalibrationOptions]) -> Calibration:
+def calibrate(
+    mechanism: Mechanism,
+    measurements: Measurements,
+    *,
+    parameters: Sequence[str] | None = None,
+    fixed: Sequence[str] = (),
+    residual: str = "means",
+    tolerance: tuple[float, float] | None = None,
+    method: str = "nested",
+    loss: str = "squared",
+    outliers: str = "remove",
+    level: float | None = None,
+    max_iterations: int = 60,
+    seed: int = 0,
+) -> Calibration:
     """Identify a mechanism's geometry from measurements.
 
     The parameters p minimise sum |W (h(z_i, p) - m_i)|^2 over the configurations i, with readings m_i, their model h and weights
     W from the standard deviations (see `estimate.residuals`), where each configuration meets its closure F(z_i; q_i, p) = 0 at
-    the joint readings q_i. What no reading determines is held by the least change from nominal. `options` are those of
-    `CalibrationOptions`: parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed.
+    the joint readings q_i. What no reading determines is held by the least change from nominal.
+
+    `parameters` names what is identified, factors of readings and measuring frames too (see `parameter_names`), by default all that
+    matter; those in `fixed` keep their nominal values, which is one way to choose frames (see `joint_frames`). `residual` is "means",
+    "differences" or "maximum likelihood" (see `residuals`); `tolerance` gives the standard deviations to which lengths (length unit)
+    and angles (radians) are manufactured, and the estimate is then the maximum a posteriori. `method` is "nested", "lifted" or
+    "ipopt", of at most `max_iterations` steps; `loss` "squared", "huber" or "cauchy" (see `robust`); `outliers` "remove", "report" or
+    "ignore", where a share `level` (default 0.02) of clean data sets may have a reading called one. `seed` is that of random starts of
+    direct problems.
 
     Raises InputError for names, options and readings that do not fit, and where no configuration's direct problem is solved.
     Source: Hollerbach, Khalil, Gautier, Model Identification, Springer Handbook of Robotics, 2016.
@@ -149,8 +141,9 @@ def calibrate(mechanism: Mechanism, measurements: Measurements, **options: Unpac
     ('ok', 105.53)
     """
     require_mechanism(mechanism)
+    options = _Options(parameters, fixed, residual, tolerance, method, loss, outliers, level, max_iterations, seed)
     try:
-        return _calibrate(mechanism, measurements, _Options(**options))
+        return _calibrate(mechanism, measurements, options)
     except np.linalg.LinAlgError:
         raise InputError(
             f"{mechanism.name}: the fit broke down, its equations are no finite numbers: loops that are redundant close at no geometry near "
@@ -173,9 +166,9 @@ def _calibrate(mechanism: Mechanism, measurements: Measurements, options: _Optio
     if options.outliers != "ignore":
         screened = fit_without_outliers(fit, measurements, found, options.significance)
         found = screened.found if options.outliers == "remove" else found
-    made = build_result(measurements, found, screened.screening, removed=options.outliers == "remove")
+    result = build_result(measurements, found, screened.screening, removed=options.outliers == "remove")
     elapsed = time.perf_counter() - begin
-    return replace(made, method=options.method, elapsed_s=elapsed, refused=made.refused or screened.refused)
+    return replace(result, method=options.method, elapsed_s=elapsed, refused=result.refused or screened.refused)
 
 
 def _check_residual_form(residual: str, measurements: Measurements) -> None:
@@ -204,7 +197,7 @@ def _fit_measurements(mechanism: Mechanism, measurements: Measurements, options:
 
 
 class _Fitting:
-    """The fit of one problem: over the configurations that can be solved; those that could not at nominal are tried again at the
+    """Fit one problem: over the configurations that can be solved; those that could not at nominal are tried again at the
     estimate."""
 
     def __init__(self, options: _Options, problem: CalibrationProblem) -> None:
@@ -244,7 +237,7 @@ class _Fitting:
         return _estimate_by(method, part, z, p, self.options.max_iterations)
 
     def _improved(self, part: CalibrationProblem, solved: SolvedConfigurations, p: np.ndarray, result: Estimate) -> Estimate:
-        """The estimate by another method where one does not converge, continued where it nearly has, by descent alone where that
+        """Improve the estimate: by another method where one does not converge, continued where it nearly has, by descent alone where that
         leads lower, with the least change along what no reading determines, and with the robust loss that is asked for."""
         method, limit = self.options.method, self.options.max_iterations
         if result.status != "ok" and method in _OTHER_METHOD:
@@ -267,7 +260,7 @@ class _Fitting:
         return result
 
     def _start_parameters(self) -> np.ndarray:
-        """Nominal parameters; those that whole measured poses give by themselves where there are such poses and the file's own
+        """Choose the nominal parameters; those that whole measured poses give by themselves where there are such poses and the file's own
         geometry does not give the readings to rounding already, which nothing may then move."""
         model, m = self.problem.model, self.problem.measurements
         start = parameters_from_poses(model, m)
@@ -282,13 +275,13 @@ class _Fitting:
         return model.nominal if stays else start
 
     def _solve_from(self, near: StartValues) -> SolvedConfigurations:
-        """The direct problems from where an earlier fit has left them; configurations that it had not begin where they would
+        """Solve the direct problems from where an earlier fit has left them; configurations that it had not begin where they would
         without it."""
         begun = first_points(self.problem.model, self.problem.measurements, near.p)
         return self._solve_roughly(near.p, self.options.seed, np.where(np.isnan(near.z), begun, near.z))
 
     def _solve_again(self, result: Estimate) -> SolvedConfigurations:
-        """The direct problems at an estimate; near their starts, whatever mode they end in, where it did not converge."""
+        """Solve the direct problems at an estimate; near their starts, whatever mode they end in, where it did not converge."""
         if result.status == "ok":
             return start_configurations(self.problem, result.state.p, seed=self.options.seed + 1)
         return self._solve_roughly(result.state.p, self.options.seed + 1)
@@ -298,7 +291,7 @@ class _Fitting:
         return solve_configurations(problem.model, problem.measurements, p, z=z, seed=seed, tolerance=ROUGHLY_SOLVED_TOLERANCE)
 
     def _solved_part(self, solved: SolvedConfigurations) -> CalibrationProblem:
-        """The problem of the configurations that are solved."""
+        """Build the problem of the configurations that are solved."""
         problem = self.problem
         if solved.solved.all():
             return problem
@@ -320,12 +313,12 @@ def _estimate_by(method: str, problem: CalibrationProblem, z: np.ndarray, p: np.
 
 
 def _is_nearly_converged(problem: CalibrationProblem, result: Estimate) -> bool:
-    """Whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
+    """Tell whether the residuals are small although the iteration has not ended: a flat valley, along which it pays to go on."""
     scatter = float(np.sqrt(result.state.cost / problem.readings.count))
     known, size = problem.readings.known, problem.model.closure.characteristic_length
     return scatter < (_NEARLY_CONVERGED_RATIO if known else _NEARLY_CONVERGED_SHARE * size)
 
 
 def _lower_cost(one: Estimate, other: Estimate | None) -> Estimate:
-    """The estimate with the lower cost."""
+    """Choose the estimate with the lower cost."""
     return one if other is None or other.status != "ok" or other.state.cost >= one.state.cost else other

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
-from typing import Any, TypedDict, TypeVar, Unpack
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -49,7 +49,7 @@ _SIGMA_KEYS = {
 """Keys of standard deviations that hold for observables of each kind, too."""
 _Single = TypeVar("_Single", Distance, Reading)
 LEAST_CHANGE = "least"
-"""Frames held by the least change from nominal."""
+"""Frames chosen by the least change from nominal."""
 
 
 class NotFittedError(InputError):
@@ -65,84 +65,61 @@ class NotFittedError(InputError):
         return type(self), (self.message, self.suspicions)
 
 
-class FileFitOptions(TypedDict, total=False):
-    """What `fit_file` takes beside mechanism and file; the values in brackets stand where nothing is given. From `residual` on
-    they are those of `calibrate`."""
+def fit_file(
+    mechanism: Mechanism,
+    data: DataFile,
+    *,
+    parameters: str | None = None,
+    hold: str | None = None,
+    frames: str = LEAST_CHANGE,
+    sigmas: Mapping[str, np.ndarray | float] | None = None,
+    hold_out: str | None = None,
+    any_machine: bool = False,
+    command: str = "",
+    seed: int = 0,
+    **options: Any,
+) -> FitReport:
+    """Fit a data file and judge the fit.
 
-    parameters: str | None
-    """Patterns of the parameters to identify, separated by commas. ["all"]"""
-    hold: str | None
-    """Patterns of those among them that keep their nominal values. [none]"""
-    frames: str
-    """"least" or "joints:..." (see `frame_names`). ["least"]"""
-    sigmas: Mapping[str, np.ndarray | float] | None
-    """Standard deviations by kind of reading, for what the file leaves out. [none]"""
-    hold_out: str | None
-    """How many configurations (`20`, `20%`) are only predicted. [none]"""
-    any_machine: bool
-    """Whether a geometry far from the file's is accepted. [False]"""
-    command: str
-    """What the report says was run. [nothing]"""
-    seed: int
-    """Seed of random starts and draws. [0]"""
-    residual: str
-    tolerance: tuple[float, float] | None
-    method: str
-    loss: str
-    outliers: str
-    level: float | None
-    max_iterations: int
-
-
-@dataclass(frozen=True)
-class _Options:
-    """The options of one call of `fit_file` that are not those of `calibrate`, with their defaults."""
-
-    parameters: str | None = None
-    hold: str | None = None
-    frames: str = LEAST_CHANGE
-    sigmas: Mapping[str, np.ndarray | float] | None = None
-    hold_out: str | None = None
-    any_machine: bool = False
-    command: str = ""
-    seed: int = 0
-
-    def names(self, mechanism: Mechanism, read: tuple[str, ...]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Parameters to identify, and those among them that are held; `read` is what is read beside the platform."""
-        chosen = ALL_PARAMETERS if self.parameters is None else self.parameters
-        names = match_parameters(mechanism, chosen, read)
-        held = () if self.hold is None else _match_patterns(mechanism, self.hold, read)
-        held = tuple(dict.fromkeys((*held, *frame_names(mechanism, self.frames))))
-        return names, tuple(name for name in held if name in names)
-
-
-def fit_file(mechanism: Mechanism, data: DataFile, **options: Unpack[FileFitOptions]) -> FitReport:
-    """Fit a data file and judge the fit; `options` are those of `FileFitOptions`.
+    `parameters` are patterns of what is identified, separated by commas, by default all; those that `hold` matches keep their nominal
+    values. `frames` is "least" or "joints:..." (see `frame_names`). `sigmas` are standard deviations by kind of reading, for what the
+    file leaves out; `hold_out` is how many configurations (`20`, `20%`) are only predicted. `any_machine` accepts a geometry far
+    from the file's, `command` is what the report says was run, `seed` that of random starts and draws; other `options` are those of
+    `calibrate`.
 
     Raises InputError, and NotFittedError with what may be wrong in the file where nothing can be fitted."""
-    given: dict[str, Any] = dict(options)
-    own = _Options(**{item.name: given.pop(item.name) for item in fields(_Options) if item.name in given})
+    patterns = ALL_PARAMETERS if parameters is None else parameters
     read = data.measurements.observed
-    names, fixed = own.names(mechanism, read)
-    notes = (*data.notes, *_note_left_out(mechanism, own.parameters or ALL_PARAMETERS, names, read))
+    names, fixed = _chosen_names(mechanism, read, patterns, hold, frames)
+    notes = (*data.notes, *_note_left_out(mechanism, patterns, names, read))
     data = replace(data, notes=notes).without_copies()
-    data = replace(data, measurements=with_sigmas(mechanism, data, own.sigmas or {}))
-    data, kept_back = _hold_out(data, own.hold_out, own.seed)
-    task = _FileFit(mechanism, data, {**given, "parameters": names, "fixed": fixed})
-    fit = task.fit(own.seed)
+    data = replace(data, measurements=with_sigmas(mechanism, data, sigmas or {}))
+    data, kept_back = _hold_out(data, hold_out, seed)
+    task = _FileFit(mechanism, data, {**options, "parameters": names, "fixed": fixed})
+    fit = task.fit(seed)
     departure = measure_departure(fit.problem, fit.state)
     mistakes = task.mistakes(fit, departure)
-    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes, departure, any_machine=own.any_machine)
+    refused = rejection_reason(fit, task.nominal_misfit(fit), mistakes, departure, any_machine=any_machine)
     sequence = "" if task.choice is None else task.choice.sequence
     return FitReport(
-        fit=fit, data=data.path, command=own.command, sequence=task.choice, suspicions=mistakes, notes=data.notes,
-        sigma=predict_pose_sigma(fit, own.seed), departure=departure, refusal=refused,
-        held_out=None if kept_back is None else predict_held_out(fit, kept_back.with_sequence(sequence), own.seed),
+        fit=fit, data=data.path, command=command, sequence=task.choice, suspicions=mistakes, notes=data.notes,
+        sigma=predict_pose_sigma(fit, seed), departure=departure, refusal=refused,
+        held_out=None if kept_back is None else predict_held_out(fit, kept_back.with_sequence(sequence), seed),
     )  # fmt: skip
 
 
+def _chosen_names(
+    mechanism: Mechanism, read: tuple[str, ...], patterns: str, hold: str | None, frames: str
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Name the parameters to identify, and those among them that keep their values; `read` is what is read beside the platform."""
+    names = match_parameters(mechanism, patterns, read)
+    fixed = () if hold is None else _match_patterns(mechanism, hold, read)
+    fixed = tuple(dict.fromkeys((*fixed, *frame_names(mechanism, frames))))
+    return names, tuple(name for name in fixed if name in names)
+
+
 def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile, DataFile | None]:
-    """Split the file into what is fitted, and what is held out of it (None where nothing is)."""
+    """Split the file into what is fitted, and what is only predicted (None where nothing is)."""
     if hold_out is None:
         return data, None
     held = draw_held_out(data.measurements, held_out_count(hold_out, int(np.sum(data.measurements.is_read))), seed)
@@ -150,7 +127,7 @@ def _hold_out(data: DataFile, hold_out: str | None, seed: int) -> tuple[DataFile
 
 
 class _FileFit:
-    """The fit of a file's readings, in the Euler sequence that was found where the header names none, and what may be wrong with
+    """Fit a file's readings, in the Euler sequence that was found where the header names none, and what may be wrong with
     them; `options` are those of `calibrate`."""
 
     def __init__(self, mechanism: Mechanism, data: DataFile, options: dict[str, Any]) -> None:
@@ -169,7 +146,7 @@ class _FileFit:
             raise NotFittedError(f"{self.data.path}: {error}", mistakes) from None
 
     def mistakes(self, fit: Calibration, departure: Departure) -> tuple[str, ...]:
-        """Mistakes of the file that may explain a fit which is not believable, or which went far from the file's geometry."""
+        """Find mistakes of the file that may explain a fit which is not believable, or which went far from the file's geometry."""
         if fit.believable and fit.p_value is not None and not is_noticeable(fit, departure):
             return ()
         found = diagnose(self.mechanism, self.measurements, self.frames)
@@ -179,7 +156,7 @@ class _FileFit:
         return self._wrong_sequence() if not found and (fit.status != "ok" or is_beyond_noise(fit)) else found
 
     def nominal_misfit(self, fit: Calibration) -> float:
-        """The misfit of the nominal geometry, 0 where the fit is believable and nothing is compared with it."""
+        """Compute the misfit of the nominal geometry, 0 where the fit is believable and nothing is compared with it."""
         return 0.0 if fit.believable else nominal_misfit(self.mechanism, self.measurements, self.frames)
 
     def _wrong_sequence(self) -> tuple[str, ...]:
@@ -208,7 +185,7 @@ def with_sigmas(mechanism: Mechanism, data: DataFile, sigmas: Mapping[str, np.nd
 
 
 def _of_joints(mechanism: Mechanism, value: np.ndarray | float, reading: Reading) -> float:
-    """The standard deviation of a reading; of joints it is by kind, as that of the actuated ones."""
+    """Choose the standard deviation of a reading; of joints it is by kind, as that of the actuated ones."""
     if np.ndim(value) == 0:
         return float(value)
     angular = is_angular(mechanism, reading.name)

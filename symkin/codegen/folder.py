@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -19,7 +19,7 @@ from symkin.codegen.joint_map import JointMap
 from symkin.codegen.joint_map_vectors import MapVectors
 from symkin.codegen.line_width import narrowed
 from symkin.codegen.linuxcnc import linuxcnc_text
-from symkin.codegen.options import Options, OptionValues
+from symkin.codegen.options import Options
 from symkin.codegen.own_test import run_own_test
 from symkin.codegen.package import package_files
 from symkin.codegen.program import Program, build_program, is_closed
@@ -36,7 +36,19 @@ _KEY = "model_sha256"
 """What the manifest of a folder of firmware has, and others have not."""
 
 
-def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpack[OptionValues]) -> list[Path]:
+def write_firmware(
+    mechanism: Mechanism,
+    directory: Path | str,
+    *,
+    real: Literal["float", "double"] = "double",
+    home_relative: bool = False,
+    geometry: Literal["fixed", "struct"] = "fixed",
+    home: Sequence[float] | None = None,
+    given: Sequence[str] = (),
+    find: Sequence[str] = (),
+    also: Collection[Literal["package", "linuxcnc", "cpp"]] = (),
+    compact: bool = False,
+) -> list[Path]:
     """Write C99 for controllers into a folder and return its files: direct and inverse kinematics, Jacobian, test, build files.
 
     `real` is the C type of numbers, "double" by default, or "float"; `home_relative` makes joint values and positions changes from home; `geometry` "struct"
@@ -53,8 +65,9 @@ def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpac
     ...     [path.name for path in symkin.write_firmware(symkin.load("gluon_6l3"), folder, real="float")][:3]
     ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
     """
-    chosen = Options.of(**options)
     require_mechanism(mechanism)
+    pose = None if home is None else tuple(float(v) for v in home)
+    chosen = Options(real, home_relative, geometry, pose, tuple(given), tuple(find), tuple(also), compact)
     if not chosen.is_map:
         remedy = "describe the machine by limbs, or map joints to joints by --given and --find (given and find in Python)"
         mechanism = with_limbs(mechanism, "firmware", remedy)
@@ -62,8 +75,10 @@ def write_firmware(mechanism: Mechanism, directory: Path | str, **options: Unpac
 
 
 def write_folder(mechanism: Mechanism, folder: Path, options: Options, measured: Mapping[str, Any] | None = None) -> list[Path]:
-    """Writes the folder (made where it is missing) and returns its files; `measured`: figures of codegen/measured.json. Raises InputError where that would replace a file
-    that is not symkin's, is another mechanism's, or was edited, and where a compiler finds that the code fails its own test."""
+    """Write the folder, a new one where it is missing, and return its files; `measured`: figures of codegen/measured.json.
+
+    Raises InputError where that would replace a file that is not symkin's, is another mechanism's, or was edited, and where a
+    compiler finds that the code fails its own test."""
     check_folder(mechanism, folder)
     files = folder_files(mechanism, options, measured)
     run_own_test(mechanism.name, files)
@@ -79,14 +94,14 @@ def write_folder(mechanism: Mechanism, folder: Path, options: Options, measured:
 
 
 def check_folder(mechanism: Mechanism, folder: Path) -> None:
-    """Raises InputError where the folder holds the code of another mechanism."""
+    """Raise InputError where the folder has the code of another mechanism."""
     written = read_manifest(folder, _KEY)
     if written.get("mechanism", mechanism.name) != mechanism.name:
         raise InputError(f"{folder}: holds the code of {written['mechanism']!r}; give another folder with -o")
 
 
 def _check_files(folder: Path, files: dict[str, str]) -> None:
-    """Raises InputError for files in the way that are neither as the folder's manifest says they were written nor as they are to
+    """Raise InputError for files in the way that are neither as the folder's manifest says they were written nor as they are to
     be, as after a run that was cut short."""
     written = read_manifest(folder, _KEY)
     digests = {name: (written.get("files", {}).get(name), digest(text.encode())) for name, text in files.items()}
@@ -96,7 +111,7 @@ def _check_files(folder: Path, files: dict[str, str]) -> None:
 
 
 def folder_files(mechanism: Mechanism, options: Options, measured: Mapping[str, Any] | None = None) -> dict[str, str]:
-    """Text of each file by its name."""
+    """Write the text of each file, by its name."""
     program = build_program(mechanism, options, measured)
     kind = program.kind
     vectors = MapVectors(kind) if isinstance(kind, JointMap) else build_vectors(kind)
@@ -124,7 +139,7 @@ def folder_files(mechanism: Mechanism, options: Options, measured: Mapping[str, 
 
 
 def manifest(program: Program, files: dict[str, str]) -> str:
-    """Versions, options, model and file digests: what decides the bytes."""
+    """Write versions, options, model and file digests: what decides the bytes."""
     options = program.options
     content = {
         "mechanism": program.mechanism.name,
@@ -149,7 +164,7 @@ def manifest(program: Program, files: dict[str, str]) -> str:
 
 
 def _closed_manifest(program: Program) -> dict[str, object]:
-    """The choices of an arm's closed form and its steps."""
+    """List the choices of an arm's closed form and its steps."""
     kind = program.kind
     if not isinstance(kind, SerialArm) or kind.plan is None:
         return {}
@@ -181,7 +196,7 @@ def _test_values(program: Program) -> dict[str, object]:
 
 
 def _one_step_values(program: Program) -> dict[str, object]:
-    """The test that one step from home is not enough, for a direct problem that is iterated."""
+    """Write the test that one step from home is not enough, for a direct problem that is iterated."""
     if is_closed(program.kind):
         return {"one_step": "", "one_step_is_few": ""}
     prefix, few = program.mechanism.name, f"{program.mechanism.name.upper()}_MAX_ITERATIONS"
@@ -193,7 +208,7 @@ def _one_step_values(program: Program) -> dict[str, object]:
 
 
 def _closed_values(program: Program, values: dict[str, object]) -> dict[str, object]:
-    """The test of an arm's closed form."""
+    """Write the test of an arm's closed form."""
     kind = program.kind
     if not isinstance(kind, SerialArm) or kind.plan is None:
         return {}
@@ -209,7 +224,7 @@ def _closed_values(program: Program, values: dict[str, object]) -> dict[str, obj
 
 
 def _map_values(program: Program) -> dict[str, object]:
-    """What makes differences of a map's values lengths."""
+    """Give the weights that turn differences of a map's values into lengths."""
     kind = program.kind
     if not isinstance(kind, JointMap):
         return {}
@@ -218,13 +233,13 @@ def _map_values(program: Program) -> dict[str, object]:
 
 
 def _angle_bound(program: Program) -> str:
-    """What makes the allowed error of lengths one of joint values, some of which are angles."""
+    """Give the factor that turns the allowed error of lengths into one of joint values, some of which are angles."""
     angular = any(c.is_angular for c in program.mechanism.actuated)
     return f" * {max(1.0, 2.0 / program.mechanism.characteristic_length)!r}" if angular else ""
 
 
 def _redundant_values(program: Program) -> dict[str, object]:
-    """How answers of a serial arm are compared: joint by joint; where a pose leaves joints free, near the end of the
+    """Say how answers of a serial arm are compared: joint by joint; where a pose leaves joints free, near the end of the
     finely followed path, and exactly by the tool's pose."""
     kind, name = program.kind, program.mechanism.name
     if not kind.is_redundant:
@@ -246,7 +261,7 @@ def _redundant_values(program: Program) -> dict[str, object]:
 
 
 def vectors_text(program: Program, vectors: Vectors) -> str:
-    """NAME_vectors.h: every number as a hexadecimal float, exactly as it is compared."""
+    """Write NAME_vectors.h: every number as a hexadecimal float, exactly as it is compared."""
     name, real = program.mechanism.name, program.real
     kind = f"{name}_real"
     far = _far(vectors)
@@ -297,7 +312,7 @@ def vectors_text(program: Program, vectors: Vectors) -> str:
 
 
 def _is_too_far(program: Program, far: np.ndarray, vectors: Vectors) -> bool:
-    """Whether one step of tracking cannot bring the platform there: formulas can."""
+    """Tell whether one step of tracking cannot bring the platform there: formulas can."""
     away = np.linalg.norm(far[:3] - vectors.poses[0][:3])
     return not is_closed(program.kind) and bool(away > 0.06 * program.mechanism.characteristic_length)
 
@@ -308,5 +323,5 @@ def _table(head: str, table: np.ndarray, real: Real) -> list[str]:
 
 
 def _far(vectors: Vectors) -> np.ndarray:
-    """The pose farthest from the first vector's: too long a step for tracking."""
+    """Find the pose farthest from the first vector's: too long a step for tracking."""
     return np.asarray(vectors.poses[int(np.argmax(np.linalg.norm(vectors.poses[:, :3] - vectors.poses[0][:3], axis=1)))])

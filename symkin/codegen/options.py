@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from shlex import quote
-from typing import Literal, TypedDict, Unpack
+from typing import Literal
 
 from symkin.codegen.rod_kernel import is_rod_platform
 from symkin.errors import InputError
 from symkin.model.mechanism import Mechanism
-
-
-class OptionValues(TypedDict, total=False):
-    """What a caller may give of `Options`, in lists of any kind."""
-
-    real: Literal["float", "double"]
-    home_relative: bool
-    geometry: Literal["fixed", "struct"]
-    home: Sequence[float] | None
-    given: Sequence[str]
-    find: Sequence[str]
-    also: Collection[Literal["package", "linuxcnc", "cpp"]]
-    compact: bool
 
 
 @dataclass(frozen=True)
@@ -55,23 +41,8 @@ class Options:
 
     @property
     def is_map(self) -> bool:
-        """Whether joints are mapped to joints."""
+        """Tell whether joints are mapped to joints."""
         return bool(self.given or self.find)
-
-    @staticmethod
-    def of(**values: Unpack[OptionValues]) -> Options:
-        """From what a caller gives."""
-        home = values.get("home")
-        return Options(
-            real=values.get("real", "double"),
-            home_relative=values.get("home_relative", False),
-            geometry=values.get("geometry", "fixed"),
-            home=None if home is None else tuple(float(v) for v in home),
-            given=tuple(values.get("given", ())),
-            find=tuple(values.get("find", ())),
-            also=tuple(values.get("also", ())),
-            compact=values.get("compact", False),
-        )
 
     def check(self, mechanism: Mechanism) -> None:
         if self.home_relative and not is_rod_platform(mechanism):
@@ -91,7 +62,7 @@ class Options:
 
     @property
     def arguments(self) -> str:
-        """The options as on the command line."""
+        """Write the options as on the command line."""
         parts = [f"--real {self.real}"]
         if self.home_relative:
             parts.append("--home-relative")

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TypedDict, Unpack
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,35 +35,6 @@ _OFF_START = 1e-6
 Start = Solution | Joints | Values | Pose | None
 
 
-class TrackOptions(TypedDict, total=False):
-    """What `track` takes beside the path and its start; the values in brackets stand where nothing is given."""
-
-    times: Sequence[float] | None
-    """A time for each row (s), kept with the samples; they must not go back. [None]"""
-    samples: int | None
-    """About how many samples the path is divided into; at least its rows. [the rows]"""
-    limits: bool
-    """Whether to stop at joint limits. [True]"""
-    name_modes: bool
-    """Whether all modes are enumerated before a singular stop, to say which of them meet there. [True]"""
-    notes: Sequence[str]
-    """Sentences that are kept with the result, on how a file was read. [none]"""
-    progress: Callable[[int, int], None] | None
-    """Called with the intervals that are done and their number. [None]"""
-
-
-@dataclass(frozen=True)
-class _Options:
-    """The options of one call of `track`, with their defaults."""
-
-    times: Sequence[float] | None = None
-    samples: int | None = None
-    limits: bool = True
-    name_modes: bool = True
-    notes: Sequence[str] = ()
-    progress: Callable[[int, int], None] | None = None
-
-
 def track(
     mechanism: Mechanism,
     *,
@@ -72,7 +42,12 @@ def track(
     poses: Sequence[Sequence[float] | Pose] | np.ndarray | None = None,
     given: Columns | None = None,
     start: Start = None,
-    **options: Unpack[TrackOptions],
+    times: Sequence[float] | None = None,
+    samples: int | None = None,
+    limits: bool = True,
+    name_modes: bool = True,
+    notes: Sequence[str] = (),
+    progress: Callable[[int, int], None] | None = None,
 ) -> Track:
     """Follow one assembly mode along rows of actuated joint values, one working mode along poses, or one mode along values by name.
 
@@ -83,7 +58,12 @@ def track(
     units; `given` maps names of coordinates, as many as the mobility, to a column of n values, or to one value that stands: joints,
     passive ones too, x, y, z, azimuth, tilt and torsion of the platform, or its whole "pose". Between two rows joint values and
     positions move straight, rotations by the shortest way. `start` is the mode: a solution of `modes` or `solve` at the first row,
-    or what `solve` takes as its start. `options` are those of `TrackOptions`: times, samples, limits, name_modes, notes, progress.
+    or what `solve` takes as its start.
+
+    `times` (s), one a row, are kept with the samples and must not go back; the path is divided into about `samples` samples, at least
+    its rows. `limits` False goes beyond joint limits; `name_modes` False leaves out the enumeration of all modes before a singular
+    stop, which says which of them meet there. `notes` are sentences that are kept with the result; `progress` is called with the
+    intervals that are done and their number.
 
     The track ends at the path's end or the first stop: a singularity, a limit, loops that open (`Track.stop`). Raises InputError
     for a path, a start or options that do not fit.
@@ -98,17 +78,16 @@ def track(
         'turning point'
     """
     begin = time.perf_counter()
-    chosen = _Options(**options)
-    trajectory = make_trajectory(
-        mechanism, joints=joints, poses=poses, given=given, times=chosen.times, count=chosen.samples, limits=chosen.limits
-    )
-    trajectory = replace(trajectory, notes=(*chosen.notes, *trajectory.notes))
+    trajectory = make_trajectory(mechanism, joints=joints, poses=poses, given=given, times=times, count=samples, limits=limits)
+    trajectory = replace(trajectory, notes=(*notes, *trajectory.notes))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        found = _track(trajectory, start, chosen)
+        found = _track(trajectory, start, limits, name_modes, progress)
     return replace(found, elapsed_s=time.perf_counter() - begin)
 
 
-def _track(trajectory: Trajectory, start: Start, options: _Options) -> Track:
+def _track(
+    trajectory: Trajectory, start: Start, limits: bool, name_modes: bool, progress: Callable[[int, int], None] | None
+) -> Track:
     problem = trajectory.problem
     _check_isolated(problem)
     mode, notes = _start_mode(trajectory, start)
@@ -116,15 +95,15 @@ def _track(trajectory: Trajectory, start: Start, options: _Options) -> Track:
         return _not_begun(trajectory, problem, "; ".join(notes))
     trajectory = replace(trajectory, notes=(*trajectory.notes, *notes))
     unknown = problem.select_values(variables_elsewhere(problem.closure, mode), problem.system.unknowns)
-    watch = LimitWatch(problem, trajectory, off=not options.limits)
+    watch = LimitWatch(problem, trajectory, off=not limits)
     limit = watch.start(problem.join_values(unknown, trajectory.samples[0]))
     if problem.system.condition(unknown, trajectory.samples[0]) >= SINGULAR_CONDITION or limit is not None:
         first = PathPoint(0, 0.0, unknown, radius=None)
         branch = Branch([first], first, (), ending="singular" if limit is None else "limit", limit=limit)
     else:
         go = evaluate_formula if is_formula(problem, trajectory) else follow
-        branch = go(problem, trajectory, unknown, watch, options.progress)
-    return _result(trajectory, problem, branch, options.name_modes)
+        branch = go(problem, trajectory, unknown, watch, progress)
+    return _result(trajectory, problem, branch, name_modes)
 
 
 # --- the start -------------------------------------------------------------------------------------------------------
@@ -143,7 +122,7 @@ def _check_isolated(problem: Problem) -> None:
 
 
 def _start_mode(trajectory: Trajectory, start: Start) -> tuple[Solution | None, tuple[str, ...]]:
-    """The mode at the first sample and what is to be noted of it; or None and why there is none."""
+    """Find the mode at the first sample and what is to be noted of it; or None and why there is none."""
     if isinstance(start, Solution):
         _check_start(trajectory, start)
         return start, ()

@@ -1,4 +1,4 @@
-"""`symkin.sweep`: a sweep from its options to its folder."""
+"""Sweep a grid or a sample, from its options to its folder: `symkin.sweep`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -52,19 +52,19 @@ class Swept(Result):
     damaged: int = 0
 
     def open(self) -> Any:
-        """The labelled arrays, an `xarray.Dataset`."""
+        """Open the labelled arrays, an `xarray.Dataset`."""
         import xarray
 
         return xarray.open_zarr(self.folder)
 
     def write_csv(self, path: Path | str) -> int:
-        """Write a table, a row for each mode (for each point where nothing is stored of single modes), as a CSV file; how many rows
-        it has. Raises InputError for more than a million."""
+        """Write a table, a row for each mode (for each point where nothing is stored of single modes), as a CSV file; return
+        the number of its rows. Raises InputError for more than a million."""
         attributes = read_attributes(self.folder) or {}
         return write_csv(self.open(), list(attributes.get("axes", ())), path)
 
     def summary(self, most_rows: int | None = None) -> Summary:  # noqa: ARG002 - there is no table
-        """How many points have how many modes, what was computed, and the folder."""
+        """Say how many points have how many modes, what was computed, and the folder."""
         named = {"too many to list" if count < 0 else str(count): points for count, points in self.points_by_count.items()}
         counts = ", ".join(f"{count}: {points}" for count, points in named.items())
         kept = "" if self.computed == self.chunks else f", {self.chunks - self.computed} of them kept from before"
@@ -76,7 +76,7 @@ class Swept(Result):
         return Summary([head, *again, str(self.folder)])
 
     def to_dict(self) -> dict[str, Any]:
-        """The counts and the folder; the arrays are in the folder."""
+        """Return the counts and the folder, which has the arrays."""
         return {
             "folder": str(self.folder),
             "points": self.points,
@@ -88,48 +88,6 @@ class Swept(Result):
         }
 
 
-class SweepOptions(TypedDict, total=False):
-    """What `sweep` takes beside the grid, its folder, `over` and `at`, as the options of `symkin sweep`; the values in brackets
-    stand where nothing is given."""
-
-    random: int | None
-    """Points of a random sample, in place of a grid: `grid` then maps names to (least, largest). [a grid]"""
-    seed: int | None
-    """Seed of the sample and of random starts. [0]"""
-    quantity: str
-    """What is stored: "modes", "conditioning" or "reach". ["modes"]"""
-    certify: bool
-    """Whether each mode is proved. [False]"""
-    starts: int | None
-    """Random starts where paths do not decide. [2000]"""
-    chunk: int | None
-    """Points that are computed and written at a time. [as many as fill some seconds]"""
-    executor: Executor | None
-    """A `concurrent.futures` executor that computes, in place of local processes. [none]"""
-    workers: int | None
-    """Local processes; 0: this one. [one a processor]"""
-    dask: str | None
-    """Address of a Dask scheduler that computes. [none]"""
-    progress: Progress | None
-    """Called with the count of points that are done, and of all. [none]"""
-
-
-@dataclass(frozen=True)
-class _Options:
-    """The options of one call of `sweep`, with their defaults."""
-
-    random: int | None = None
-    seed: int | None = None
-    quantity: str = "modes"
-    certify: bool = False
-    starts: int | None = None
-    chunk: int | None = None
-    executor: Executor | None = None
-    workers: int | None = None
-    dask: str | None = None
-    progress: Progress | None = None
-
-
 def sweep(
     mechanism: Mechanism,
     grid: Mapping[str, Values] | None = None,
@@ -139,7 +97,16 @@ def sweep(
     over: str = "inputs",
     poses: bool = False,
     at: Joints | Pose | None = None,
-    **options: Unpack[SweepOptions],
+    random: int | None = None,
+    seed: int | None = None,
+    quantity: str = "modes",
+    certify: bool = False,
+    starts: int | None = None,
+    chunk: int | None = None,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    dask: str | None = None,
+    progress: Progress | None = None,
 ) -> Swept:
     """Find every mode at all points of a grid, or of a random sample, as labelled arrays in the folder `directory`.
 
@@ -147,9 +114,14 @@ def sweep(
     platform's motion: x, y, z, gamma (about z, from the reference) or the rotation vector rx, ry, rz (base frame, before the
     orientation of `at`); `poses` = True says the same. Poses of which the joints allow hardly any are refused. `at` gives what is
     not swept: all actuated joints, in file order or by name, or a pose. In place of `grid`, `given` maps any coordinates, as many as
-    the mobility, to rising values, or to one number where they are held: joints, passive ones too, and x, y, z, azimuth, tilt and
-    torsion of the platform. `options` are those of `SweepOptions`: random, seed, quantity, certify, starts, chunk, executor, workers,
-    dask, progress.
+    the mobility, to rising values, or to one number where they stand still: joints, passive ones too, and x, y, z, azimuth, tilt and
+    torsion of the platform. `random` points of a sample take the place of a grid, whose names then map to (least, largest).
+
+    `quantity` is what is stored: "modes", "conditioning" or "reach"; `certify` proves each mode. `seed` (default 0) is that of the
+    sample and of the random `starts` (default 2000) where paths do not decide. Points are computed and written `chunk` at a time (by
+    default as many as fill some seconds), by local processes, `workers` of them (by default one a processor; 0: this one), by an
+    `executor` of `concurrent.futures`, or by the Dask scheduler at the address `dask`. `progress` is called with the count of points
+    that are done, and of all.
 
     The same call goes on where an interrupted or killed one stopped; its arrays are the same bit for bit. Raises InputError for
     what does not fit, options that would be ignored, another sweep in the folder, and a folder that cannot be written. Needs
@@ -165,16 +137,16 @@ def sweep(
     >>> found.points_by_count
     {4: 2}
     """
-    chosen = _Options(**options)
-    executor, dask, progress = chosen.executor, chosen.dask, chosen.progress
-    others = {"poses": poses, "certify": chosen.certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
+    others = {"poses": poses, "certify": certify, "at": at, "executor": executor, "dask": dask, "progress": progress}
     check_types(mechanism, grid, given, directory, **others)
     assert directory is not None  # noqa: S101 - checked
     if over not in OVER:
         raise InputError(f"over = {not_among(over, OVER)}")
     random, chunk, workers, seed, starts = (
         None if value is None else whole(value, name)
-        for name, value in ((name, getattr(chosen, name)) for name in ("random", "chunk", "workers", "seed", "starts"))
+        for name, value in zip(
+            ("random", "chunk", "workers", "seed", "starts"), (random, chunk, workers, seed, starts), strict=True
+        )
     )
     folder = Path(directory)
     require_zarr()
@@ -189,7 +161,7 @@ def sweep(
         space = make_space(mechanism, grid or {}, poses=poses or over == "poses", at=at, sample=random, seed=chosen_seed)
     refuse_unread(space, at=at, seed=seed, starts=starts)
     count = DEFAULT_STARTS if starts is None else starts
-    plan = make_plan(space, quantity=chosen.quantity, certify=chosen.certify, starts=count, chunk=chunk)
+    plan = make_plan(space, quantity=quantity, certify=certify, starts=count, chunk=chunk)
     finder = plan.finder()
     pinned = plan.pinned(finder)
     with _crew(executor, workers, dask) as crew:
@@ -236,7 +208,7 @@ def _points(plan: Plan, index: int) -> int:
 
 
 def _counts(store: Store, chunks: np.ndarray) -> Counter[int]:
-    """How many points of some chunks have each count, read chunk by chunk."""
+    """Count the points of some chunks by their number of modes, chunk by chunk."""
     counts: Counter[int] = Counter()
     for index in chunks.tolist():
         counts.update(store.counts(index).ravel().tolist())

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any, TypedDict, Unpack
+from typing import Any
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Plan(Result):
     observable: int
 
     def summary(self, most_rows: int | None = None) -> Summary:
-        """The joints of each configuration with its group, and the pose errors that are expected."""
+        """List the joints of each configuration with its group, and the pose errors that are expected."""
         m = self.mechanism
         groups = ["" if g < 0 else str(g + 1) for g in self.groups.tolist()]
         rows = [[str(k), g, *(f"{v:.6g}" for v in q)] for k, (g, q) in enumerate(zip(groups, self._joints, strict=True), start=1)]
@@ -99,13 +99,13 @@ class Plan(Result):
 
     @property
     def _joints(self) -> list[list[float]]:
-        """Joint values in the mechanism's units."""
+        """Convert joint values to the mechanism's units."""
         m = self.mechanism
         one = [m.angle_out(1.0) if c.is_angular else 1.0 for c in m.actuated]
         return [[float(v) * unit for v, unit in zip(row, one, strict=True)] for row in self.configurations.joints]
 
     def to_dict(self) -> dict[str, Any]:
-        """The plan in the mechanism's units: joints of each configuration, groups from 0 (-1: none), wedges, expected errors."""
+        """Return the plan in the mechanism's units: joints of each configuration, groups from 0 (-1: none), wedges, expected errors."""
         m = self.mechanism
         return {
             "mechanism": m.name, "length_unit": m.length_unit, "angle_unit": m.angle_unit, "joints": self._joints,
@@ -123,36 +123,17 @@ def corner_wedges(tilt: float) -> np.ndarray:
     return np.array(sorted(pairs, key=lambda p: p[0] ** 2 + p[1] ** 2)) if tilt > 0 else np.zeros((1, 2))
 
 
-class PlanOptions(TypedDict, total=False):
-    """What `plan_measurements` takes beside workspace, count and noise; the values in brackets stand where nothing is given."""
-
-    groups: int
-    """Most groups of equal inclination, 0 for none. [5]"""
-    readings: Sequence[str]
-    """What is read beside the joints (see `READING_CHOICES` and `data.observables`). [nothing but groups]"""
-    wedges: np.ndarray | None
-    """Inclinations (W, 2) that groups may have, radians. [level, edges and corners of the workspace's tilt]"""
-    criterion: Criterion
-    """"D", "A" or "I" (see `exchange_algorithm`). ["I"]"""
-    parameters: Sequence[str] | None
-    """Names of the parameters to identify. [all that matter]"""
-    aligned: bool
-    """Whether poses are judged after the best alignment of constant base and tool frames. [True]"""
-    seed: int
-    """Seed of the random candidates. [0]"""
-
-
 @dataclass(frozen=True, eq=False)
 class _Options:
-    """The options of one call of `plan_measurements`, with their defaults."""
+    """Hold the options of one call of `plan_measurements`."""
 
-    groups: int = 5
-    readings: Sequence[str] = ()
-    wedges: np.ndarray | None = None
-    criterion: Criterion = "I"
-    parameters: Sequence[str] | None = None
-    aligned: bool = True
-    seed: int = 0
+    groups: int
+    readings: Sequence[str]
+    wedges: np.ndarray | None
+    criterion: Criterion
+    parameters: Sequence[str] | None
+    aligned: bool
+    seed: int
 
     def check(self, configurations: int) -> None:
         """Raise InputError for what cannot be, and for wedges that nothing stands on."""
@@ -168,14 +149,27 @@ class _Options:
 
 
 def plan_measurements(
-    workspace: Workspace | Mechanism, configurations: int, noise: Noise | Mapping[str, float], **options: Unpack[PlanOptions]
+    workspace: Workspace | Mechanism,
+    configurations: int,
+    noise: Noise | Mapping[str, float],
+    *,
+    groups: int = 5,
+    readings: Sequence[str] = (),
+    wedges: np.ndarray | None = None,
+    criterion: Criterion = "I",
+    parameters: Sequence[str] | None = None,
+    aligned: bool = True,
+    seed: int = 0,
 ) -> Plan:
     """Choose the configurations whose measurement identifies the geometry best, by exchange of random candidates.
 
     `workspace` says where the platform may go: a Mechanism stands for 0.15 of its size and 20 degrees about its home. `noise`
     holds standard deviations, those of a `Noise` by name: lengths, angles (of joints), group, inclination, position,
-    orientation (length unit, radians). `options` are those of `PlanOptions`: groups, readings, wedges, criterion, parameters,
-    aligned, seed. Of the Fisher information M of the observable parameters, D-optimality makes det M largest, A-optimality
+    orientation (length unit, radians). Each configuration stands in one of at most `groups` groups of equal inclination (0: none), at
+    one of the `wedges` (W, 2), radians, by default level and the edges and corners of the workspace's tilt; `readings` are read beside
+    the joints (see `READING_CHOICES` and `data.observables`). `parameters` are to be identified, by default all that matter; poses are
+    judged after the best alignment of constant base and tool frames unless `aligned` is False; `seed` is that of the candidates. By
+    the `criterion` "D", "A" or "I", of the Fisher information M of the observable parameters, D-optimality makes det M largest, A-optimality
     trace M^-1 least, I-optimality the mean variance of poses over the workspace least.
 
     Raises InputError for counts that cannot be, and where readings determine nothing of the geometry. Source: Atkinson and Donev,
@@ -191,7 +185,7 @@ def plan_measurements(
     """
     workspace = Workspace.about(workspace) if isinstance(workspace, Mechanism) else workspace
     noise = noise if isinstance(noise, Noise) else _noise_by_name(noise)
-    chosen = _Options(**options)
+    chosen = _Options(groups, readings, wedges, criterion, parameters, aligned, seed)
     chosen.check(configurations)
     platform_kinds(workspace.mechanism, chosen.readings, grouped=chosen.groups > 0)
     task = _Task(workspace, configurations, noise, chosen)
@@ -199,11 +193,11 @@ def plan_measurements(
     order = np.argsort(pool.wedge, kind="stable")
     used = sorted(set(pool.wedge.tolist()) - {-1})
     numbers = np.array([used.index(w) if w >= 0 else -1 for w in pool.wedge[order].tolist()])
-    made = pool.configurations.take(order)
+    planned = pool.configurations.take(order)
     return Plan(
-        mechanism=workspace.mechanism, configurations=made, groups=numbers,
+        mechanism=workspace.mechanism, configurations=planned, groups=numbers,
         wedges=np.zeros((0, 2)) if task.offered is None else task.offered[used], criterion=chosen.criterion, seed=chosen.seed,
-        accuracy=task.accuracy(made, numbers), random=task.random_accuracy(), observable=task.directions.shape[1],
+        accuracy=task.accuracy(planned, numbers), random=task.random_accuracy(), observable=task.directions.shape[1],
     )  # fmt: skip
 
 
@@ -264,16 +258,16 @@ class _Task:
         draw, rng = self.workspace.draw, self.rng
         if self.offered is None:
             count = min(_MAX_CANDIDATES, max(10 * _CANDIDATES_PER_WEDGE, 4 * self.count))
-            made = draw(self.workspace.inclinations(count, rng), rng, held=False, edge=_DRAWN_REACH)
-            return _Pool(made, np.full(count, -1))
+            drawn = draw(self.workspace.inclinations(count, rng), rng, held=False, edge=_DRAWN_REACH)
+            return _Pool(drawn, np.full(count, -1))
         each = max(min(_CANDIDATES_PER_WEDGE, _MAX_CANDIDATES // len(self.offered)), self.count)
         wedge = np.repeat(np.arange(len(self.offered)), each)
         return _Pool(draw(self.offered[wedge], rng, edge=_DRAWN_REACH), wedge)
 
     def _with_neighbours(self, pool: _Pool, scale: float) -> _Pool:
         around = pool.take(np.repeat(np.arange(self.count), _REFINEMENT_NEIGHBOURS))
-        held = None if self.offered is None else self.offered[around.wedge]
-        near, kept = self.workspace.near(around.configurations, held, scale, self.rng)
+        wedges = None if self.offered is None else self.offered[around.wedge]
+        near, kept = self.workspace.near(around.configurations, wedges, scale, self.rng)
         return _Pool(ClosedConfigurations.joined([pool.configurations, near]), np.concatenate([pool.wedge, around.wedge[kept]]))
 
     def _search(self, candidates: Candidates) -> ExchangeSearch:
@@ -284,10 +278,10 @@ class _Task:
         return 0 if self.offered is None else len(self.offered)
 
     def candidates(self, pool: ClosedConfigurations, wedge: np.ndarray) -> Candidates:
-        made = reading_slopes(
+        slopes = reading_slopes(
             self.mechanism, pool, self.options.readings, self.noise, self.names, grouped=bool(np.all(wedge >= 0))
         )
-        return Candidates(made.parameters, made.group, wedge)
+        return Candidates(slopes.parameters, slopes.group, wedge)
 
     def observe(self, slopes: Candidates) -> None:
         """Keep the directions of parameter space that all candidates together determine."""
@@ -300,7 +294,7 @@ class _Task:
 
     @property
     def q(self) -> np.ndarray:
-        """Mean of squared pose slopes in the observable directions, angles times the lever."""
+        """Average squared pose slopes in the observable directions, angles times the lever."""
         weight = np.array([1.0] * 3 + [self.length] * 3)[:, None]
         flat = (weight * (self.pose @ self.directions)).reshape(-1, self.directions.shape[1])
         return np.asarray(flat.T @ flat / len(self.pose))
@@ -310,9 +304,9 @@ class _Task:
         numbers = group_numbers(self.count, self.options.groups)
         return self.accuracy(random_configurations(self.workspace, numbers, Noise(), self.rng), numbers)
 
-    def accuracy(self, made: ClosedConfigurations, groups: np.ndarray) -> Accuracy:
+    def accuracy(self, planned: ClosedConfigurations, groups: np.ndarray) -> Accuracy:
         """Predict what a fit of readings at these configurations would reach, by linear propagation."""
-        seen, singular = _principal_directions(less_inclinations(self.candidates(made, groups), int(groups.max()) + 1))
+        seen, singular = _principal_directions(less_inclinations(self.candidates(planned, groups), int(groups.max()) + 1))
         missing = self.directions - seen @ (seen.T @ self.directions)
         left, outside, _ = np.linalg.svd(missing, full_matrices=False)
         unseen = left[:, outside > 1e-6]
