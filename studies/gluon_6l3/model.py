@@ -118,7 +118,7 @@ def tool_expression(q: ca.SX) -> ca.SX:
 
 
 def product_expression(q: ca.SX) -> ca.SX:
-    """T(q) as the plain product of the six matrices, each simplified by its zeros and ones."""
+    """Multiply the six matrices to T(q) without sums of angles, each simplified by its zeros and ones."""
     T = ca.SX.eye(4)
     for i in range(6):
         t, (x, y) = q[i] + OFFSET[i], np.round([np.cos(ALPHA[i]), np.sin(ALPHA[i])])

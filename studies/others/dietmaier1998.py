@@ -5,7 +5,7 @@ Notation: b_i base points, a_i platform points in the platform frame, L_i leg le
     |p + R a_i - b_i| = L_i,   i = 1..6,   R in SO(3).
 
 Six such equations have at most 40 isolated solutions, complex ones counted (Ronga and Vust 1992; Lazard 1993; Mourrain
-1993). Lengths are multiples of L_1. The study finds all, checks them in plain arithmetic, and asks to how many decimals the
+1993). Lengths are multiples of L_1. The study finds all, checks them by NumPy alone, and asks to how many decimals the
 printed legs are needed for the 40 to stay real.
 Source of the numbers: P. Dietmaier, The Stewart-Gough platform of general geometry can have 40 real postures, Advances in
 Robot Kinematics: Analysis and Control, Kluwer 1998, 1-10.
@@ -55,7 +55,7 @@ def platform() -> symkin.Mechanism:
 
 
 def leg_errors(mode: symkin.Pose) -> np.ndarray:
-    """|p + R a_i - b_i| - L_i in plain arithmetic."""
+    """|p + R a_i - b_i| - L_i by NumPy alone."""
     ends = np.asarray(mode.position) + np.array(PLATFORM) @ np.asarray(mode.rotation).T
     return np.asarray(np.linalg.norm(ends - np.array(BASE), axis=1) - LEGS)
 

@@ -36,7 +36,7 @@ COLOURS = dict(zip(SOLVERS, ("#0072b2", "#d55e00", "#e69f00", "#009e73"), strict
 
 @dataclass(frozen=True)
 class Trial:
-    """One solver on one mechanism: hits of each mode found, starts made, seconds."""
+    """One solver on one mechanism: hits of each mode found, number of starts, seconds."""
 
     hits: tuple[int, ...]
     starts: int

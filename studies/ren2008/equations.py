@@ -59,10 +59,10 @@ def report_machine(report: Report, case: Case) -> None:
     found = symkin.mobility(case.nominal)
     report.row("freedoms of the platform: none is lost, no joint is passive", 6, found.mobility, place="1.1", run=symkin.mobility)
     report.row("geometric parameters: 6 (3 + 3 + 1)", 42, len(NAMES), place="1.2", run=eta_of)
-    held = held_names(case.nominal)
-    report.row("of these zero by the frames {M1} and {B1}", 10, len(held), place="1.2, figure 1", run=held_names)
+    zero_names = held_names(case.nominal)
+    report.row("of these zero by the frames {M1} and {B1}", 10, len(zero_names), place="1.2, figure 1", run=held_names)
     report.row("left to be identified", 32, len(case.free), place="1.2", run=free_columns)
-    zeros = [abs(eta[NAMES.index(name)]) for eta in (case.eta, case.truth) for name in held]
+    zeros = [abs(eta[NAMES.index(name)]) for eta in (case.eta, case.truth) for name in zero_names]
     report.row("the ten entries in tables 1 and 2, largest", 0, max(zeros), "m", place="1.2, tables 1, 2", run=held_names)
 
 
@@ -165,9 +165,9 @@ def report_causes(report: Report, case: Case) -> dict[str, float]:
     rng, groups, place = case.rng(30), group_numbers(GROUPS), "1.4, (8)"
     X = postures_in_groups(case.truth, inclinations(GROUPS, rng), rng)
     rods, tilts = rng.uniform(-1e-6, 1e-6, (len(X), 6)), np.radians(rng.uniform(-0.0005, 0.0005, (len(X), 2)))
-    held = X.copy()
-    held[:, 3:5] += tilts
-    seen = direct(inverse(held, case.truth), case.truth, X)[:, 3:5] - tilts
+    posed = X.copy()
+    posed[:, 3:5] += tilts
+    seen = direct(inverse(posed, case.truth), case.truth, X)[:, 3:5] - tilts
     report.row("(7): alpha, beta at the true rods, less what the inclinometer repeats: neighbour differences, largest", 0,
                float(np.degrees(np.abs(neighbours(groups) @ seen).max())), "deg", place="1.4, (7)", run=(direct, neighbours),
                tolerance=1e-9)  # fmt: skip

@@ -164,12 +164,12 @@ class Before:
 
 
 def errors_before(case: Case) -> Before:
-    made: dict[str, list[list[float]]] = {frame: [] for frame in FRAMES}
+    worst: dict[str, list[list[float]]] = {frame: [] for frame in FRAMES}
     for choice, k in product(HIDDEN, range(SETS)):
         truth = with_hidden(case.truth, *choice)
         for frame, errors in pose_errors(case.eta, truth, case.eta, unused_poses(truth, case.seed + k)).items():
-            made[frame].append(errors.worst)
-    return Before({frame: np.array(rows) for frame, rows in made.items()})
+            worst[frame].append(errors.worst)
+    return Before({frame: np.array(rows) for frame, rows in worst.items()})
 
 
 def report_assumed(report: Report, case: Case) -> None:
@@ -191,8 +191,8 @@ def report_assumed(report: Report, case: Case) -> None:
             place="table 1",
             run=circle,
         )
-    held = np.degrees(inclinations(10, case.rng(20))[:, 0])
-    report.row("10 groups: alpha equally spaced over +-20 deg, beta the same in random order", [-20, 20], [float(held[0]), float(held[-1])],
+    alphas = np.degrees(inclinations(10, case.rng(20))[:, 0])
+    report.row("10 groups: alpha equally spaced over +-20 deg, beta the same in random order", [-20, 20], [float(alphas[0]), float(alphas[-1])],
                "deg", place="2.1", run=inclinations)  # fmt: skip
     poses, drawn = random_postures(case.eta, np.full((2000, 2), np.nan), case.rng(60))
     report.row("workspace, not printed, assumed: share of postures that the rods' range rejects", None, 100 * (1 - len(poses) / drawn), "%",

@@ -81,7 +81,7 @@ def identify(q: np.ndarray, groups: np.ndarray, nominal: np.ndarray, free: np.nd
     return Identified(eta, costs, J)
 
 
-# --- what is told apart (1.2) ------------------------------------------------------------------------------------
+# --- what is identifiable (1.2) ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,10 +156,10 @@ def causes(
     """(8) on postures that truly have X (n, 6), equal (alpha, beta) in a group but for `tilts` (n, 2); `errors` (42,) is true
     less nominal, `rod_errors` (n, 6) true less measured extensions."""
     D, truth = neighbours(groups), nominal + errors
-    held = X.copy()
-    held[:, 3:5] += tilts
-    q = inverse(held, truth) - rod_errors
-    found = direct(q, nominal, held)
+    posed = X.copy()
+    posed[:, 3:5] += tilts
+    q = inverse(posed, truth) - rod_errors
+    found = direct(q, nominal, posed)
     at = slopes(found, q, nominal)
     by_rods = (at.by_rods[:, 3:5] @ rod_errors[:, :, None])[:, :, 0]
     by_parameters = at.by_eta[:, 3:5] @ errors

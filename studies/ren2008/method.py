@@ -85,9 +85,9 @@ def random_postures(eta: np.ndarray, inclinations: np.ndarray, rng: np.random.Ge
     return found, drawn
 
 
-def postures_in_groups(eta: np.ndarray, held: np.ndarray, rng: np.random.Generator, each: int = 4) -> np.ndarray:
-    """X of random postures, `each` for each inclination of `held` (groups, 2) [rad]."""
-    return random_postures(eta, np.repeat(held, each, axis=0), rng)[0]
+def postures_in_groups(eta: np.ndarray, inclined: np.ndarray, rng: np.random.Generator, each: int = 4) -> np.ndarray:
+    """X of random postures, `each` for each inclination of `inclined` (groups, 2) [rad]."""
+    return random_postures(eta, np.repeat(inclined, each, axis=0), rng)[0]
 
 
 def unused_poses(eta: np.ndarray, seed: int, count: int = TESTS) -> np.ndarray:
@@ -115,12 +115,14 @@ def measure(eta: np.ndarray, groups: int, each: int, precision: Precision, rng: 
     return measure_groups(eta, inclinations(groups, rng), each, precision, rng)
 
 
-def measure_groups(eta: np.ndarray, held: np.ndarray, each: int, precision: Precision, rng: np.random.Generator) -> Measurements:
+def measure_groups(
+    eta: np.ndarray, inclined: np.ndarray, each: int, precision: Precision, rng: np.random.Generator
+) -> Measurements:
     """The same at given inclinations (groups, 2) [rad]."""
-    tilts = np.repeat(held, each, axis=0)
+    tilts = np.repeat(inclined, each, axis=0)
     half = np.radians(0.5 * precision.inclinometer)
     X, _ = random_postures(eta, tilts + rng.uniform(-half, half, tilts.shape), rng)
-    return readings(inverse(X, eta), np.repeat(np.arange(len(held)), each), precision, rng)
+    return readings(inverse(X, eta), np.repeat(np.arange(len(inclined)), each), precision, rng)
 
 
 def measure_at(

@@ -116,8 +116,8 @@ def joints_of(eta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def free_columns(nominal: symkin.Mechanism) -> np.ndarray:
     """Indices of the 32 parameters that the paper's frames leave."""
-    held = set(held_names(nominal))
-    return np.array([k for k, name in enumerate(NAMES) if name not in held])
+    zeros = set(held_names(nominal))
+    return np.array([k for k, name in enumerate(NAMES) if name not in zeros])
 
 
 # --- rotations ---------------------------------------------------------------------------------------------------

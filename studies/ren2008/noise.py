@@ -105,13 +105,13 @@ def random_recoveries(case: Case, spread: float, trials: int) -> tuple[Fits, np.
 
 def noisy_series(case: Case, precision: Precision, tests: np.ndarray, trials: int) -> dict[str, Series]:
     """Figure 2 at one precision: both estimators on the same readings."""
-    made = {form: Series({count: [] for count in COUNTS}, []) for form in ESTIMATORS}
+    by_estimator = {form: Series({count: [] for count in COUNTS}, []) for form in ESTIMATORS}
     for groups, k in product(GROUPS, range(trials)):
         rng = case.rng(70, groups, round(1e6 * precision.rod), round(1e4 * precision.inclinometer), k)
         measured = measure(case.truth, groups, EACH, precision, rng)
-        for form, series in made.items():
+        for form, series in by_estimator.items():
             _add(series, EACH * groups, case, fit(case.nominal, measured, form), tests)
-    return made
+    return by_estimator
 
 
 def absolute_series(case: Case, accuracy: float, tests: np.ndarray, trials: int) -> Series:
@@ -143,9 +143,9 @@ def report_figure_2(report: Report, noisy: Noisy) -> None:
     for (form, name), frame in product(ESTIMATORS.items(), FRAMES):
         series = noisy[BEST][form]
         worst = series.worst(frame, 80)
-        held = worst[0] <= CLAIM[0] and worst[1] <= CLAIM[1]
+        within = worst[0] <= CLAIM[0] and worst[1] <= CLAIM[1]
         report.row(f"80 postures, {BEST}, {name}, {frame} frames: worst errors", CLAIM, worst, "mm, deg", place="2.2, abstract",
-                   run=series, verdict="reproduced" if held else "differs")  # fmt: skip
+                   run=series, verdict="reproduced" if within else "differs")  # fmt: skip
     report_trends(report, noisy)
 
 

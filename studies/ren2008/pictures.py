@@ -140,13 +140,13 @@ def draw_guesses(case: Case, modes: list[np.ndarray], points: int):
     planes = (((2, 5), flat, ((-1.6, 1.6), (-np.pi, np.pi)), "z [m]", "gamma [deg]", (1.0, HALF), "alpha = 60 deg"),
               ((0, 1), tilted, (x, y), "x [m]", "y [m]", (1.0, 1.0), "z = 0.6 m, beta = 70 deg"))  # fmt: skip
     for column, search in enumerate((rootfinder(system), least_squares(system))):
-        for row, (plane, at, ranges, across, up, scales, held) in enumerate(planes):
+        for row, (plane, at, ranges, across, up, scales, fixed) in enumerate(planes):
             axes = panels[row, column]
             draw_basins(axes, search, given, modes, plane, at, ranges, MODES, points=points, scales=scales)
             for mark in [*axes.texts, *axes.lines]:
                 mark.remove()
             axes.set(xlabel=f"guess: {across}", ylabel=f"guess: {up}")
-            axes.set_title(f"{search.name}: {held}, the others as at home", fontsize=10)
+            axes.set_title(f"{search.name}: {fixed}, the others as at home", fontsize=10)
     left.supxlabel("each guess has the colour of the mode that it leads to, as in the titles of the modes", fontsize=11)
     for k, X in enumerate(modes):
         axes = right.add_subplot(4, 4, k + 1, projection="3d")

@@ -1,6 +1,6 @@
 """XJ-HEXAS: chosen postures, the paper's further work: 24 planned poses, and 40 planned against 40 random ones.
 
-The plan is made for the nominal geometry by I-optimality (pose variance over the assumed workspace, constant base and tool
+The plan is computed for the nominal geometry by I-optimality (pose variance over the assumed workspace, constant base and tool
 frames taken away) over groups at level and at +-20 deg. True mechanisms are then brought to the planned poses, each group to its
 inclination as far as the inclinometer repeats. Random postures: 10 groups of 4 by the generator of `method`. Rod noise
 uniform within +-1 um, inclinometer within +-0.0005 deg. Units: m, deg.
@@ -115,8 +115,8 @@ def compare(case: Case, at: Chosen) -> np.ndarray:
         rng = np.random.default_rng([SEED, 20, k])
         truth = random_truth(case.nominal, 0.005, rng)
         tests = unused_poses(truth, SEED + k, 100)
-        made = [planned(case, truth, at, tests, [rng] * EACH), random(case, truth, tests, [rng] * EACH)]
-        rows.append(np.sqrt(np.mean([t.worst**2 for t in made], axis=1)).ravel())
+        both = [planned(case, truth, at, tests, [rng] * EACH), random(case, truth, tests, [rng] * EACH)]
+        rows.append(np.sqrt(np.mean([t.worst**2 for t in both], axis=1)).ravel())
     return np.array(rows)
 
 
@@ -127,12 +127,12 @@ def report_24(report: Report, case: Case, tests: np.ndarray, count: int) -> tupl
     seconds = time.perf_counter() - begin
     report.row("24 planned postures: alpha, beta [deg] and postures of each group", None, at.inclinations, place=PLACE, run=at)
     report.row("time of a plan of 24 postures", None, round(seconds, 1), "s", place=PLACE, run=at, volatile=True)
-    made = planned(case, case.truth, at, tests, [case.rng(24, k) for k in range(count)])
-    report.row(f"24 planned postures, {BEST}, aligned frames: worst errors, median", None, np.median(made.worst, axis=0).tolist(),
-               "mm, deg", place=PLACE, run=(at, made))  # fmt: skip
-    report.row("24 planned postures, aligned frames: experiments within what the paper reaches with 80, 0.1 mm and 0.01 deg", None, made.within(WANTED),
-               "%", place=PLACE, run=(at, made))  # fmt: skip
-    return at, made
+    trials = planned(case, case.truth, at, tests, [case.rng(24, k) for k in range(count)])
+    report.row(f"24 planned postures, {BEST}, aligned frames: worst errors, median", None, np.median(trials.worst, axis=0).tolist(),
+               "mm, deg", place=PLACE, run=(at, trials))  # fmt: skip
+    report.row("24 planned postures, aligned frames: experiments within what the paper reaches with 80, 0.1 mm and 0.01 deg", None, trials.within(WANTED),
+               "%", place=PLACE, run=(at, trials))  # fmt: skip
+    return at, trials
 
 
 def report_40(report: Report, at: Chosen, table: np.ndarray) -> None:
@@ -145,7 +145,7 @@ def report_40(report: Report, at: Chosen, table: np.ndarray) -> None:
         )  # fmt: skip
 
 
-def draw(at: Chosen, made: Trials, table: np.ndarray):
+def draw(at: Chosen, trials: Trials, table: np.ndarray):
     figure = new_figure(15, 4.8)
     figure.suptitle("XJ-HEXAS: chosen postures", fontsize=14)
     left, centre, right = figure.subplots(1, 3)
@@ -155,17 +155,17 @@ def draw(at: Chosen, made: Trials, table: np.ndarray):
     left.set(xlabel="x of the platform's circle [m]", ylabel="y [m]", aspect="equal")
     left.set_title("24 postures from above", loc="left")
     left.legend(fontsize=9, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.16))
-    centre.scatter(*made.worst.T, s=18, color="#0072b2")
+    centre.scatter(*trials.worst.T, s=18, color="#0072b2")
     centre.axvline(WANTED[0], color="#d55e00", ls="--", lw=1)
     centre.axhline(WANTED[1], color="#d55e00", ls="--", lw=1)
-    limits = 1.1 * np.maximum(WANTED, made.worst.max(axis=0))
+    limits = 1.1 * np.maximum(WANTED, trials.worst.max(axis=0))
     centre.set(
         xlabel="worst position error, aligned frames [mm]",
         ylabel="worst orientation error, aligned frames [deg]",
         xlim=(0, limits[0]),
         ylim=(0, limits[1]),
     )
-    centre.set_title(f"{len(made.fits)} experiments at 24 postures", loc="left")
+    centre.set_title(f"{len(trials.fits)} experiments at 24 postures", loc="left")
     places = np.arange(1, len(table) + 1)
     right.semilogy(places, table[:, 2], "s", color="#d55e00", label="40 random (10 x 4)")
     right.semilogy(places, table[:, 0], "o", color="#0072b2", label="40 planned")
@@ -184,14 +184,14 @@ def main() -> None:
     arguments = parser.parse_args()
     case = Case(symkin.load("ren2008"), symkin.load("ren2008_true"), SEED)
     report = Report("ren2008_planning", "XJ-HEXAS: chosen postures", SEED)
-    at, made = report_24(report, case, unused_poses(case.truth, SEED), arguments.trials)
+    at, trials = report_24(report, case, unused_poses(case.truth, SEED), arguments.trials)
     forty = chosen(make_plan(case.nominal, 40))
     report.row(
         "40 planned postures: alpha, beta [deg] and postures of each group", None, forty.inclinations, place=PLACE, run=forty
     )
     table = compare(case, forty)
     report_40(report, forty, table)
-    report.finish(draw(at, made, table), arguments.output)
+    report.finish(draw(at, trials, table), arguments.output)
 
 
 if __name__ == "__main__":

@@ -131,14 +131,14 @@ class Campaign:
 
 
 def campaign(
-    machine: Machine, held: np.ndarray, each: int, precision: Precision, rng: np.random.Generator, start: str = "plain"
+    machine: Machine, inclined: np.ndarray, each: int, precision: Precision, rng: np.random.Generator, start: str = "plain"
 ) -> Campaign:
-    """The procedure of 1.5: for each wedge `each` postures are levelled, and their rods read; `held` (groups, 2) are the
+    """The procedure of 1.5: for each wedge `each` postures are levelled, and their rods read; `inclined` (groups, 2) are the
     inclinations for which the wedges are drawn."""
     if start not in STARTS:
         raise ValueError(f"start = {start!r}; allowed: {', '.join(STARTS)}")
     loops = []
-    for drawn in held:
+    for drawn in inclined:
         wedge = level_turn(drawn + rng.uniform(-WEDGE_ERROR, WEDGE_ERROR, 2))
         commands, _ = random_postures(machine.model, np.tile(drawn, (each, 1)), rng)
         shift = np.zeros(2)
@@ -147,7 +147,7 @@ def campaign(
             loops.append(machine.level(begin, wedge, level_turn(drawn), rng))
             if start == "carried":
                 shift = loops[-1].command[3:5] - drawn
-    groups = np.repeat(np.arange(len(held)), each)
+    groups = np.repeat(np.arange(len(inclined)), each)
     q = inverse(np.array([loop.truth for loop in loops]), machine.truth)
     return Campaign(loops, groups, readings(q, groups, precision, rng))
 
@@ -155,16 +155,16 @@ def campaign(
 # --- rows --------------------------------------------------------------------------------------------------------
 
 DRAWS = 15
-"""Sets of postures over which condition numbers are taken: their median is told."""
+"""Sets of postures over which condition numbers are taken; rows give their median."""
 WEDGES = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 """Ranges of the inclinations, deg: +- each."""
 REPEATABILITY = np.radians(BEST.inclinometer)
 
 
-def condition(case: Case, held: np.ndarray, rng: np.random.Generator) -> tuple[int, float]:
-    """Rank and condition number of dC/deta (32 columns) at random postures of inclinations `held`."""
-    X = postures_in_groups(case.eta, held, rng)
-    found = spectrum(jacobian(by_parameters(case.eta, X)[:, :, case.free], group_numbers(len(held))))
+def condition(case: Case, inclined: np.ndarray, rng: np.random.Generator) -> tuple[int, float]:
+    """Rank and condition number of dC/deta (32 columns) at random postures of inclinations `inclined`."""
+    X = postures_in_groups(case.eta, inclined, rng)
+    found = spectrum(jacobian(by_parameters(case.eta, X)[:, :, case.free], group_numbers(len(inclined))))
     return found.rank, found.condition
 
 
@@ -218,50 +218,50 @@ def report_wedges(report: Report, case: Case, trials: int) -> dict[float, float]
 
 def wedge_errors(case: Case, tilt: float, trials: int) -> tuple[list[float], Fits]:
     """Median of the worst errors at unused poses after 80 postures within a range of inclinations [deg]."""
-    tests, made, fits = random_postures(case.truth, np.full((100, 2), np.nan), case.rng(46))[0], [], []
+    tests, worst, fits = random_postures(case.truth, np.full((100, 2), np.nan), case.rng(46))[0], [], []
     for k in range(trials):
-        held = inclinations(20, case.rng(47, k)) * tilt / TILT
-        found = fit(case.nominal, measure_groups(case.truth, held, EACH, BEST, case.rng(48, k)), "differences")
+        inclined = inclinations(20, case.rng(47, k)) * tilt / TILT
+        found = fit(case.nominal, measure_groups(case.truth, inclined, EACH, BEST, case.rng(48, k)), "differences")
         fits.append(found)
-        made.append(pose_errors(eta_from(found.values, case.eta), case.truth, case.eta, tests)["aligned"].worst)
-    return np.median(made, axis=0).tolist(), Fits(fits)
+        worst.append(pose_errors(eta_from(found.values, case.eta), case.truth, case.eta, tests)["aligned"].worst)
+    return np.median(worst, axis=0).tolist(), Fits(fits)
 
 
 def report_levelling(report: Report, case: Case, tests: np.ndarray) -> dict[str, Campaign]:
     """Steps (1) to (4): 20 wedges, 4 postures each, levelled by a controller that knows the nominal geometry only."""
-    held, place = inclinations(20, case.rng(50)), "1.5"
-    plain = campaign(Machine(case.truth, case.eta, REPEATABILITY), held, EACH, BEST, case.rng(51), "plain")
+    inclined, place = inclinations(20, case.rng(50)), "1.5"
+    nominal = campaign(Machine(case.truth, case.eta, REPEATABILITY), inclined, EACH, BEST, case.rng(51), "plain")
     report.row("levelling, 80 postures on 20 wedges: first reading, median and largest", None,
-               np.degrees([np.median(plain.first), plain.first.max()]), "deg", place=place, run=plain)  # fmt: skip
-    report.row("alpha, beta of levelled postures: largest difference within a group", None, float(np.degrees(plain.spread)), "deg",
-               place=place, run=plain)  # fmt: skip
-    found = fit(case.nominal, plain.measured, "differences")
+               np.degrees([np.median(nominal.first), nominal.first.max()]), "deg", place=place, run=nominal)  # fmt: skip
+    report.row("alpha, beta of levelled postures: largest difference within a group", None, float(np.degrees(nominal.spread)), "deg",
+               place=place, run=nominal)  # fmt: skip
+    found = fit(case.nominal, nominal.measured, "differences")
     identified = eta_from(found.values, case.eta)
     errors = pose_errors(identified, case.truth, case.eta, tests)
     for frame, error in errors.items():
         report.row(f"calibrated by the rods of levelled postures: worst errors, {frame} frames", None, error.worst, "mm, deg",
-                   place=place, run=(plain, Fits([found])))  # fmt: skip
+                   place=place, run=(nominal, Fits([found])))  # fmt: skip
     campaigns = {}
     for name, model in (("nominal", case.eta), ("identified", identified)):
         for start in STARTS:
-            made = campaign(Machine(case.truth, model, REPEATABILITY), held, EACH, BEST, case.rng(51), start)
-            campaigns[f"{name}, {start}"] = made
+            done = campaign(Machine(case.truth, model, REPEATABILITY), inclined, EACH, BEST, case.rng(51), start)
+            campaigns[f"{name}, {start}"] = done
     return campaigns
 
 
 def report_servo(report: Report, campaigns: dict[str, Campaign]) -> None:
     """The outlook's fast servo adjustment: moves until the inclinometer reads zero."""
-    for name, made in campaigns.items():
+    for name, done in campaigns.items():
         model, start = name.split(", ")
         how = "from the wedge's drawing" if start == "plain" else "carrying the last correction"
         report.row(f"levelling with the {model} geometry, {how}: moves for 80 postures, most for one", None,
-                   [int(made.moves.sum()), int(made.moves.max())], place="3, outlook", run=made)  # fmt: skip
+                   [int(done.moves.sum()), int(done.moves.max())], place="3, outlook", run=done)  # fmt: skip
 
 
 def report_range(report: Report, campaigns: dict[str, Campaign]) -> None:
     """What range the inclinometer needs: the method's against absolute readings over +-20 deg."""
-    plain = campaigns["nominal, plain"]
-    first = float(np.degrees(plain.first.max()))
-    report.row("largest reading in the loop, inclinations within +-20 deg", None, first, "deg", place="1.1", run=plain)
+    nominal = campaigns["nominal, plain"]
+    first = float(np.degrees(nominal.first.max()))
+    report.row("largest reading in the loop, inclinations within +-20 deg", None, first, "deg", place="1.1", run=nominal)
     report.row("'not limited by the inclinometer's range': a tenth of the inclinations' range is enough", True, first < 0.1 * TILT,
-               place="1.1, abstract", run=plain)  # fmt: skip
+               place="1.1, abstract", run=nominal)  # fmt: skip

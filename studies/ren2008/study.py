@@ -76,11 +76,11 @@ def report_drawn(report: Report) -> None:
 def another_platform(name: str, rng: np.random.Generator) -> Measurements:
     """Readings of groups of equal inclination on another platform on six rods, in its own workspace."""
     machine = symkin.load(name)
-    held = np.repeat(np.radians(rng.uniform(-15, 15, (SUITS_GROUPS, 2))), SUITS_EACH, axis=0)
-    places = machine.reference_pose.position + rng.uniform(-0.15, 0.15, (len(held), 3)) * machine.characteristic_length
+    inclined = np.repeat(np.radians(rng.uniform(-15, 15, (SUITS_GROUPS, 2))), SUITS_EACH, axis=0)
+    places = machine.reference_pose.position + rng.uniform(-0.15, 0.15, (len(inclined), 3)) * machine.characteristic_length
     poses = [
         symkin.Pose.from_euler(place, np.array([*pair, rng.uniform(-0.3, 0.3)]), "xyz")
-        for place, pair in zip(places + [0, 0, 0.5 * machine.characteristic_length], held, strict=True)
+        for place, pair in zip(places + [0, 0, 0.5 * machine.characteristic_length], inclined, strict=True)
     ]
     lengths = np.array([symkin.solve(machine, pose=pose).solution.actuated_values for pose in poses])
     starts = np.array([[*pose.position, *pose.quaternion] for pose in poses])

@@ -1,6 +1,6 @@
 """Enumeration of modes from varied initial guesses, by CasADi's own solvers on the closure as a paper writes it.
 
-A closure F(X, u) = 0 has unknowns X and given values u. From each guess of X two searches are made: Newton's method by
+A closure F(X, u) = 0 has unknowns X and given values u. From each guess of X run two searches: Newton's method by
 CasADi's `rootfinder`, and least squares, min |F|^2 / 2, by IPOPT. An end counts only if every row of F vanishes there; which
 mode it is, is read off the list that continuation gives. `symkin.modes(..., method="multistart")` is the third search:
 Levenberg-Marquardt on all rows, all guesses at once.
@@ -48,7 +48,7 @@ class Closure:
         return ca.Function("F", [self.X, self.u], [self.F])
 
     def residual(self, X: np.ndarray, u: np.ndarray) -> float:
-        """Largest |F| over the size; infinite where F is not finite. Whole turns are left out: after 1e7 of them a sine has nine
+        """Return the largest |F| over the size; infinite where F is not finite. Whole turns are left out: after 1e7 of them a sine has nine
         digits left."""
         X = np.asarray(X, dtype=float)
         X = np.where(self.angles, X - 2 * np.pi * np.round(X / (2 * np.pi)), X)
@@ -56,7 +56,7 @@ class Closure:
         return value if np.isfinite(value) else np.inf
 
     def nearest(self, X: np.ndarray, modes: Sequence[np.ndarray]) -> int | None:
-        """Index of the mode that X is, modulo whole turns; None where it is none of them."""
+        """Find the index of the mode that X is, modulo whole turns; None where it is none of them."""
         for index, mode in enumerate(modes):
             if self.distance(X, mode) < SAME:
                 return index
@@ -100,13 +100,13 @@ class Search:
 
 
 def rootfinder(closure: Closure) -> Search:
-    """Newton's method with CasADi's line search: as many rows as unknowns."""
+    """Search by Newton's method with CasADi's line search: as many rows as unknowns."""
     find = ca.rootfinder("newton", "newton", {"x": closure.X, "p": closure.u, "g": closure.F}, ROOTFINDER)
     return Search("rootfinder", closure, lambda X, u: find(x0=X, p=u)["x"], lambda: int(find.stats()["iter_count"]))
 
 
 def least_squares(closure: Closure) -> Search:
-    """min |F|^2 / (2 size^2) by IPOPT: any number of rows."""
+    """Search min |F|^2 / (2 size^2) by IPOPT: any number of rows."""
     cost = 0.5 * ca.sumsqr(closure.F / closure.size)
     find = ca.nlpsol("ipopt", "ipopt", {"x": closure.X, "p": closure.u, "f": cost}, IPOPT)
     return Search("IPOPT", closure, lambda X, u: find(x0=X, p=u)["x"], lambda: int(find.stats()["iter_count"]))
@@ -122,13 +122,13 @@ class Trial:
     found: list[int | None]
 
     def evidence(self) -> dict[str, object]:
-        """What was run, for a row of a report."""
+        """Say what was run, for a row of a report."""
         name, count = self.search.name, len(self.ends)
         return {"by": f"casadi {name}", "method": name, "starts": count, "text": f"{name}, {count} guesses"}
 
     @property
     def hits(self) -> list[int]:
-        """How many guesses led to each mode, in the order of the list of modes."""
+        """Count the guesses that led to each mode, in the order of the list of modes."""
         return [self.found.count(k) for k in range(self.modes)]
 
     @property
@@ -137,24 +137,24 @@ class Trial:
 
     @property
     def failures(self) -> int:
-        """Guesses that led to no closed configuration."""
+        """Count the guesses that led to no closed configuration."""
         return sum(not end.closed for end in self.ends)
 
     @property
     def unknown(self) -> int:
-        """Guesses that closed the loops at a configuration that is not in the list of modes."""
+        """Count the guesses that closed the loops at a configuration that is not in the list of modes."""
         return sum(end.closed and k is None for end, k in zip(self.ends, self.found, strict=True))
 
     @property
     def needed(self) -> int | None:
-        """Guesses made until the last mode was met; None where a mode was missed."""
+        """Count the guesses until the last mode was met; None where a mode was missed."""
         if self.met < self.modes:
             return None
         return 1 + max(self.found.index(k) for k in range(self.modes))
 
     @property
     def iterations(self) -> list[int]:
-        """Median and largest number of iterations of the guesses that led to a mode."""
+        """Return median and largest number of iterations of the guesses that led to a mode."""
         counts = [end.iterations for end, k in zip(self.ends, self.found, strict=True) if k is not None]
         return [int(np.median(counts)), max(counts)] if counts else []
 
@@ -171,7 +171,7 @@ def attempt(search: Search, guesses: np.ndarray, u: np.ndarray, modes: Sequence[
 
 
 def report_trials(report, what: str, place: str, trials: Sequence[Trial]) -> None:
-    """The rows of the table: for each search modes met, hits, guesses needed, failures, iterations, and the time apart."""
+    """Report the rows of the table: for each search modes met, hits, guesses needed, failures, iterations, and the time apart."""
     for trial in trials:
         name = f"{what}, {trial.search.name}"
         missed = trial.modes - trial.met
@@ -214,7 +214,7 @@ def draw_basins(
 
 
 def _mark_modes(axes, modes, plane: tuple[int, int], scales: tuple[float, float], extent: list[float], colours) -> None:
-    """A circle where modes lie in the plane, with their numbers; modes that lie at one place share it."""
+    """Draw a circle where modes lie in the plane, with their numbers; modes that lie at one place share it."""
     places: dict[tuple[float, float], list[int]] = {}
     for index, mode in enumerate(modes):
         x, y = (round(scale * mode[k], 3) for scale, k in zip(scales, plane, strict=True))

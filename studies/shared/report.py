@@ -44,7 +44,7 @@ class Report:
         self, quantity: str, paper: Any, computed: Any, unit: str = "", *,
         run: Any = None, place: str = "", tolerance: float | None = None, verdict: str | None = None, volatile: bool = False,
     ) -> None:  # fmt: skip
-        """One line. `paper` is None where the paper does not say; `run` is what computed the value: a result of symkin, a
+        """Add one line. `paper` is None where the paper does not say; `run` is what computed the value: a result of symkin, a
         function, or several of them; `tolerance` defaults to one unit of the last digit that the paper prints. `volatile`
         marks times and the like, which differ from run to run."""
         difference = None
@@ -63,11 +63,11 @@ class Report:
         )  # fmt: skip
 
     def outside(self, quantity: str, place: str, reason: str) -> None:
-        """An item of the paper that is not computed, with the reason."""
+        """Add an item of the paper that is not computed, with the reason."""
         self.row(quantity, None, reason, place=place, run=None, verdict="outside")
 
     def erratum(self, text: str, *, shown: bool) -> None:
-        """An error of the paper; `shown` is the computation's verdict, and a claim that fails stops the study."""
+        """Add an error of the paper; `shown` is the computation's verdict, and a claim that fails stops the study."""
         if not shown:
             raise SystemExit(f"{self.name}: the computation does not show the erratum: {text}")
         self.errata.append(text)
@@ -86,7 +86,7 @@ class Report:
         print("written: " + ", ".join(str(path) for path in (*pictures, data, page)))
 
     def markdown(self) -> str:
-        """The table as a page of docs/papers; rows that differ from run to run are left out."""
+        """Write the table as a page of docs/papers; rows that differ from run to run are left out."""
         seed = "" if self.seed is None else f", seed {self.seed}"
         lines = [f"# {self.title}", "", f"Written by `python studies/{SCRIPTS[self.name]} -o out`{seed}.", ""]
         lines += ["| item | in the paper | what was run | paper | computed | verdict |", "|---|---|---|---|---|---|"]
@@ -112,7 +112,7 @@ class Report:
 
 
 def evidence(run: Any) -> list[dict[str, Any]]:
-    """What was run, read off the results themselves; a result of a study's own says it by its method `evidence`."""
+    """Read off the results themselves what was run; a result of a study's own says it by its method `evidence`."""
     if run is None:
         return []
     if isinstance(run, list | tuple):
@@ -131,7 +131,7 @@ def evidence(run: Any) -> list[dict[str, Any]]:
 
 
 def options_parser(description: str | None, seed: int | None = None) -> ArgumentParser:
-    """`-o`, and `--seed` where a study has one; a study adds its own options."""
+    """Read `-o`, and `--seed` where a study has one; a study adds its own options."""
     parser = ArgumentParser(description=description)
     parser.add_argument("-o", "--output", type=Path, default=Path("out"), help="folder for the PNG and the JSON (default: out)")
     if seed is not None:
@@ -140,13 +140,13 @@ def options_parser(description: str | None, seed: int | None = None) -> Argument
 
 
 def folder_from_arguments(description: str | None) -> Path:
-    """The folder that `-o` names; default `out`."""
+    """Return the folder that `-o` names; default `out`."""
     folder: Path = options_parser(description).parse_args().output
     return folder
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """A figure that needs no display."""
+    """Open a figure that needs no display."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -156,7 +156,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def equal_axes(axes: Any, low: Sequence[float], high: Sequence[float], unit: str, step: float) -> None:
-    """A 3-D picture of the box from `low` to `high` at equal scales, ticks at multiples of `step`, the unit on each axis."""
+    """Frame a 3-D picture of the box from `low` to `high` at equal scales, ticks at multiples of `step`, the unit on each axis."""
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
     axes.set_box_aspect(np.subtract(high, low), zoom=1.12)
     for axis, name, a, b in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz", low, high, strict=True):
@@ -177,7 +177,7 @@ def _verdict(paper: Any, computed: Any, difference: Any, tolerance: float | None
 
 
 def _last_digit(value: float) -> float:
-    """One unit of the last digit that a printed number shows; half a unit for whole numbers, which are counts."""
+    """Return one unit of the last digit that a printed number shows; half a unit for whole numbers, which are counts."""
     text = repr(float(value))
     if "e" in text:
         mantissa, exponent = text.split("e")

@@ -40,7 +40,7 @@ class _Frame:
 
     @staticmethod
     def around(bodies: Sequence[MechanismLines], view: View, width: float, caption: float) -> _Frame:
-        """As large as all bodies, seen on the plane of the picture, allow."""
+        """Make panels as large as all bodies, seen on the plane of the picture, allow."""
         seen = (np.vstack([body.points for body in bodies]) - view.limits.mean(axis=1)) @ view.axes[:2].T
         low, high = seen.min(axis=0), seen.max(axis=0)
         scale = 0.9 * width / float(high[0] - low[0])
@@ -51,7 +51,7 @@ class _Frame:
 def draw_small_multiples(
     found: Modes, title: str, subtitle: str, columns: int, *, width: float = 2.0, scale: float = 0.5, captions: Sequence[str] = ()
 ) -> Figure:
-    """One panel a mode, `columns` in a row, each `width` inches wide; limbs of a platform in colours of their own; a caption
+    """Draw one panel a mode, `columns` in a row, each `width` inches wide; limbs of a platform in colours of their own; a caption
     (up to two lines) below each drawing where there are any."""
     mechanism = found.problem.mechanism
     bodies = [lines_at(mechanism, mode.values, mode.pose) for mode in found]
@@ -84,7 +84,7 @@ def _heading(figure: Figure, title: str, subtitle: str) -> None:
 
 
 def _panel(figure: Figure, body: MechanismLines, view: View, frame: _Frame, corner: np.ndarray, scale: float) -> None:
-    """One bare panel whose lower left corner (inches) is `corner`: square axes that hold the whole box."""
+    """Draw one bare panel whose lower left corner (inches) is `corner`: square axes that hold the whole box."""
     size = figure.get_size_inches()
     side = 1.3 * frame.scale * max(view.picture)
     foot = corner + [0.5 * frame.width, 0.5 * (frame.height + frame.caption)] + frame.shift - 0.5 * side
@@ -99,14 +99,14 @@ def _panel(figure: Figure, body: MechanismLines, view: View, frame: _Frame, corn
 
 
 def _centre(axes: Any, view: View) -> np.ndarray:
-    """Where the middle of the box is seen from the middle of the axes, as a share of their size."""
+    """Find where the middle of the box is seen from the middle of the axes, as a share of their size."""
     seen = axes.get_proj() @ np.array([*view.limits.mean(axis=1), 1.0])
     limits = axes.viewLim
     return np.asarray((seen[:2] / seen[3] - [limits.x0, limits.y0]) / [limits.width, limits.height] - 0.5)
 
 
 def _card(figure: Figure, corner: np.ndarray, frame: _Frame) -> None:
-    """A pale ground that keeps a panel apart from its neighbours."""
+    """Draw a pale ground that keeps a panel apart from its neighbours."""
     from matplotlib.patches import Rectangle
 
     size = figure.get_size_inches()
@@ -116,7 +116,7 @@ def _card(figure: Figure, corner: np.ndarray, frame: _Frame) -> None:
 
 
 def _strip(axes: Any) -> None:
-    """Without labels, box and the axes of frames."""
+    """Take away labels, box and the axes of frames."""
     for text in list(axes.texts):
         text.remove()
     for line in [line for line in axes.lines if line.get_color() in FRAME_COLOURS]:
@@ -125,14 +125,14 @@ def _strip(axes: Any) -> None:
 
 
 def _spokes(axes: Any, body: MechanismLines, scale: float) -> None:
-    """Thin lines from the middle of base and platform to their joints: which points belong to one body."""
+    """Draw thin lines from the middle of base and platform to their joints: which points belong to one body."""
     for points, name in ((body.base, "base edge"), (body.platform, "platform edge")):
         for point in points:
             axes.plot(*np.array([points.mean(axis=0), point]).T, color=COLOURS[name], lw=1.1 * scale, alpha=0.6, zorder=9.0)
 
 
 def _colour_limbs(axes: Any, body: MechanismLines, view: View, scale: float) -> None:
-    """Each limb over its own lines, cut where they cross others, at the depth of each piece."""
+    """Colour each limb over its own lines, cut where they cross others, at the depth of each piece."""
     parts = [
         (colour, segment)
         for limb, colour in zip(body.limbs, LIMB_COLOURS, strict=False)

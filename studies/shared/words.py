@@ -19,7 +19,7 @@ _SUM, _PRODUCT, _ATOM = 1, 2, 3
 
 
 def written(expression: ca.SX) -> str:
-    """A scalar expression as text; terms with a factor of rounding noise vanish."""
+    """Write a scalar expression as text; terms with a factor of rounding noise vanish."""
     return _text(expression)[0]
 
 
@@ -72,7 +72,7 @@ def _product(parts: list[ca.SX]) -> tuple[str, int]:
 
 
 def _bound(part: tuple[str, int], tightness: int) -> str:
-    """In brackets where the operation around binds more tightly."""
+    """Put in brackets where the operation around binds more tightly."""
     text, own = part
     return f"({text})" if own < tightness else text
 
@@ -81,7 +81,7 @@ def _bound(part: tuple[str, int], tightness: int) -> str:
 
 
 def statement(found: Modes) -> str:
-    """Completeness as the result itself states it: `proved: 40 complex solutions, 40 real, 40 certified, 0 paths unresolved`."""
+    """State completeness as the result itself states it: `proved: 40 complex solutions, 40 real, 40 certified, 0 paths unresolved`."""
     complex_count = "unknown number of" if found.complex_count is None else str(found.complex_count)
     unresolved = "no paths" if found.unresolved_paths is None else f"{found.unresolved_paths} paths unresolved"
     return (
@@ -90,12 +90,12 @@ def statement(found: Modes) -> str:
 
 
 def certified(found: Modes) -> int:
-    """How many modes carry a certificate."""
+    """Count the modes that carry a certificate."""
     return sum(mode.certified is True for mode in found)
 
 
 def largest_radius(found: Modes) -> float | None:
-    """The largest radius within which a certificate places its mode, length unit; None without certificates."""
+    """Return the largest radius within which a certificate places its mode, length unit; None without certificates."""
     return max((mode.radius for mode in found if mode.radius is not None), default=None)
 
 
@@ -104,7 +104,7 @@ def largest_residual(found: Modes) -> float | None:
 
 
 def distances(found: Modes, size: float) -> np.ndarray:
-    """Largest difference (n, n) of two modes' positions and, times `size`, rotation matrices; infinite on the diagonal."""
+    """Return the largest difference (n, n) of two modes' positions and, times `size`, rotation matrices; infinite on the diagonal."""
     rows = np.array([[*mode.position, *(size * mode.rotation.ravel())] for mode in found]).reshape(len(found), 12)
     apart = np.max(np.abs(rows[:, None] - rows[None]), axis=2, initial=0.0)
     np.fill_diagonal(apart, np.inf)

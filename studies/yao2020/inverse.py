@@ -71,8 +71,8 @@ def f_iteration(A: np.ndarray, R: np.ndarray, angle=angle_of_planes) -> Function
 
 
 def paper_search(f: Function, order: str) -> tuple[float, int]:
-    """The printed loop on [-500, 0] to 1e-8. `order`: which test is made first, 'left' (f_min f_mid < 0) or 'right';
-    'both': one after the other with the same values, as printed. Returns L6 and the steps made."""
+    """The printed loop on [-500, 0] to 1e-8. `order`: which test comes first, 'left' (f_min f_mid < 0) or 'right';
+    'both': one after the other with the same values, as printed. Returns L6 and the number of steps."""
     (low, high), steps = STROKE, 0
     at_low, at_high = f(low), f(high)
     for steps in range(1, 201):  # noqa: B007 - the last value is returned

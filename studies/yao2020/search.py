@@ -1,7 +1,7 @@
 """What each way to L6 takes, over many poses: the printed loop, the chord in place of its midpoint, Newton's method, no loop.
 
 Poses are those of random joint values: theta1 to theta5 within 60 degrees, L6 between -300 and 0. Every way is given the same
-poses; an end counts as right where it is the L6 that the pose was made from, as another root where it is one, else as none.
+poses; an end counts as right where it is the L6 that the pose was computed from, as another root where it is one, else as none.
 Rows of section 2.2.1 and conclusions 2 to 4: planes, (4) to (8), the loop, its steps over many poses, the closed form.
 
 Units: mm, deg. Source: Yao Haifeng et al. 2020 (see `study`).
@@ -162,7 +162,7 @@ def report_search(report: Report) -> None:
     """Section 2.2.1."""
     report_planes(report)
     report_shorter_way(report)
-    report_told_angle(report)
+    report_angle_by_sine(report)
     report_shape(report)
     report_loop(report)
 
@@ -199,19 +199,19 @@ def report_shorter_way(report: Report) -> None:
     report.row("e = R^T E0, E in the tool's axes", None, e, "mm", place="2.2.1", run=axis5_origin)
     for k, what in enumerate(("O in the plane of F and axis 5", "|OF| - a1")):
         report.row(f"closure in L6 and theta5, {what}: 0 =", None, written(F[k]), "mm", place="2.2.1, (5)-(8)", run=plane_closure)
-    short, mended, told = distance_function(A, R), f_iteration(A, R, full_angle_of_planes), f_iteration(A, R)
+    short, mended, printed = distance_function(A, R), f_iteration(A, R, full_angle_of_planes), f_iteration(A, R)
     parts = {"[e_x, 0]": np.linspace(e[0], STROKE[1], 200), "[-500, e_x]": np.linspace(STROKE[0], e[0], 200)}
     for where, values in parts.items():
-        off = [max(abs(f(x) - short(x)) for x in values) for f in (told, mended)]
+        off = [max(abs(f(x) - short(x)) for x in values) for f in (printed, mended)]
         label = f"f by (4)-(8) less f = sqrt((h - a2)^2 + e_z^2) - a1, largest on {where}: (6) as told, (6) with its cosine"
         report.row(label, None, off, "mm", place="2.2.1, (4)-(8)", run=(f_iteration, distance_function))
 
 
-def report_told_angle(report: Report) -> None:
+def report_angle_by_sine(report: Report) -> None:
     """(6) as the text tells it has only the sine of theta5."""
     A, R = TIP, goal_rotation()
-    told, second = f_iteration(A, R), inverse(A, R)[2]
-    false, seen = paper_search(told, "left")[0], angle_of_planes(A, R, second[5])
+    printed, second = f_iteration(A, R), inverse(A, R)[2]
+    false, seen = paper_search(printed, "left")[0], angle_of_planes(A, R, second[5])
     miss = misses(returned(A, R, false, 1), A, R)
     row = partial(report.row, place="2.2.1, (6)")
     row("f by (6) as told: its left root", None, false, "mm", run=(f_iteration, paper_search))
@@ -222,7 +222,7 @@ def report_told_angle(report: Report) -> None:
         f"{second[4]:.3f}, so that f has no root there and a false one at {false:.3f}, from which the return of the axes misses the "
         f"pose by {miss:.0f} mm. (Formula (6) itself is missing in the copy at hand.)"
     )
-    report.erratum(text, shown=abs(seen + second[4] - 180) < 1e-6 and abs(told(second[5])) > 1 and miss > 1)
+    report.erratum(text, shown=abs(seen + second[4] - 180) < 1e-6 and abs(printed(second[5])) > 1 and miss > 1)
 
 
 def report_shape(report: Report) -> None:

@@ -118,18 +118,18 @@ def newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarray) ->
     function, n = PaperNewton(closure).evaluate, int(closure.X.shape[0])
     tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)
     prepare = f"static double result[{n}]; int status; for (int i = 0; i < {n}; ++i) {{ result[i] = begin[k][i]; }}"
-    made = _folder("newton", "written", tables, prepare, "status = written(known[k], result);", "written")
+    bench = _folder("newton", "written", tables, prepare, "status = written(known[k], result);", "written")
     generator = ca.CodeGenerator("f_d.c", {"with_header": True})
     generator.add(function)
-    generator.generate(f"{made.folder}/")
+    generator.generate(f"{bench.folder}/")
     sizes = zip(("arg", "res", "iw", "w"), (function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w()), strict=True)
     values = {"n": n, "most": MOST, "closed": CLOSED_SCALED, **{key: size + 1 for key, size in sizes}}
     text = NEWTON
     for key, value in values.items():
         text = text.replace(f"@{key}@", str(value))
-    (made.folder / "written.h").write_text('#include "f_d.h"\nint written(const double *u, double *X);\n')
-    (made.folder / "newton.c").write_text(f'#include "f_d.c"\n{text}')
-    return made
+    (bench.folder / "written.h").write_text('#include "f_d.h"\nint written(const double *u, double *X);\n')
+    (bench.folder / "newton.c").write_text(f'#include "f_d.c"\n{text}')
+    return bench
 
 
 def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarray) -> Any:
@@ -142,11 +142,11 @@ def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarra
     prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}]; static double result[{n}]; int status;
         const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }}; double *res[{sizes[1] + 1}] = {{ result }};"""
     tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)
-    made = _folder("solver_c", "solver_c", tables, prepare, "status = solver(arg, res, iw, w, 0);", "solver")
+    bench = _folder("solver_c", "solver_c", tables, prepare, "status = solver(arg, res, iw, w, 0);", "solver")
     generator = ca.CodeGenerator("solver_c.c", {"with_header": True})
     generator.add(solver)
-    generator.generate(f"{made.folder}/")
-    return made
+    generator.generate(f"{bench.folder}/")
+    return bench
 
 
 def symkin_harness(expected: np.ndarray) -> Any:
@@ -157,9 +157,9 @@ def symkin_harness(expected: np.ndarray) -> Any:
         for (int i = 0; i < 3; ++i) { pose.position[i] = begin[k][i]; }
         for (int i = 0; i < 4; ++i) { pose.quaternion[i] = begin[k][3 + i]; }"""
     call = "status = (int)zhang2009_direct(0, known[k], &pose, &pose, &info);"
-    made = _folder("zhang2009", "zhang2009", tables, prepare, call, "zhang2009_direct")
-    write_folder(symkin.load("zhang2009"), made.folder, Options("double", home=HOME))
-    return made
+    bench = _folder("zhang2009", "zhang2009", tables, prepare, call, "zhang2009_direct")
+    write_folder(symkin.load("zhang2009"), bench.folder, Options("double", home=HOME))
+    return bench
 
 
 def contenders() -> dict[str, tuple[Callable[[], Any], float]]:

@@ -46,7 +46,7 @@ START = (0.0, 0.0, 100.0, 0.0, 0.0, 0.0)
 """Table 2 is missing: above the base, without rotation, is the start of this study."""
 START_NEARBY = (0.0, 0.0, 100.0, 5.0, 5.0, 5.0)
 EVIDENT_POSE = (119.0, 88.0, 72.0, 10.0, 21.0, 15.0)
-"""Gives table 1 to its last digit: the pose from which the paper made its example."""
+"""Gives table 1 to its last digit: the pose from which the paper computed its example."""
 SCALES = np.array([BASE_RADIUS, BASE_RADIUS, BASE_RADIUS, 1.0, 1.0, 1.0])
 """Units of the solvers' unknowns: lengths in radii of the base, angles in rad. Lengths in mm beside angles in rad would leave
 IPOPT in local minima more often; Newton's method does not mind."""

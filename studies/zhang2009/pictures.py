@@ -163,14 +163,14 @@ def draw_guesses(six: Closure, poses: list[symkin.Pose], points: int):
     figure.suptitle("Gough-Stewart platform: from which guesses each method reaches which of the four modes", fontsize=16)
     grid = figure.add_gridspec(2, 6, width_ratios=(1, 1, 1, 0.15, 1, 1))
     for column, (title, search) in enumerate(searches.items()):
-        for row, (plane, ranges, x, y, held) in enumerate(planes):
+        for row, (plane, ranges, x, y, others) in enumerate(planes):
             axes = figure.add_subplot(grid[row, column])
             scales = tuple(BASE_RADIUS if k < 3 else math.degrees(1) for k in plane)
             draw_basins(
                 axes, search, TABLE_1 / BASE_RADIUS, modes, plane, scaled(START), ranges, MODES, points=points, scales=scales
             )
             axes.set(xlabel=f"guess: {x}", ylabel=f"guess: {y}", xticks=ticks[plane[0]], yticks=ticks[3])
-            axes.set_title(f"{title}\n{held}", fontsize=12)
+            axes.set_title(f"{title}\n{others}", fontsize=12)
     for k, pose in enumerate(poses):
         axes = figure.add_subplot(grid[k % 2, 4 + k // 2], projection="3d")
         draw_platform(axes, pose, f"mode {k + 1}")

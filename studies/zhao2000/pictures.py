@@ -91,8 +91,8 @@ def draw_guesses(closure: Closure, poses: list[np.ndarray], points: int):
             axes = figure.add_subplot(grid[row, column])
             draw_basins(axes, search, inside(INPUT), modes, plane, at, ranges, MODES, points=points, scales=scales)
             axes.set(xlabel=f"guess: {x}", ylabel=f"guess: {y}", yticks=range(-180, 181, 90))
-            held = "Xp = Yp = 0" if row == 0 else "Yp = 0, Zp = 100 mm"
-            axes.set_title(f"{search.name}, {held}", fontsize=12)
+            others = "Xp = Yp = 0" if row == 0 else "Yp = 0, Zp = 100 mm"
+            axes.set_title(f"{search.name}, {others}", fontsize=12)
     for k, pose in enumerate(poses):
         axes = figure.add_subplot(grid[k % 2, 2 + k // 2], projection="3d")
         draw_space(axes, pose, f"mode {k + 1}")

@@ -12,7 +12,7 @@ and for equilateral triangles with corners at the same directions their determin
 so that type 2 singularities are: Zp = 0, the circle Xp^2 + Yp^2 = a^2 + c^2 - 2 a c cos gamma, and
 gamma = +-arccos(c / a) at every position. Type 1: |e_i| = 0 or l_op = 0. In the inputs, A sin(gamma) + B cos(gamma) + C = 0 has
 a double root, C^2 = A^2 + B^2, for gamma = +-arccos(c / a); on the circle A = B = C = 0, so that gamma is free: the lines are 120
-degrees apart, and the platform turns with its inputs held.
+degrees apart, and the platform turns while its inputs stand still.
 Units: mm; degrees where printed, radians inside. The paper does not treat singularities: the column `paper` holds closed forms.
 """
 
@@ -78,7 +78,7 @@ def at(platform: symkin.Mechanism, pose) -> Singularity:
 
 
 def pole(pose) -> np.ndarray:
-    """Where the normals of the limbs at C_i meet: the axis about which the platform can turn with the inputs held."""
+    """Where the normals of the limbs at C_i meet: the axis about which the platform can turn while the inputs stand still."""
     directions = corners(pose)[:, :2] - BASE
     right = np.sum(directions * corners(pose)[:, :2], axis=1)
     return np.linalg.lstsq(directions, right, rcond=None)[0]
@@ -181,7 +181,7 @@ def report_inputs(report: Report) -> None:
 
 
 def report_self_motion(report: Report, platform: symkin.Mechanism) -> None:
-    """One input on the circle: the platform turns by any gamma with all inputs held, up to the sphere |P| = l_op."""
+    """One input on the circle: the platform turns by any gamma while all inputs stand still, up to the sphere |P| = l_op."""
     start = (circle_radius(GAMMA), 0.0, 100.0, GAMMA)
     given = inverse(start)
     found = symkin.modes(platform, joints=given)
