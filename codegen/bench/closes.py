@@ -1,9 +1,11 @@
 """Whether OK of generated C means that all loops close: machines of all kinds, poses on and off what they can take.
 
-    python codegen/bench/closes.py [--random 30] [--seed 0] [--poses 60] [--only NAME]
+    python codegen/bench/closes.py [--random 30] [--seed 0] [--poses 60] [--only NAME] [--kind map|arm|platform] [--no-named]
 
 What C answers is put into the closure of tests/oracle/plain_closure.py and plain_graph.py, where every joint keeps its coordinates; passive
-joints are looked for from many starts. A folder's own test is run too. Exit status 1 where an OK does not close or a test fails.
+joints are looked for from many starts. Each answer is asked for once more, from itself: standing still has to be OK. A folder's own test is
+run too, when it is written and here. The last line has the numbers of machines, calls, OKs, OKs that do not close, own tests that fail
+and refusals of standing still. Exit status 1 where one of the last three is not zero.
 """
 
 from __future__ import annotations
@@ -55,6 +57,8 @@ LOOPS = {
 HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
 CLOSES = {"float": 4e-5, "double": 4e-6}
 """Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which add up in rows written otherwise."""
+OWN_TEST = "own test fails"
+"""What a refusal says of code that was not written because its test fails."""
 SECONDS = 100
 """Time after which a machine is left out."""
 STARTS = 24
@@ -63,7 +67,8 @@ FLAGS = ["-O1", "-std=c99", "-fno-math-errno", "-ffp-contract=off"]
 
 @dataclass
 class Tally:
-    """What came of one machine's code in one type: calls, OKs, OKs that do not close, the worst of these, and its own test."""
+    """What came of one machine's code in one type: calls, OKs, OKs that do not close, the worst of these, answers that are refused when
+    they are asked for from themselves, and its own test."""
 
     name: str
     kind: str
@@ -72,6 +77,7 @@ class Tally:
     ok: int = 0
     open: int = 0
     worst: float = 0.0
+    moved: int = 0
     on_set: int = 0
     on_set_ok: int = 0
     test: str = ""
@@ -80,7 +86,7 @@ class Tally:
     def line(self) -> str:
         return (
             f"{self.name:28} {self.kind:9} {self.real:6} calls {self.calls:5} OK {self.ok:5} open {self.open:4} worst {self.worst:8.1e} "
-            f"feasible taken {self.on_set_ok}/{self.on_set} test {self.test}"
+            f"still refused {self.moved:3} feasible taken {self.on_set_ok}/{self.on_set} test {self.test}"
         )
 
 
@@ -203,6 +209,7 @@ def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, 
         # on the set from beside the answer
         guesses = np.vstack([limbs.joints(x)] * 2) + 0.05 * rng.normal(size=(len(targets), number)) * units
         joints, status, _ = asked(library.ask_all, real, [targets, guesses], [number], "iiosn")
+        _stand_still(tally, library.ask_all, targets, joints, status == 0, "inverse")
     else:
         begin = np.vstack([x, x, x])
         targets = np.vstack([on, limbs.moved(on), projected(plain, limbs.moved(on))])
@@ -214,8 +221,23 @@ def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, 
         home = limbs.poses(plain.reference[None]) if machine.home is None else np.array([machine.home])
         guesses = np.tile(home, (len(wanted), 1))
         found, status, _ = asked(library.ask_all, real, [wanted, guesses], [7], "iiosn")
+        _stand_still(tally, library.ask_all, wanted, found, status == 0, "direct")
         _count(tally, limbs, begin, found, wanted, status == 0, len(x), "direct")
     return tally
+
+
+def _stand_still(
+    tally: Tally, function: ctypes._CFuncPtr, goals: np.ndarray, answers: np.ndarray, ok: np.ndarray, what: str
+) -> None:
+    """Ask for answers from themselves."""
+    if not ok.any():
+        return
+    _, status, _ = asked(function, tally.real, [goals[ok], answers[ok]], [answers.shape[1]], "iiosn")
+    tally.moved += int(np.sum(status != 0))
+    for k in np.flatnonzero(status)[:2]:
+        tally.examples.append(
+            f"{what}: standing still refused ({status[k]}): {goals[ok][k].tolist()} from {answers[ok][k].tolist()}"
+        )
 
 
 def _count(
@@ -256,6 +278,7 @@ def of_map(machine: Machine, real: str, poses: int, rng: np.random.Generator, fo
         guesses = np.vstack([values[:, wanted], np.tile(home[wanted], (len(near), 1))])
         found, status, _ = asked(function, real, [goals, guesses], [len(wanted)], "iiosn")
         ok = status == 0
+        _stand_still(tally, function, goals, found, ok, "direct" if known is places[0] else "inverse")
         tally.calls, tally.ok = tally.calls + len(ok), tally.ok + int(ok.sum())
         tally.on_set, tally.on_set_ok = tally.on_set + len(near), tally.on_set_ok + int(ok[: len(near)].sum())
         for x, goal, answer in zip(np.vstack([near, near])[ok], goals[ok], found[ok], strict=True):
@@ -339,21 +362,57 @@ def drawn(seed: int, folder: Path) -> Iterator[Machine]:
             continue
 
 
-def run(machine: Machine, poses: int, seed: int) -> list[Tally] | None:
-    """Both types of one machine; None where there is no code of it, or not in time."""
-    found = []
-    for real in ("float", "double"):
-        with tempfile.TemporaryDirectory() as scratch:
-            signal.alarm(SECONDS)
-            try:
-                of = of_map if machine.given else of_limbs
-                found.append(of(machine, real, poses, np.random.default_rng(seed), Path(scratch)))
-            except (InputError, TimeoutError) as reason:
-                print(f"  {machine.mechanism.name} {real}: left out: {str(reason)[:150]}", flush=True)
-                return None
-            finally:
-                signal.alarm(0)
-    return found
+@dataclass
+class Campaign:
+    """What all machines came to."""
+
+    poses: int
+    seed: int
+    only: str
+    kind: str
+    tallies: list[Tally] = field(default_factory=list)
+    failed: list[str] = field(default_factory=list)
+    machines: int = 0
+
+    def ask(self, machines: Iterator[Machine], most: int) -> None:
+        """Ask so many machines."""
+        done = 0
+        while done < most and (machine := next(machines, None)) is not None:
+            if machine.mechanism.name.startswith(self.only) and self.kind in ("", machine.kind):
+                done += self._asked(machine)
+        self.machines += done
+
+    def _asked(self, machine: Machine) -> bool:
+        """Ask the code of both types; False where there is none, or not in time."""
+        found = []
+        for real in ("float", "double"):
+            with tempfile.TemporaryDirectory() as scratch:
+                signal.alarm(SECONDS)
+                try:
+                    of = of_map if machine.given else of_limbs
+                    found.append(of(machine, real, self.poses, np.random.default_rng(self.seed), Path(scratch)))
+                except (InputError, TimeoutError) as reason:
+                    print(f"  {machine.mechanism.name} {real}: left out: {str(reason)[:200]}", flush=True)
+                    if OWN_TEST in str(reason):
+                        self.failed.append(f"{machine.mechanism.name} {real}")
+                finally:
+                    signal.alarm(0)
+        for tally in found:
+            self.tallies.append(tally)
+            print(tally.line(), *(f"\n    {e}" for e in tally.examples[:3]), flush=True)
+        return bool(found)
+
+    def ends(self) -> int:
+        """Print the last line; the exit status."""
+        false, still = sum(t.open for t in self.tallies), sum(t.moved for t in self.tallies)
+        failed = [*self.failed, *(f"{t.name} {t.real}" for t in self.tallies if t.test != "ok")]
+        taken, feasible = sum(t.on_set_ok for t in self.tallies), sum(t.on_set for t in self.tallies)
+        print(
+            f"{self.machines} machines, {sum(t.calls for t in self.tallies)} calls, {sum(t.ok for t in self.tallies)} OK, of which {false} "
+            f"do not close; own tests that fail: {len(failed)} ({', '.join(failed) or 'none'}); refusals of standing still: {still}; "
+            f"feasible values taken {taken} of {feasible}"
+        )
+        return 1 if false or failed or still else 0
 
 
 def _late(*_: object) -> None:
@@ -365,30 +424,17 @@ def main() -> int:
     parser.add_argument("--random", type=int, default=30, help="random machines")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--poses", type=int, default=60)
-    parser.add_argument("--only", help="machines whose names begin so")
+    parser.add_argument("--only", default="", help="machines whose names begin so")
+    parser.add_argument("--kind", default="", choices=("map", "arm", "platform"), help="machines of one kind")
+    parser.add_argument("--no-named", action="store_true", help="random machines alone")
     chosen = parser.parse_args()
     signal.signal(signal.SIGALRM, _late)
-    tallies: list[Tally] = []
+    campaign = Campaign(chosen.poses, chosen.seed, chosen.only, chosen.kind)
     with tempfile.TemporaryDirectory() as scratch:
-        wanted = 0
-        for machines, most in ((named(), 1000), (drawn(chosen.seed, Path(scratch)), chosen.random)):
-            done = 0
-            while done < most and (machine := next(machines, None)) is not None:
-                if chosen.only and not machine.mechanism.name.startswith(chosen.only):
-                    continue
-                found = run(machine, chosen.poses, chosen.seed)
-                done += found is not None
-                for tally in found or []:
-                    tallies.append(tally)
-                    print(tally.line(), *(f"\n    {e}" for e in tally.examples[:3]), flush=True)
-            wanted += done
-    false, failed = sum(t.open for t in tallies), [t.name for t in tallies if t.test != "ok"]
-    taken, feasible = sum(t.on_set_ok for t in tallies), sum(t.on_set for t in tallies)
-    print(
-        f"{wanted} machines, {sum(t.calls for t in tallies)} calls, {sum(t.ok for t in tallies)} OK, of which {false} do not close; "
-        f"feasible values taken {taken} of {feasible}; own tests that fail: {', '.join(failed) or 'none'}"
-    )
-    return 1 if false or failed else 0
+        if not chosen.no_named:
+            campaign.ask(named(), 1000)
+        campaign.ask(drawn(chosen.seed, Path(scratch)), chosen.random)
+    return campaign.ends()
 
 
 if __name__ == "__main__":

@@ -16,10 +16,10 @@ from symkin.closure.snapping import snapped_expression
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts, numbers_of, of_circle
+from symkin.codegen.condition_bends import ConditionBend, condition_bend, share_of
 from symkin.codegen.formula_guards import unimplied
 from symkin.codegen.joint_map import Direction, JointMap, Part
-from symkin.codegen.line_bounds import Span, bend_of
-from symkin.codegen.newton_kernel import rounded, rounded_up
+from symkin.codegen.newton_kernel import rounded
 from symkin.computed_once import cached_property
 from symkin.elimination.closed_form import ClosedForm
 from symkin.text import c_comment
@@ -28,26 +28,20 @@ _RESOLVED = 64.0
 """Roundings of a condition's usual size below which it is nothing."""
 _ROOT = 1e-12
 """Share of a discriminant's usual size below which its root is not formed."""
-_BEND = 1.5
-"""What the largest bend over samples is multiplied by."""
-_SEEN = 0.02
-"""Share of their usual sizes that the conditions before a bent one have at the samples."""
 _POINTS = 400
-_STEPS = 60
-"""Steps by which the largest samples are followed uphill."""
-_MOST_GIVEN = 3
-"""Known values of which waves are summed: their samples grow by a power with each."""
 _FAR = 1.0
 """How far from the reference bends are sampled: in half turns, and in sizes."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Condition:
-    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which coordinate."""
+    """What must stay above 0: a discriminant with its root, or a divisor; `name` says of which coordinate, `part` of which of the
+    direction's parts."""
 
     name: str
     value: ca.SX
     root: ca.SX | None
+    part: Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +102,9 @@ class ClosedDirection:
                 self._written(e, form, symbols) for e in (form.first, form.second, form.discriminants, form.divisors)
             )
             for k in range(int(discriminants.shape[0])):
-                conditions.append(_Condition(form.names[k], discriminants[k], form.roots[k]))
+                conditions.append(_Condition(form.names[k], discriminants[k], form.roots[k], part))
             for k in range(int(divisors.shape[0])):
-                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), divisors[k], None))
+                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), divisors[k], None, part))
             for k, c in enumerate(system.unknowns):
                 numbers[c.name] = [of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])]
         elif part.total is not None:
@@ -123,7 +117,7 @@ class ClosedDirection:
                 by_numbers(ca.det(slope), [(system.known, read)]), [self.known, self.signs, self.roots]
             )
             if not determinant.is_constant():
-                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), determinant, None))
+                conditions.append(_Condition(", ".join(c.name for c in system.unknowns), determinant, None, part))
             for k, c in enumerate(system.unknowns):
                 circle = (ca.cos(value[k]), ca.sin(value[k])) if c.kind == "angle" else ()
                 numbers[c.name] = [Numbers(value[k], *circle)]
@@ -199,7 +193,7 @@ class ClosedDirection:
     def _put_in(self, expression: ca.SX, values: ca.SX) -> ca.SX:
         roots = [c for c in self._solved[1] if c.root is not None]
         for one in reversed(roots):
-            expression = ca.substitute(expression, one.root, ca.sqrt(ca.fmax(one.value, 1e-12)))
+            expression = ca.substitute(expression, one.root, ca.sqrt(ca.fmax(one.value, 0)))
         signs = self._signs_known
         expression = ca.substitute(expression, self.signs, ca.SX(ca.DM(signs))) if len(signs) else expression
         numbers = []
@@ -231,38 +225,40 @@ class ClosedDirection:
     @property
     def bends(self) -> np.ndarray:
         """An eighth of the largest second derivative of each condition over its usual size, lengths over the machine's."""
-        return np.array([bend for bend, _ in self._bends])
+        return np.array([bend.eighth for bend in self._bends])
 
     @cached_property
-    def _bends(self) -> list[tuple[float, str]]:
-        """The same, and how each was found."""
-        values = ca.SX.sym("v", len(self.direction.known))
-        scales = np.array([1.0 if c.is_angular else self.made.size for c in self.direction.known])
+    def _bends(self) -> list[ConditionBend]:
+        """The bend of each condition, and how it is known."""
+        values, (known, size) = ca.SX.sym("v", len(self.direction.known)), (self.direction.known, self.made.size)
+        plain = [self._put_in(one.value, values) / usual for one, usual in zip(self.conditions, self.usual, strict=True)]
+        shares = [share_of(v, divides=one.root is None) for v, one in zip(plain, self.conditions, strict=True)]
         found = []
-        all_values = self._numbers_of_conditions(self.conditions) / self.usual
-        all_values[:, self.divisors] = np.abs(all_values[:, self.divisors])
-        for j, one in enumerate(self.conditions):
-            expression = self._put_in(one.value, values) / self.usual[j]
-            bend, ground = self._proved_bend(ca.Function("g", [values], [expression]), scales), "proved"
-            if bend is None:
-                points = self._points[np.all(all_values[:, :j] > _SEEN, axis=1)]
-                hessian = ca.Function("h", [values], [ca.hessian(expression, values)[0]])
-                bend, ground = _BEND * _largest_norm(hessian, points, scales), "sampled"
-            found.append((rounded_up(bend / 8.0), ground))
+        for j, one in enumerate(plain):
+            read = self._read_by(j)
+            share = ca.SX(1)
+            for i in read:
+                share = share * shares[i]
+            found.append(condition_bend(one, share, values, known, size, self._points, read))
         return found
 
-    def _proved_bend(self, condition: ca.Function, scales: np.ndarray) -> float | None:
-        """The bound of a condition that is a sum of waves in bounded known values; None of another one."""
-        spans = []
-        for c in self.direction.known:
-            if not c.is_angular and c.limits is None:
-                return None
-            low, high = c.limits or (0.0, 0.0)
-            spans.append(Span(True) if c.is_angular else Span(False, 0.5 * (low + high), 0.5 * (high - low)))
-        if len(spans) > _MOST_GIVEN:
-            return None
-        bend = bend_of(lambda given: np.asarray(condition(given.T)).ravel(), spans)
-        return None if bend is None else float(np.max(bend.weights * scales**2))
+    def _read_by(self, j: int) -> tuple[int, ...]:
+        """Numbers of the conditions whose roots or quotients a condition is made of, those of these included."""
+        one, parts = self.conditions[j], self._parts_before(self.conditions[j].part)
+        found = set[int]()
+        for i, other in enumerate(self.conditions[:j]):
+            if (other.part in parts) if other.root is None else bool(ca.depends_on(one.value, other.root)):
+                found |= {i, *self._read_by(i)}
+        return tuple(sorted(found))
+
+    def _parts_before(self, part: Part) -> list[Part]:
+        """The parts whose unknowns a part reads, and those that these read."""
+        names, found = {c.name for c in part.problem.known_coordinates}, list[Part]()
+        for other in reversed(self.direction.parts[: self.direction.parts.index(part)]):
+            if names & {c.name for c in other.problem.system.unknowns}:
+                found.append(other)
+                names |= {c.name for c in other.problem.known_coordinates}
+        return found
 
     # --- text ------------------------------------------------------------------------------------------------------
 
@@ -279,7 +275,8 @@ class ClosedDirection:
             "signs": max(1, int(self.signs.shape[0])),
             "conditions": count,
             "bends": ", ".join(literal(float(b)) for b in self.bends) or literal(0.0),
-            "bend_grounds": ", ".join(ground for _, ground in self._bends) or "no condition",
+            "bend_grounds": ", ".join(bend.ground for bend in self._bends) or "no condition",
+            "hold": indent(self._hold_lines, 2),
             "resolved": literal(_RESOLVED * self.real.epsilon),
             "near_one": literal(0.999),
             "least_part": literal(1.0 / 1024.0),
@@ -287,6 +284,43 @@ class ClosedDirection:
             "sides_of_end": indent([f"end[{j}] *= side{j};" for j in self.divisors], 2),
             "home_signs": ", ".join(literal(float(s)) for s in self._signs_known) or literal(1.0),
         }
+
+    @property
+    def _hold_lines(self) -> list[str]:
+        """Statements that hold a part of a line against the conditions' bends."""
+        literal, count = self.real.literal, max(1, len(self.conditions))
+        bent = "bend[{}] * way2 * (aim - done) * (aim - done)"
+        read = {i for bend in self._bends for i in bend.read}
+        if not read:
+            return [
+                f"for (int i = 0; i < {count}; ++i) {{",
+                f"    const {self.real.type} smaller = (begin[i] < end[i]) ? begin[i] : end[i];",
+                f"    held = held && (smaller > {bent.format('i')} + {literal(_RESOLVED * self.real.epsilon)});",
+                "    least = (smaller < least) ? smaller : least;",
+                "}",
+            ]
+        lines = ["/* bends of conditions that read others are over the shares that these keep in the part (README.md) */"]
+        for j, bend in enumerate(self._bends):
+            share = " * ".join(f"share{i}" for i in bend.read)
+            lines += [
+                f"const {self.real.type} smaller{j} = (begin[{j}] < end[{j}]) ? begin[{j}] : end[{j}];",
+                f"const {self.real.type} bent{j} = {bent.format(j)}{f' / ({share})' if share else ''};",
+                f"held = held && (smaller{j} > bent{j} + {literal(_RESOLVED * self.real.epsilon)});",
+                f"least = (smaller{j} < least) ? smaller{j} : least;",
+                *(self._share_lines(j) if j in read else []),
+            ]
+        return lines
+
+    def _share_lines(self, j: int) -> list[str]:
+        """Statements of the share that a condition keeps at least in a part of a line: one that does not hold keeps any."""
+        one = self.real.literal(1.0)
+        power = (
+            f"(kept{j} * kept{j}) * (kept{j} * kept{j})" if j in self.divisors else f"kept{j} * {self.real.call('sqrt')}(kept{j})"
+        )
+        return [
+            f"const {self.real.type} kept{j} = (held && (smaller{j} - bent{j} < {one})) ? (smaller{j} - bent{j}) : {one};",
+            f"const {self.real.type} share{j} = {power};",
+        ]
 
     @property
     def text(self) -> str:
@@ -408,23 +442,3 @@ def _coupled(total: AngleSum, read: list[Numbers]) -> Numbers:
         for _ in range(abs(round(factor))):
             cosine, sine = cosine * c - sine * s, sine * c + cosine * s
     return Numbers(value, cosine, sine)
-
-
-def _largest_norm(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> float:
-    """The largest norm of a matrix over points (n, width), the eight largest followed uphill by random steps that shrink; 1 of none."""
-    if not len(points):
-        return 1.0
-
-    def norms(at: np.ndarray) -> np.ndarray:
-        found = np.array([np.asarray(hessian(point)) for point in at]) * np.outer(scales, scales)
-        return np.asarray(np.nan_to_num(np.linalg.norm(found, 2, axis=(1, 2))))
-
-    rng, sizes = np.random.default_rng(8), norms(points)
-    chosen = np.argsort(sizes)[-8:]
-    at, best = points[chosen], sizes[chosen]
-    for k in range(_STEPS):
-        tried = at + 0.5 * 0.9**k * rng.uniform(-1, 1, at.shape) * scales
-        tried_sizes = norms(tried)
-        better = tried_sizes > best
-        at, best = np.where(better[:, None], tried, at), np.where(better, tried_sizes, best)
-    return float(best.max())

@@ -7,9 +7,12 @@ can take the known values, so that the answer is put into all rows before it is 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from symkin.elimination.closed_form import ClosedForm
+from symkin.model.joint import Coordinate
 
 FEASIBLE = 1e-6
 """Share of the size by which given values may be off what the mechanism can take: they are projected, as on the command line."""
@@ -22,6 +25,8 @@ _STEEP = 4.0
 """How many times smaller than its bound the error is that roundings of known values make in rows of formulas that are used."""
 _PER_NUMBER = 4.0
 """Roundings of each known value that stand for those inside the formulas."""
+_NEARLY = 0.1
+"""Share of A^2 + B^2 that A^2 + B^2 - C^2 reaches at some known values."""
 _SHARE = 0.9
 """Share of the configurations at which rows must be so near to zero: beside a dead centre no formula is firm."""
 
@@ -31,40 +36,48 @@ def feasible_error(epsilon: float, size: float) -> float:
     return max(FEASIBLE, _ROUNDINGS * epsilon) * size
 
 
-def free_divisors(form: ClosedForm, near: np.ndarray, signs: np.ndarray) -> list[int]:
-    """Numbers of the divisors that may vanish while all discriminants are above zero; `near` are known values (n, known) about which others
-    are drawn, near ones and far ones, the mechanism's or not."""
+def _sizes(form: ClosedForm, known: Sequence[Coordinate]) -> np.ndarray:
+    """The size of each known value: of lengths the machine's, of all others 1."""
+    return np.array([form.system.characteristic_length if c.kind == "length" else 1.0 for c in known for _ in range(c.width)])
+
+
+def free_divisors(form: ClosedForm, near: np.ndarray, signs: np.ndarray, known: Sequence[Coordinate]) -> list[int]:
+    """Numbers of the divisors that may vanish while all discriminants are above zero; `near` are values (n, width) of the `known`
+    coordinates, about which others are drawn, near ones and far ones in sizes of the machine, the mechanism's or not."""
     if not int(form.divisors.shape[0]):
         return []
     rng = np.random.default_rng(11)
     base = near[rng.integers(len(near), size=_DRAWN)]
-    spread = 10.0 ** rng.uniform(-3.0, 1.0, (_DRAWN, 1)) * np.maximum(np.abs(near).max(axis=0), 1.0)
+    spread = 10.0 ** rng.uniform(-3.0, 1.0, (_DRAWN, 1)) * np.maximum(np.abs(near).max(axis=0), _sizes(form, known))
     values = np.vstack([near, base + spread * rng.normal(size=base.shape)])
     with np.errstate(all="ignore"):
         return unimplied(form.divisors_at(values, signs), form.discriminants_at(values, signs))
 
 
 def unimplied(divisors: np.ndarray, discriminants: np.ndarray) -> list[int]:
-    """Numbers of the divisors (n, divisors) that are not above zero and as large as one of the discriminants (n, choices) throughout."""
-    return [
-        j
-        for j, column in enumerate(divisors.T)
-        if not any(np.all((column > 0.0) & (column >= other * (1.0 - 1e-9))) for other in discriminants.T)
-    ]
+    """Numbers of the divisors (n, divisors) that are not above zero and as large as one of the discriminants (n, choices) throughout, and
+    nearly as small somewhere: what is far larger has another unit, and says nothing in a machine of another size."""
+    return [j for j, column in enumerate(divisors.T) if not any(_implies(other, column) for other in discriminants.T)]
 
 
-def is_firm(form: ClosedForm, home: np.ndarray, near: np.ndarray, signs: np.ndarray) -> bool:
-    """Whether no divisor is small at home beside what it is at other known values (n, known)."""
-    free = free_divisors(form, near, signs)
+def _implies(discriminant: np.ndarray, divisor: np.ndarray) -> bool:
+    """Whether a divisor (n,) is above zero wherever a discriminant (n,) is."""
+    above = bool(np.all((divisor > 0.0) & (divisor >= discriminant * (1.0 - 1e-9))))
+    return above and bool(np.max(discriminant / divisor) >= _NEARLY)
+
+
+def is_firm(form: ClosedForm, home: np.ndarray, near: np.ndarray, signs: np.ndarray, known: Sequence[Coordinate]) -> bool:
+    """Whether no divisor is small at home beside what it is at other values (n, width) of the known coordinates."""
+    free = free_divisors(form, near, signs, known)
     usual = np.median(np.abs(form.divisors_at(near, signs)), axis=0)
     here = np.abs(form.divisors_at(home[None], signs))[0]
     return bool(np.all(here[free] > _SMALL * usual[free]))
 
 
-def keeps_digits(form: ClosedForm, near: np.ndarray, signs: np.ndarray, epsilon: float) -> bool:
-    """Whether roundings of the known values (n, known) leave the rows of the formulas' answers well within their bound."""
+def keeps_digits(form: ClosedForm, near: np.ndarray, signs: np.ndarray, known: Sequence[Coordinate], epsilon: float) -> bool:
+    """Whether roundings of values (n, width) of the known coordinates leave the rows of the formulas' answers well within their bound."""
     size, rng = form.system.characteristic_length, np.random.default_rng(12)
-    scale = np.where(np.abs(near) > 1.0, np.abs(near), np.minimum(1.0, size))
+    scale = np.maximum(np.abs(near), _sizes(form, known))
     moved = near + _PER_NUMBER * epsilon * scale * rng.choice([-1.0, 1.0], near.shape)
     which = int(np.flatnonzero(np.all(form.choices == signs, axis=1))[0]) if len(signs) else 0
     values = form.solutions(moved).values[:, which]

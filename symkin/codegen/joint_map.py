@@ -40,6 +40,8 @@ _SPREAD, _TURN = 0.1, 0.4
 """How far the given coordinates of samples are from the reference: in sizes, and in radians."""
 _DRAWS = 10
 """Sets of known values about the reference at which divisors are compared with those there."""
+_BACK = 1e-6
+"""How far from where it began a way there and back may end: in sizes, and in radians."""
 _CLOSED = 1e-6
 """Closure error at the reference, in sizes, above which the loops are open there."""
 
@@ -146,7 +148,7 @@ def _part(group: Problem) -> Part:
         return Part(group, None, None, is_linear=False)
     signs = found.signs_at(group.select_values(group.closure.reference, unknown), reference)
     near = np.vstack([samples_about(short, reference, known, seed) for seed in range(_DRAWS)])
-    return Part(group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False)
+    return Part(group, found if is_firm(found, reference, near, signs, known) else None, None, is_linear=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -360,6 +362,7 @@ def map_configurations(made: JointMap, count: int, seed: int, spread: float, tur
     rng, (direct, inverse) = np.random.default_rng(seed), (made.direct.problem, made.inverse.problem)
     begin_known, begin = (made.reference_of(c) for c in (made.given, made.direct.unknown))
     reach = np.array([turn if c.is_angular else spread * made.size for c in made.given])
+    scales = np.array([made.size if c.kind == "length" else 1.0 for c in made.inverse.unknown for _ in range(c.width)])
     found: list[Configuration] = []
     for _ in range(_MOST_TRIES * count):
         if len(found) == count:
@@ -376,7 +379,7 @@ def map_configurations(made: JointMap, count: int, seed: int, spread: float, tur
         back = followed(inverse, made.reference[places[0]], made.reference[places[1]], values[places[1]])
         if (
             back is not None
-            and np.allclose(back, values[places[0]], atol=1e-6 * max(1.0, made.size))
+            and np.all(np.abs(back - values[places[0]]) <= _BACK * scales)
             and _within(made.found, values[places[1]])
         ):
             found.append(Configuration(values, z, goal))

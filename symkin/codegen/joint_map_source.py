@@ -35,6 +35,8 @@ _ROUGH = 4.0
 """How many times the polynomials' largest error a step from them may be long."""
 _GUESSED = 1e-5
 """Error of a guess's own configuration, in sizes: the line begins there."""
+_GUESS_ROUNDINGS = 2048.0
+"""Roundings that such a configuration is off at most where it is regular."""
 _NOT_DECIDED = 1e-4
 """Share of a condition's usual size below which one step decides nothing."""
 
@@ -348,6 +350,16 @@ class JointMapSource:
             f"change2 += {literal(w * w)} * (result[{i}] - {out}[{i}]) * (result[{i}] - {out}[{i}]);"
             for i, w in enumerate(weights)
         ]
+        others = [
+            self.numbers.turned(c, f"other[{i}]", f"guess[{i}]") if c.kind == "angle" else f"other[{i}]"
+            for i, c in enumerate(wanted)
+        ]
+        away = [
+            line
+            for i, (w, text) in enumerate(zip(weights, others, strict=True))
+            for line in (f"const {kind} way{i} = {literal(w)} * ({text} - guess[{i}]);", f"away2 += way{i} * way{i};")
+        ]
+        stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * self.made.size
         which = "direct" if direction.name == "direct" else "inverse"
         return self._passive_text(direction) + fill("map_direction.c", self._common | {
             "passive": self._passive_call(direction),
@@ -358,7 +370,7 @@ class JointMapSource:
             "results": results("guess"), "track_results": results(out), "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
             "blame_values": f"        {name}_blame(info, joints);" if values == "joints" else "",
             "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
-            "change": indent(change, 2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
+            "change": indent(change, 2), "away": indent(away), "stands2": literal(stands**2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
         })  # fmt: skip
 
     def _passive_call(self, direction: Direction) -> str:

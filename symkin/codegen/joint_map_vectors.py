@@ -21,7 +21,11 @@ _NEAR = 2e-4
 """How far every other guess is from its answer: in radians, and in sizes."""
 _DIGITS = 13
 _PARTS = (1.0, 0.25, 0.0625)
-"""Shares of the way from the reference that are tried where limits of passive joints leave few configurations."""
+"""Shares of the way from the reference that are tried where limits of passive joints or singularities leave few configurations."""
+_LARGEST_CONDITION = 1e4
+"""Condition from which on errors allowed do not grow."""
+_HIDDEN = 2e-4
+"""Largest condition of a case, times roundings: beyond it a hundred of them are as far as a singularity may be away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,19 +50,35 @@ class MapVectors:
             values[direct.unknown_places] = direct.system.polish(case.unknown, given, 6)
             found.append(Configuration(values, values[direct.unknown_places], given))
         if not found:
-            raise InputError(f"{made.name}: no regular configuration was found near the reference to test generated code with")
+            raise InputError(
+                f"{made.name}: no configuration near the reference is regular to the digits of {self._real.name} both ways, so that "
+                "generated code cannot be tested; give the file another reference"
+            )
         return found
 
     @property
     def _configurations(self) -> list[Configuration]:
-        """Configurations about the reference; where passive joints have limits, within these, and nearer ones if they are few."""
+        """Configurations about the reference within limits of passive joints, and nearer ones if they are few."""
         made, found = self.made, list[Configuration]()
         for part in _PARTS:
             cases = map_configurations(made, COUNT, 20, _SPREAD * part, _TURN * part)
-            found += [case for case in cases if keeps_limits(made.passive_limits, made.direct.problem.closure, case.values)]
-            if not made.passive_limits or len(found) >= COUNT:
+            found += [
+                case
+                for case in cases
+                if keeps_limits(made.passive_limits, made.direct.problem.closure, case.values) and self._is_regular(case)
+            ]
+            if len(found) >= COUNT:
                 break
         return found[:COUNT]
+
+    def _is_regular(self, case: Configuration) -> bool:
+        """Whether roundings of the type cannot hide a singularity."""
+        return self._condition(case) * self._real.epsilon <= _HIDDEN
+
+    def _condition(self, case: Configuration) -> float:
+        """The larger condition of the two directions."""
+        directions = (self.made.direct.problem, self.made.inverse.problem)
+        return max(p.system.condition(case.values[p.unknown_places], case.values[p.known_places]) for p in directions)
 
     def _of(self, values: np.ndarray, which: str) -> np.ndarray:
         coordinates = self.made.given if which == "joints" else self.made.found
@@ -112,11 +132,7 @@ class MapVectors:
         size, found = self.made.size, []
         tolerance = self._real.epsilon * size * (1.0 if self._real.name == "float" else 1e4)
         for case in self.cases:
-            conditions = [
-                d.problem.system.condition(case.values[d.problem.unknown_places], case.values[d.problem.known_places])
-                for d in (self.made.direct, self.made.inverse)
-            ]
-            worst = min(max(conditions), 1e4)
+            worst = min(self._condition(case), _LARGEST_CONDITION)
             found.append((4 + worst) * tolerance + self._real.epsilon * size * (32 + 8 * worst))
         return np.array(found)
 

@@ -203,13 +203,14 @@ class LimbPlatform:
         else:
             formulas = self._formulas(system)
         left_over = formulas is not None and not _solves_any_pose(formulas, self.samples[0], self.inverse)
-        free = () if formulas is None else tuple(free_divisors(formulas, self.sampled_poses, self.home_signs(formulas)))
+        known = self.inverse.known_coordinates
+        free = () if formulas is None else free_divisors(formulas, self.sampled_poses, self.home_signs(formulas), known)
         if rod is None and (formulas is None or left_over):
             # of a limb that not every pose lets close, rates are least squares over its rows
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
         sides = self.by_twist(system, system.rows if rod is None else rod)
         sides = snapped_expression(sides if rod is not None else -sides, [system.unknown, system.known, symbols])
-        return LimbBlock(f"limb{number}", system, kernel, rod, formulas, sides, free, left_over or bool(free))
+        return LimbBlock(f"limb{number}", system, kernel, rod, formulas, sides, tuple(free), left_over or bool(free))
 
     def by_twist(self, system: System, expression: ca.SX) -> ca.SX:
         """Derivatives (entries, freedom of the pose) of an expression of a limb's system by the platform's twist."""
@@ -229,10 +230,10 @@ class LimbPlatform:
             return None
         home = self.home_signs(found)
         alike = all(np.array_equal(found.signs_at(limb, pose), home) for limb, pose in zip(limbs, poses, strict=True))
-        here = self.inverse.select_values(self.home_values, self.inverse.known_coordinates)
-        if not alike or not is_firm(found, here, poses, home):
+        known = self.inverse.known_coordinates
+        if not alike or not is_firm(found, self.inverse.select_values(self.home_values, known), poses, home, known):
             return None
-        return found if not found.has_conditions or keeps_digits(found, poses, home, self.real.epsilon) else None
+        return found if not found.has_conditions or keeps_digits(found, poses, home, known, self.real.epsilon) else None
 
     def home_signs(self, formulas: ClosedForm) -> np.ndarray:
         """The signs of the reference in a limb's closed form."""

@@ -35,11 +35,7 @@ static @{p}_status @{k}_follow(@{k}_work *w, const @{real} to[@{nto}], const @{p
         @{k}_formulas(w->k, sign, w->x, end);
 @{sides_of_end}
         least = @{one};
-        for (int i = 0; i < @{conditions}; ++i) {
-            const @{real} smaller = (begin[i] < end[i]) ? begin[i] : end[i];
-            held = held && (smaller > bend[i] * way2 * (aim - done) * (aim - done) + @{resolved});
-            least = (smaller < least) ? smaller : least;
-        }
+@{hold}
         if (held && (aim >= @{one})) {
             status = @{P}_OK;
         } else if (held) {

@@ -1,3 +1,16 @@
+/* Whether the @{values} lead from the reference configuration, whose numbers are then y, to the guess: it has nowhere to go, though
+ * the @{out} alone do not lead to it. */
+static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} guess[@{nout}], @{real} y[@{ny}])
+{
+    @{real} other[@{nout}];
+    @{real} away2 = @{zero};
+    if (@{p}_state_of_@{values}(@{values}, y, other) != @{P}_OK) {
+        return false;
+    }
+@{away}
+    return away2 <= @{stands2};
+}
+
 /* @{about} */
 @{p}_status @{f}(const @{p}_config *config, const @{real} @{values}[@{nto}], const @{real} guess[@{nout}], @{real} @{out}[@{nout}],
     @{p}_info *info)
@@ -14,6 +27,12 @@
     }
     if (status == @{P}_OK) {
         status = @{p}_state_of_@{out}(guess, y, at);
+        if ((status != @{P}_OK) && @{f}_stands(@{values}, guess, y)) {
+            for (int i = 0; i < @{nto}; ++i) {
+                at[i] = @{values}[i];
+            }
+            status = @{P}_OK;
+        }
     }
     if (status != @{P}_OK) {
         @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});

@@ -88,6 +88,10 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
+        if (accepted && (taken == 1U) && (aim < @{one})) {
+            /* of every second step, also of one that is rounding: the next part is as long as this one tells */
+            @{set_quick}
+        }
         if (accepted) {
             if (aim >= @{one}) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -109,9 +113,6 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
                 && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * @{sure} > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose third step is not far
                  * shorter than its second, a fourth one judges that */
-                if (taken < 2U) {
-                    @{set_quick}
-                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

@@ -1,0 +1,106 @@
+"""Bound how far the conditions of formulas bend away from their chord along a straight line of known values.
+
+A condition that reads the root of another one, or is divided by it, bends the more the nearer that one is to zero: sqrt(g)'' holds
+-g'^2 / (4 g^(3/2)), and (n^2 / g^2)'' holds 6 n^2 g'^2 / g^4. Its bend is bounded after it has been multiplied by the shares of the
+conditions that it reads, g^(3/2) of a root and g^4 of a divisor, g over its usual size and at most 1: a number that stays as it is up
+to the fold. Generated code divides by the shares that the conditions keep in each part of a line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from symkin.codegen.line_bounds import Span, bend_of
+from symkin.codegen.newton_kernel import rounded_up
+from symkin.model.joint import Coordinate
+
+_RAISED = 1.5
+"""What the largest bend over samples is multiplied by."""
+_LEAST_SHARE = 1e-9
+"""Share of the conditions that are read below which a sample says nothing but rounding."""
+_STEPS = 60
+"""Steps by which the largest samples are followed uphill."""
+_MOST_GIVEN = 3
+"""Known values of which waves are summed: their samples grow by a power with each."""
+
+
+@dataclass(frozen=True)
+class ConditionBend:
+    """An eighth of a condition's largest second derivative over its usual size, lengths over the machine's, multiplied by the
+    shares of the conditions `read` (their numbers); `ground` says how it is known."""
+
+    eighth: float
+    ground: str
+    read: tuple[int, ...]
+
+
+def share_of(condition: ca.SX, *, divides: bool) -> ca.SX:
+    """What a condition over its usual size leaves of the bend of those that read it."""
+    if divides:
+        return ca.fmin(ca.fabs(condition), 1) ** 4
+    kept = ca.fmin(ca.fmax(condition, 0), 1)
+    return kept * ca.sqrt(kept)
+
+
+def condition_bend(
+    condition: ca.SX,
+    share: ca.SX,
+    values: ca.SX,
+    known: Sequence[Coordinate],
+    size: float,
+    points: np.ndarray,
+    read: tuple[int, ...],
+) -> ConditionBend:
+    """Bound the bend of a condition over its usual size, a function of `values`, the known coordinates'; `share` is that of the
+    conditions that it reads, `points` (n, known) are samples."""
+    scales = np.array([1.0 if c.is_angular else size for c in known])
+    if not read:
+        proved = _proved(ca.Function("g", [values], [condition]), known, scales)
+        if proved is not None:
+            return ConditionBend(rounded_up(proved / 8.0), "proved", read)
+    hessian = ca.Function("h", [values], [ca.hessian(condition, values)[0], share])
+    return ConditionBend(rounded_up(_RAISED * _largest(hessian, points, scales) / 8.0), "sampled", read)
+
+
+def _proved(condition: ca.Function, known: Sequence[Coordinate], scales: np.ndarray) -> float | None:
+    """The bound of a condition that is a sum of waves in bounded known values; None of another one."""
+    spans = []
+    for c in known:
+        if not c.is_angular and c.limits is None:
+            return None
+        low, high = c.limits or (0.0, 0.0)
+        spans.append(Span(True) if c.is_angular else Span(False, 0.5 * (low + high), 0.5 * (high - low)))
+    if len(spans) > _MOST_GIVEN:
+        return None
+    bend = bend_of(lambda given: np.asarray(condition(given.T)).ravel(), spans)
+    return None if bend is None else float(np.max(bend.weights * scales**2))
+
+
+def _largest(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> float:
+    """The largest norm of a matrix times its share over points (n, width), the eight largest followed uphill by random steps that
+    shrink; 1 where no point has a share."""
+
+    def norms(at: np.ndarray) -> np.ndarray:
+        found = []
+        for point in at:
+            matrix, share = (np.asarray(part) for part in hessian(point))
+            kept = float(share[0, 0])
+            size = (
+                np.linalg.norm(matrix * np.outer(scales, scales), 2) if kept > _LEAST_SHARE and np.isfinite(matrix).all() else 0.0
+            )
+            found.append(float(size) * kept)
+        return np.array(found)
+
+    rng, sizes = np.random.default_rng(8), norms(points)
+    chosen = np.argsort(sizes)[-8:]
+    at, best = points[chosen], sizes[chosen]
+    for k in range(_STEPS):
+        tried = at + 0.5 * 0.9**k * rng.uniform(-1, 1, at.shape) * scales
+        tried_sizes = norms(tried)
+        better = tried_sizes > best
+        at, best = np.where(better[:, None], tried, at), np.where(better, tried_sizes, best)
+    return float(best.max()) or 1.0
