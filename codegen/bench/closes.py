@@ -59,8 +59,8 @@ CLOSES = {"float": 4e-5, "double": 4e-6}
 """Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which add up in rows written otherwise."""
 OWN_TEST = "own test fails"
 """What a refusal says of code that was not written because its test fails."""
-SECONDS = 100
-"""Time after which a machine is left out."""
+SECONDS = 60
+"""Processor time of this process after which a machine is left out in a type."""
 STARTS = 24
 FLAGS = ["-O1", "-std=c99", "-fno-math-errno", "-ffp-contract=off"]
 
@@ -111,7 +111,7 @@ def built(machine: Machine, real: str, folder: Path) -> tuple[ctypes.CDLL, str]:
     write_folder(mechanism, folder, options)
     name = mechanism.name
     subprocess.run(["gcc", *FLAGS, f"{name}.c", f"{name}_test.c", "-o", "own_test", "-lm"], cwd=folder, check=True)
-    done = subprocess.run(["./own_test"], cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(["./own_test"], cwd=folder, capture_output=True, text=True, check=False, timeout=300)
     said = "ok" if done.returncode == 0 else done.stdout.strip().splitlines()[-1]
     count = len(machine.given) or len(mechanism.actuated)
     macros = [f'-DHEADER="{name}.h"', f"-DREAL={real}", f"-DOF(x)={name}_##x", f"-DJOINTS={count}"]
@@ -387,7 +387,7 @@ class Campaign:
         found = []
         for real in ("float", "double"):
             with tempfile.TemporaryDirectory() as scratch:
-                signal.alarm(SECONDS)
+                signal.setitimer(signal.ITIMER_PROF, SECONDS)
                 try:
                     of = of_map if machine.given else of_limbs
                     found.append(of(machine, real, self.poses, np.random.default_rng(self.seed), Path(scratch)))
@@ -396,7 +396,7 @@ class Campaign:
                     if OWN_TEST in str(reason):
                         self.failed.append(f"{machine.mechanism.name} {real}")
                 finally:
-                    signal.alarm(0)
+                    signal.setitimer(signal.ITIMER_PROF, 0.0)
         for tally in found:
             self.tallies.append(tally)
             print(tally.line(), *(f"\n    {e}" for e in tally.examples[:3]), flush=True)
@@ -428,7 +428,7 @@ def main() -> int:
     parser.add_argument("--kind", default="", choices=("map", "arm", "platform"), help="machines of one kind")
     parser.add_argument("--no-named", action="store_true", help="random machines alone")
     chosen = parser.parse_args()
-    signal.signal(signal.SIGALRM, _late)
+    signal.signal(signal.SIGPROF, _late)
     campaign = Campaign(chosen.poses, chosen.seed, chosen.only, chosen.kind)
     with tempfile.TemporaryDirectory() as scratch:
         if not chosen.no_named:

@@ -366,7 +366,7 @@ class JointMapSource:
             "about": f"The {which} problem: {c_comment(', '.join(c.name for c in wanted))} from {c_comment(', '.join(c.name for c in known))}.",
             "about_track": f"One step of the {which} problem from the last values.",
             "f": f"{name}_{direction.name}", "track": f"{name}_track" if direction.name == "direct" else f"{name}_track_inverse",
-            "k": k, "values": values, "out": out, "nto": n, "nout": n, "begin": indent(begin, 2), "follow": indent(follow, 2),
+            "k": k, "values": values, "out": out, "nto": n, "nout": n, "begin": indent(begin, 3), "follow": indent(follow, 3),
             "results": results("guess"), "track_results": results(out), "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
             "blame_values": f"        {name}_blame(info, joints);" if values == "joints" else "",
             "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",

@@ -1,11 +1,14 @@
-/* Whether the @{values} lead from the reference configuration, whose numbers are then y, to the guess: it has nowhere to go, though
- * the @{out} alone do not lead to it. */
-static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} guess[@{nout}], @{real} y[@{ny}])
+/* Whether the @{values} lead from the reference configuration to the guess, which then has nowhere to go, though the @{out} alone lead
+ * elsewhere: sets the numbers y of that configuration, and where its known values are. */
+static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} guess[@{nout}], @{real} y[@{ny}], @{real} at[@{nto}])
 {
     @{real} other[@{nout}];
     @{real} away2 = @{zero};
     if (@{p}_state_of_@{values}(@{values}, y, other) != @{P}_OK) {
         return false;
+    }
+    for (int i = 0; i < @{nto}; ++i) {
+        at[i] = @{values}[i];
     }
 @{away}
     return away2 <= @{stands2};
@@ -25,22 +28,23 @@ static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} g
     if (config != NULL) {
         status = @{p}_check_config(config, status);
     }
-    if (status == @{P}_OK) {
+    bool asked = (status == @{P}_OK);
+    if (asked) {
         status = @{p}_state_of_@{out}(guess, y, at);
-        if ((status != @{P}_OK) && @{f}_stands(@{values}, guess, y)) {
-            for (int i = 0; i < @{nto}; ++i) {
-                at[i] = @{values}[i];
-            }
-            status = @{P}_OK;
-        }
     }
     if (status != @{P}_OK) {
         @{p}_write_info(info, 0U, @{huge}, @{zero}, @{zero});
 @{blame_values}
-    } else {
-        /* the line begins where the known values are at the guess */
+    }
+    bool goes = (status == @{P}_OK);
+    for (int way = 0; way < 2; ++way) {
+        if (goes) {
+            /* the line begins where the known values are at the guess */
 @{begin}
 @{follow}
+        }
+        goes = asked && (status != @{P}_OK) && @{f}_stands(@{values}, guess, y, at);
+        asked = false;
     }
     if (status == @{P}_OK) {
 @{results}
