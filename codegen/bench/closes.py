@@ -4,7 +4,7 @@
 
 What C answers is put into the closure of tests/oracle/plain_closure.py and plain_graph.py, where every joint keeps its coordinates; passive
 joints are looked for from many starts. Each answer is asked for once more, from itself: standing still has to be OK. A folder's own test is
-run too, when it is written and here. The last line has the numbers of machines, calls, OKs, OKs that do not close, own tests that fail
+run when it is written. The last line has the numbers of machines, calls, OKs, OKs that do not close, own tests that fail
 and refusals of standing still. Exit status 1 where one of the last three is not zero.
 """
 
@@ -68,7 +68,7 @@ FLAGS = ["-O1", "-std=c99", "-fno-math-errno", "-ffp-contract=off"]
 @dataclass
 class Tally:
     """What came of one machine's code in one type: calls, OKs, OKs that do not close, the worst of these, answers that are refused when
-    they are asked for from themselves, and its own test."""
+    they are asked for from themselves."""
 
     name: str
     kind: str
@@ -80,13 +80,12 @@ class Tally:
     moved: int = 0
     on_set: int = 0
     on_set_ok: int = 0
-    test: str = ""
     examples: list[str] = field(default_factory=list)
 
     def line(self) -> str:
         return (
             f"{self.name:28} {self.kind:9} {self.real:6} calls {self.calls:5} OK {self.ok:5} open {self.open:4} worst {self.worst:8.1e} "
-            f"still refused {self.moved:3} feasible taken {self.on_set_ok}/{self.on_set} test {self.test}"
+            f"still refused {self.moved:3} feasible taken {self.on_set_ok}/{self.on_set}"
         )
 
 
@@ -104,21 +103,18 @@ class Machine:
         return "map" if self.given else "arm" if self.mechanism.serial else "platform"
 
 
-def built(machine: Machine, real: str, folder: Path) -> tuple[ctypes.CDLL, str]:
-    """The library of a machine's code, and what its own test says."""
+def built(machine: Machine, real: str, folder: Path) -> ctypes.CDLL:
+    """The library of a machine's code, whose own test has passed: else `write_folder` refuses."""
     options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
     mechanism = machine.mechanism if machine.given else with_limbs(machine.mechanism, "firmware", "")
     write_folder(mechanism, folder, options)
     name = mechanism.name
-    subprocess.run(["gcc", *FLAGS, f"{name}.c", f"{name}_test.c", "-o", "own_test", "-lm"], cwd=folder, check=True)
-    done = subprocess.run(["./own_test"], cwd=folder, capture_output=True, text=True, check=False, timeout=300)
-    said = "ok" if done.returncode == 0 else done.stdout.strip().splitlines()[-1]
     count = len(machine.given) or len(mechanism.actuated)
     macros = [f'-DHEADER="{name}.h"', f"-DREAL={real}", f"-DOF(x)={name}_##x", f"-DJOINTS={count}"]
     macros += {"map": ["-DMAP"], "arm": ["-DARM"], "platform": []}[machine.kind]
     command = ["gcc", *FLAGS, *macros, "-shared", "-fPIC", "-I.", str(BENCH / "ask.c"), f"{name}.c", "-o", "code.so", "-lm"]
     subprocess.run(command, cwd=folder, check=True)
-    return ctypes.CDLL(str(folder / "code.so")), said
+    return ctypes.CDLL(str(folder / "code.so"))
 
 
 def asked(function: ctypes._CFuncPtr, real: str, inputs: list[np.ndarray], outputs: list[int], order: str) -> list[np.ndarray]:
@@ -197,7 +193,7 @@ def of_limbs(machine: Machine, real: str, poses: int, rng: np.random.Generator, 
     mechanism = with_limbs(machine.mechanism, "firmware", "")
     plain = PlainMechanism(tomllib.loads(mechanism_to_toml(mechanism)))
     tally = Tally(mechanism.name, machine.kind, real)
-    library, tally.test = built(machine, real, folder)
+    library = built(machine, real, folder)
     limbs = Limbs(plain, rng)
     x = np.vstack([closed_configurations(plain, poses // 2, spread, rng) for spread in (0.05, 0.3)])
     if not len(x):
@@ -262,7 +258,7 @@ def of_map(machine: Machine, real: str, poses: int, rng: np.random.Generator, fo
     """Ask a map's code, both ways."""
     mechanism = machine.mechanism
     tally = Tally(f"{mechanism.name}", "map", real)
-    library, tally.test = built(machine, real, folder)
+    library = built(machine, real, folder)
     file = folder / "plain.toml"
     file.write_text(mechanism_to_toml(mechanism))
     g = plain_graph.read(file)
@@ -405,14 +401,13 @@ class Campaign:
     def ends(self) -> int:
         """Print the last line; the exit status."""
         false, still = sum(t.open for t in self.tallies), sum(t.moved for t in self.tallies)
-        failed = [*self.failed, *(f"{t.name} {t.real}" for t in self.tallies if t.test != "ok")]
         taken, feasible = sum(t.on_set_ok for t in self.tallies), sum(t.on_set for t in self.tallies)
         print(
             f"{self.machines} machines, {sum(t.calls for t in self.tallies)} calls, {sum(t.ok for t in self.tallies)} OK, of which {false} "
-            f"do not close; own tests that fail: {len(failed)} ({', '.join(failed) or 'none'}); refusals of standing still: {still}; "
+            f"do not close; own tests that fail: {len(self.failed)} ({', '.join(self.failed) or 'none'}); refusals of standing still: {still}; "
             f"feasible values taken {taken} of {feasible}"
         )
-        return 1 if false or failed or still else 0
+        return 1 if false or self.failed or still else 0
 
 
 def _late(*_: object) -> None:
