@@ -15,6 +15,7 @@ from symkin.codegen.c_emitter import Real
 from symkin.codegen.closed_direction import ClosedDirection
 from symkin.codegen.condition_bends import share_of
 from symkin.codegen.folder import write_folder
+from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.options import Options
 
@@ -117,3 +118,16 @@ def test_who_is_where_a_line_led_may_stand_still(library, way):
             assert solve(None, number(goal), answer, answer, None) == 0
             assert abs(answer[0] - first) < 1e-9
     assert taken > 20
+
+
+@pytest.mark.parametrize("factor", [1e-8, 1e-3, 1e6])
+def test_guards_of_divisors_are_those_of_any_size(factor):
+    """Cylinders stand between lengths and angles, whose discriminants have other units than what is divided by."""
+    given, find = ("boom_cylinder", "stick_cylinder", "bucket_cylinder"), ("boom", "stick", "bucket")
+    sets = []
+    for size in (1.0, factor):
+        mechanism = scaled(symkin.load("excavator_bucket"), size)
+        made = JointMap(mechanism, Options("double", given=given, find=find), Real("double", "x_real"))
+        parts = [part for way in (made.direct, made.inverse) for part in way.parts]
+        sets.append([None if part.form is None else free_divisors(part.form) for part in parts])
+    assert sets[0] == sets[1]

@@ -17,7 +17,7 @@ from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import fill
 from symkin.codegen.circles import AngleSum, Numbers, by_numbers, number_counts, numbers_of, of_circle
 from symkin.codegen.condition_bends import ConditionBend, condition_bend, share_of
-from symkin.codegen.formula_guards import unimplied
+from symkin.codegen.formula_guards import free_divisors
 from symkin.codegen.joint_map import Direction, JointMap, Part
 from symkin.codegen.newton_kernel import rounded
 from symkin.computed_once import cached_property
@@ -103,7 +103,7 @@ class ClosedDirection:
             )
             for k in range(int(discriminants.shape[0])):
                 conditions.append(_Condition(form.names[k], discriminants[k], form.roots[k], part))
-            for k in range(int(divisors.shape[0])):
+            for k in free_divisors(form):
                 conditions.append(_Condition(", ".join(c.name for c in system.unknowns), divisors[k], None, part))
             for k, c in enumerate(system.unknowns):
                 numbers[c.name] = [of_circle(first[k], second[k]) if c.kind == "angle" else Numbers(first[k])]
@@ -138,14 +138,10 @@ class ClosedDirection:
                 found += _unit(n.cosine, n.sine) if c.kind == "angle" and n.cosine is not None else [n.value]
         return snapped_expression(ca.vertcat(*found), [self.known, self.signs, self.roots])
 
-    @cached_property
+    @property
     def conditions(self) -> list[_Condition]:
-        """Discriminants, and the divisors that none of them implies: A^2 + B^2 is no less than A^2 + B^2 - C^2."""
-        _, everything = self._solved
-        of_roots = np.array([c.root is not None for c in everything], bool)
-        values = self._numbers_of_conditions(everything)
-        free = set(np.flatnonzero(~of_roots)[unimplied(values[:, ~of_roots], values[:, of_roots])].tolist())
-        return [one for j, one in enumerate(everything) if of_roots[j] or j in free]
+        """Discriminants, and the divisors that none of them implies."""
+        return self._solved[1]
 
     @cached_property
     def divisors(self) -> list[int]:
@@ -168,10 +164,6 @@ class ClosedDirection:
                 f"begin[{j}] *= side{j};",
             )
         ]
-
-    def _numbers_of_conditions(self, conditions: list[_Condition]) -> np.ndarray:
-        function = self._bound(ca.vertcat(ca.SX(0, 1), *(c.value for c in conditions)))
-        return np.array([np.asarray(function(v)).ravel() for v in self._points])
 
     @cached_property
     def _points(self) -> np.ndarray:

@@ -20,13 +20,10 @@ _ROUNDINGS = 64.0
 """Roundings of the size that given values, rounded to the real type, and formulas leave in the rows."""
 _SMALL = 1e-3
 """Share of its usual size below which a divisor costs three digits: another way is taken where it is so small at home."""
-_DRAWN = 200
 _STEEP = 4.0
 """How many times smaller than its bound the error is that roundings of known values make in rows of formulas that are used."""
 _PER_NUMBER = 4.0
 """Roundings of each known value that stand for those inside the formulas."""
-_NEARLY = 0.1
-"""Share of A^2 + B^2 that A^2 + B^2 - C^2 reaches at some known values."""
 _SHARE = 0.9
 """Share of the configurations at which rows must be so near to zero: beside a dead centre no formula is firm."""
 
@@ -41,34 +38,14 @@ def _sizes(form: ClosedForm, known: Sequence[Coordinate]) -> np.ndarray:
     return np.array([form.system.characteristic_length if c.kind == "length" else 1.0 for c in known for _ in range(c.width)])
 
 
-def free_divisors(form: ClosedForm, near: np.ndarray, signs: np.ndarray, known: Sequence[Coordinate]) -> list[int]:
-    """Numbers of the divisors that may vanish while all discriminants are above zero; `near` are values (n, width) of the `known`
-    coordinates, about which others are drawn, near ones and far ones in sizes of the machine, the mechanism's or not."""
-    if not int(form.divisors.shape[0]):
-        return []
-    rng = np.random.default_rng(11)
-    base = near[rng.integers(len(near), size=_DRAWN)]
-    spread = 10.0 ** rng.uniform(-3.0, 1.0, (_DRAWN, 1)) * np.maximum(np.abs(near).max(axis=0), _sizes(form, known))
-    values = np.vstack([near, base + spread * rng.normal(size=base.shape)])
-    with np.errstate(all="ignore"):
-        return unimplied(form.divisors_at(values, signs), form.discriminants_at(values, signs))
+def free_divisors(form: ClosedForm) -> list[int]:
+    """Numbers of the divisors that may vanish while all discriminants are above zero."""
+    return [j for j in range(int(form.divisors.shape[0])) if j not in form.implied]
 
 
-def unimplied(divisors: np.ndarray, discriminants: np.ndarray) -> list[int]:
-    """Numbers of the divisors (n, divisors) that are not above zero and as large as one of the discriminants (n, choices) throughout, and
-    nearly as small somewhere: what is far larger has another unit, and says nothing in a machine of another size."""
-    return [j for j, column in enumerate(divisors.T) if not any(_implies(other, column) for other in discriminants.T)]
-
-
-def _implies(discriminant: np.ndarray, divisor: np.ndarray) -> bool:
-    """Whether a divisor (n,) is above zero wherever a discriminant (n,) is."""
-    above = bool(np.all((divisor > 0.0) & (divisor >= discriminant * (1.0 - 1e-9))))
-    return above and bool(np.max(discriminant / divisor) >= _NEARLY)
-
-
-def is_firm(form: ClosedForm, home: np.ndarray, near: np.ndarray, signs: np.ndarray, known: Sequence[Coordinate]) -> bool:
-    """Whether no divisor is small at home beside what it is at other values (n, width) of the known coordinates."""
-    free = free_divisors(form, near, signs, known)
+def is_firm(form: ClosedForm, home: np.ndarray, near: np.ndarray, signs: np.ndarray) -> bool:
+    """Whether no divisor is small at home beside what it is at other known values (n, known)."""
+    free = free_divisors(form)
     usual = np.median(np.abs(form.divisors_at(near, signs)), axis=0)
     here = np.abs(form.divisors_at(home[None], signs))[0]
     return bool(np.all(here[free] > _SMALL * usual[free]))

@@ -148,7 +148,7 @@ def _part(group: Problem) -> Part:
         return Part(group, None, None, is_linear=False)
     signs = found.signs_at(group.select_values(group.closure.reference, unknown), reference)
     near = np.vstack([samples_about(short, reference, known, seed) for seed in range(_DRAWS)])
-    return Part(group, found if is_firm(found, reference, near, signs, known) else None, None, is_linear=False)
+    return Part(group, found if is_firm(found, reference, near, signs) else None, None, is_linear=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -203,8 +203,7 @@ class LimbPlatform:
         else:
             formulas = self._formulas(system)
         left_over = formulas is not None and not _solves_any_pose(formulas, self.samples[0], self.inverse)
-        known = self.inverse.known_coordinates
-        free = () if formulas is None else free_divisors(formulas, self.sampled_poses, self.home_signs(formulas), known)
+        free = [] if formulas is None else free_divisors(formulas)
         if rod is None and (formulas is None or left_over):
             # of a limb that not every pose lets close, rates are least squares over its rows
             kernel = system_kernel(f"limb{number}", system, pose, symbols)
@@ -231,7 +230,7 @@ class LimbPlatform:
         home = self.home_signs(found)
         alike = all(np.array_equal(found.signs_at(limb, pose), home) for limb, pose in zip(limbs, poses, strict=True))
         known = self.inverse.known_coordinates
-        if not alike or not is_firm(found, self.inverse.select_values(self.home_values, known), poses, home, known):
+        if not alike or not is_firm(found, self.inverse.select_values(self.home_values, known), poses, home):
             return None
         return found if not found.has_conditions or keeps_digits(found, poses, home, known, self.real.epsilon) else None
 

@@ -256,6 +256,7 @@ class _Composed:
             second=ca.vertcat(*(p[1] for p in pairs)),
             discriminants=ca.vertcat(none, *self.discriminants),
             divisors=ca.vertcat(none, *self.divisors),
+            implied=frozenset(),
             told=ca.vertcat(none, *(f.told for f in self.forms)),
             steps=tuple(step for f in self.forms for step in f.steps),
             names=tuple(name for f in self.forms for name in f.names),

@@ -51,7 +51,8 @@ class ClosedForm:
     unknowns = `values`(known; signs, roots): of each choice a sign, +1 or -1, and a root, the square root of one of the
     `discriminants`(known; signs and roots of those before), which are at least 0 where a solution is real; `told` are expressions of
     (known, unknowns; signs and roots of those before) that equal sign times root, by which a configuration says which of the values
-    it is. Formulas divide by `divisors`.
+    it is. Formulas divide by `divisors`, of which those of the numbers `implied`, A^2 + B^2, are above zero where a discriminant is,
+    A^2 + B^2 - C^2.
     `first` are lengths and cosines of angles, `second` the sines. `steps` are the derivation, a sentence each, `names` what the
     choices decide. `samples` are the known values at which coefficients were compared.
     """
@@ -63,6 +64,7 @@ class ClosedForm:
     second: ca.SX
     discriminants: ca.SX
     divisors: ca.SX
+    implied: frozenset[int]
     told: ca.SX
     steps: tuple[str, ...]
     names: tuple[str, ...]
@@ -274,6 +276,7 @@ def _made(system: System, work: Workspace, before: dict[int, int], samples: np.n
         second=second,
         discriminants=discriminants,
         divisors=divisors,
+        implied=frozenset(j for j, d in enumerate(work.divisors) if any(ca.is_equal(d, other) for other in work.implied)),
         told=_told(work, dict(own)),
         steps=tuple(work.steps),
         names=tuple(c.name for c in work.choices),

@@ -90,6 +90,7 @@ def _harmonic_angle(work: Workspace, unknown: int, rows: list[Polynomial]) -> bo
     cosine, sine = (work.own[place] for place in work.ring.places[unknown])
     work.steps.append(f"{work.name(unknown)} stands alone in A cos + B sin + C = 0: two values")
     root = work.choose(work.name(unknown), square - c * c, a * sine - b * cosine)
+    work.implied.append(square)
     work.solve(unknown, [-(a * c + b * root) / square, (a * root - b * c) / square])
     return True
 

@@ -63,6 +63,7 @@ class Workspace:
     values: dict[int, ca.SX] = field(default_factory=dict)
     choices: list[Choice] = field(default_factory=list)
     divisors: list[ca.SX] = field(default_factory=list)
+    implied: list[ca.SX] = field(default_factory=list)
     deferred: list[Deferred] = field(default_factory=list)
     steps: list[str] = field(default_factory=list)
     own: list[ca.SX] = field(init=False)
