@@ -50,7 +50,7 @@ class Workspace:
 
     `symbols` are the known values and what has been defined from them, with `samples` of both and their `sizes` (see `term_sizes`);
     lengths are compared in units of `length`; `definitions` in their order; `values` are the symbols of solved generators; `divisors`
-    are what formulas divide by; `own` stand for a solution's generators.
+    are what formulas divide by, `implied` those that a discriminant keeps above zero; `own` stand for a solution's generators.
     """
 
     ring: Ring
