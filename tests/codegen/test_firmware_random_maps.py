@@ -10,16 +10,10 @@ import pytest
 
 import symkin
 from helpers import firmware_tools as tools
+from helpers.inside import ClosedDirection, JointMap, Options, Real, free_divisors, share_of, write_folder
 from helpers.moved_mechanisms import scaled
-from symkin.codegen.c_emitter import Real
-from symkin.codegen.closed_direction import ClosedDirection
-from symkin.codegen.condition_bends import share_of
-from symkin.codegen.folder import write_folder
-from symkin.codegen.formula_guards import free_divisors
-from symkin.codegen.joint_map import JointMap
-from symkin.codegen.options import Options
 
-MAPS = Path(__file__).parent / "data" / "maps"
+MAPS = Path(__file__).parents[1] / "data" / "maps"
 CASES = {
     "seven_bar_loop": (("j5.1",), ("j4.1",)),
     "nested_dyads": (("j11",), ("j16",)),
