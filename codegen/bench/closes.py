@@ -410,7 +410,7 @@ class Campaign:
         return 1 if false or self.failed or still else 0
 
 
-def _late(*_: object) -> None:
+def late(*_: object) -> None:
     raise TimeoutError(f"not in {SECONDS} s")
 
 
@@ -423,7 +423,7 @@ def main() -> int:
     parser.add_argument("--kind", default="", choices=("map", "arm", "platform"), help="machines of one kind")
     parser.add_argument("--no-named", action="store_true", help="random machines alone")
     chosen = parser.parse_args()
-    signal.signal(signal.SIGPROF, _late)
+    signal.signal(signal.SIGPROF, late)
     campaign = Campaign(chosen.poses, chosen.seed, chosen.only, chosen.kind)
     with tempfile.TemporaryDirectory() as scratch:
         if not chosen.no_named:

@@ -112,7 +112,7 @@ class Lines:
         """Asks for all goals; walks the lines of all that are OK, and of some that are not."""
         answers = self.asked.answers(goals, starts.guesses)
         walked = (answers.status == 0) | (rng.random(len(goals)) < _REFUSED)
-        begins, ends_at = self._line(starts.known, goals)
+        begins, ends_at = self.line(starts.known, goals)
         parts = self.walker.reached(starts.unknowns[walked], begins[walked], ends_at[walked])
         ends = Ends(starts.unknowns.copy(), np.zeros(len(goals)), np.zeros(len(goals)))
         for whole, part in ((ends.unknowns, parts.unknowns), (ends.done, parts.done), (ends.shortest, parts.shortest)):
@@ -120,7 +120,7 @@ class Lines:
         begun = Starts(starts.unknowns, begins, starts.guesses)
         return Outcome(begun, ends_at, answers, walked, ends, self._right(ends, ends_at, answers))
 
-    def _line(self, known: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def line(self, known: np.ndarray, goals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Begins and ends of lines: angles the nearer way round and within limits, quaternions of the same sign and of length one, which
         those of float goals are not quite."""
         begin, end, place = known.copy(), goals.copy(), 0
@@ -146,12 +146,12 @@ class Lines:
         judged = np.flatnonzero(right)
         if len(judged):
             z, known, size = ends.unknowns[judged], goals[judged], self.mechanism.characteristic_length
-            off = self._distance(answers.found[judged], self.stated(z, known))
+            off = self.distance(answers.found[judged], self.stated(z, known))
             epsilon = Real(self.options.real).epsilon
             right[judged] = off < size * (2e-7 + 16 * epsilon * self.problem.system.conditions(z, known))
         return right
 
-    def _distance(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
+    def distance(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
         """Largest differences (n,), angles times the size; of quaternions, twice that, up to sign."""
         size = self.mechanism.characteristic_length
         if self.mechanism.serial:

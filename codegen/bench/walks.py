@@ -1,223 +1,161 @@
-"""Do controllers that call the generated C a thousand times a second get stuck, or lost? Smooth random walks and standing still.
+"""Do controllers that call the generated C a thousand times a second get stuck, or lost? Smooth random walks, standing still, and grazing.
 
-    python codegen/bench/walks.py [NAME|FILE ...] [--given A,B --find C,D] [--paths 100] [--steps 400] [--seed 0] [--real float]
+    python codegen/bench/walks.py [NAME|FILE ...] [--given A,B --find C,D] [--paths 25] [--steps 400] [--lines 200] [--random 10] [--seed 0]
+                                  [--real float] [--part 1/4]
 
-Without names: machines of all kinds (closes.py), maps both ways. Goals move on smooth random paths within limits. Each goal is asked for from
-the last answer that was OK, then once more from its own answer: standing still must be OK. Beside it the same lines are walked finely
-(walk.c) from the last configuration that was OK. Wrong is an OK on a line that is not regular, or that leads elsewhere; stuck is a
-regular line, far from singularities, that is refused. Exit status 1 where anything is wrong, stuck, or does not stand still.
+Without names: machines of all kinds (closes.py), maps both ways; `--part 1/4`: every fourth of them. Goals move on smooth random paths within
+limits. Each goal is asked for from the last answer that was OK, then once more from its own answer: standing still must be OK. Beside it the
+same lines are walked finely (walk.c) from the last configuration that was OK. Wrong is an OK on a line that is not regular, or that leads
+elsewhere; stuck is a regular line, far from singularities, that is refused. Then `--lines` lines go to where the code refuses, and ever nearer
+(grazes.py): no OK there may be refused as a guess. Exit status 1 where anything is wrong, stuck, does not stand still or is not read.
 """
 
 from __future__ import annotations
 
 import argparse
-import ctypes
+import signal
 import sys
 import tempfile
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from closes import Machine, asked, built, drawn, named
-from continuation import Walker
-from lines import REGULAR, Lines
+from closes import Machine, drawn, late, named
+from directions import OUT_OF_RANGE, PLAIN, Direction, State, directions, paths_of
+from grazes import Grazes, grazed
+from lines import REGULAR
 from symkin.codegen.c_emitter import Real
-from symkin.codegen.joint_map import JointMap
-from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
-from symkin.codegen.serial_arm import SerialArm
 from symkin.errors import InputError
 from symkin.formats.load import load
-from symkin.position.problem import Problem
 
-_WAVES = 3
-_LONGEST = 0.02
-"""Length of a step of a path, at most (rad, or of the size)."""
-_OUT_OF_RANGE = 4
-_REACH = 0.9
-"""How far paths go from home (rad, or of the size), where no limits are nearer."""
 _HARD = 50.0
 """Condition from which on a refusal beside a singularity is not held against the code: bounds are kept from it."""
-_PLAIN = 0.25
-"""Step of the fine walk, as a part of a line, which lines that nothing is beside take."""
-
-
-@dataclass(frozen=True)
-class State:
-    """Where each path is: unknowns and known values of the last configuration that was OK, and the code's guess."""
-
-    unknowns: np.ndarray
-    known: np.ndarray
-    guesses: np.ndarray
+_SHOWN = 4
+"""Examples of a machine that are printed."""
+_SECONDS = 150
+"""Time after which a machine is left out: formulas of random ones may be long."""
 
 
 @dataclass
 class Tally:
+    """What came of walks: steps, OK, wrong ones, refused ones that are regular, and OKs that do not stand still."""
+
     steps: int = 0
     ok: int = 0
     wrong: int = 0
     stuck: int = 0
     moved: int = 0
-    examples: list[str] | None = None
-
-    @property
-    def failures(self) -> int:
-        return self.wrong + self.stuck + self.moved
-
-
-@dataclass(frozen=True, eq=False)
-class Direction:
-    """One problem of one machine's code: a function of ask.c and the closure that it solves."""
-
-    machine: Machine
-    real: str
-    library: ctypes.CDLL
-    function: ctypes._CFuncPtr
-    problem: Problem
-    home: State
-    places: np.ndarray | None
-
-    @cached_property
-    def walker(self) -> Walker:
-        return Walker(self.problem, _PLAIN)
-
-    @property
-    def size(self) -> float:
-        return self.machine.mechanism.characteristic_length
-
-    def answers(self, goals: np.ndarray, guesses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Statuses and what is found."""
-        found, status, _ = asked(self.function, self.real, [goals, guesses], [guesses.shape[1]], "iiosn")
-        return status, found
-
-    def stated(self, unknowns: np.ndarray, known: np.ndarray) -> np.ndarray:
-        if self.places is not None:
-            return unknowns[:, self.places]
-        return self._lines.stated(unknowns, known)
-
-    @cached_property
-    def _lines(self) -> Lines:
-        return Lines(self.machine.mechanism, Options(self.real, home=self.machine.home))  # type: ignore[arg-type]
-
-    def gives_back(self, found: np.ndarray, known: np.ndarray) -> np.ndarray:
-        """Whether the code's limbs, on the reference's branches, reach a pose with these joint values: else one is past a dead centre."""
-        if self.places is not None or self.machine.mechanism.serial:
-            return np.ones(len(found), bool)
-        number = len(self.machine.mechanism.actuated)
-        joints, status = asked(self.library.back_all, self.real, [found], [number], "ios")
-        units = np.array([1.0 if c.is_angular else self.size for c in self.problem.known_coordinates])
-        away = joints - known
-        away[:, units == 1.0] = np.angle(np.exp(1j * away[:, units == 1.0]))
-        return np.asarray((status == 0) & (np.max(np.abs(away / units), axis=1) < 1e-3))
-
-    def off(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
-        """Differences (n,), over the size or in rad; of maps by whole turns."""
-        if self.places is None:
-            return self._lines._distance(found, reached) / self.size
-        units = np.array([1.0 if c.is_angular else self.size for c in self.problem.system.unknowns])[self.places]
-        away = found - reached
-        turns = units == 1.0
-        away[:, turns] = np.angle(np.exp(1j * away[:, turns]))
-        return np.asarray(np.max(np.abs(away / units), axis=1))
-
-
-def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
-    """The problems of a machine's code that take a guess."""
-    library, _ = built(machine, real, folder)
-    options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
-    kind = build_program(machine.mechanism, options).kind
-    if not isinstance(kind, JointMap):
-        lines = Lines(machine.mechanism, options)
-        start = lines.home(1)
-        return [
-            Direction(
-                machine, real, library, library.ask_all, lines.problem, State(start.unknowns, start.known, start.guesses), None
-            )
-        ]
-    found = []
-    for way, function, wanted in (
-        (kind.direct, library.ask_all, machine.find),
-        (kind.inverse, library.ask_inverse, machine.given),
-    ):
-        problem, reference = way.problem, kind.reference
-        unknowns, known = (problem.select_values(reference, c) for c in (way.unknown, way.known))
-        names = [c.name for c in way.unknown]
-        places = np.array([way.problem.system.slices[names.index(n)].start for n in wanted])
-        home = State(unknowns[None], known[None], unknowns[None][:, places])
-        found.append(Direction(machine, real, library, function, problem, home, places))
-    return found
-
-
-def paths_of(direction: Direction, paths: int, steps: int, rng: np.random.Generator) -> np.ndarray:
-    """Goals (steps, paths, known): sums of sines about home within limits; poses of an arm are those of such joints."""
-    mechanism = direction.machine.mechanism
-    arm = mechanism.serial
-    coordinates = mechanism.actuated if arm else direction.problem.known_coordinates
-    home = direction.home.unknowns[0] if arm else direction.home.known[0]
-    time, goals = np.linspace(0.0, 1.0, steps)[:, None], []
-    for k, c in enumerate(coordinates):
-        unit = 1.0 if c.is_angular else direction.size
-        reach = _REACH * unit * (1.0 if c.is_angular else 0.4)
-        low, high = (
-            (home[k] - reach, home[k] + reach)
-            if c.limits is None
-            else (max(c.limits[0], home[k] - reach), min(c.limits[1], home[k] + reach))
-        )
-        waves = sum(
-            rng.uniform(-1, 1, paths) * np.sin(2 * np.pi * (w * time + rng.uniform(0, 1, paths))) for w in range(1, _WAVES + 1)
-        )
-        waves = (waves - waves[0]) / (2.0 * np.abs(waves).max() + 1e-30)
-        goals.append(home[k] + np.where(waves > 0, (high - home[k]) * waves, (home[k] - low) * waves) * 0.98)
-    found = np.stack(goals, axis=-1)
-    if not arm:
-        return found
-    kind: SerialArm = direction._lines.kind  # type: ignore[assignment]
-    return np.array([[kind.forward_at(q) for q in row] for row in found])
+    examples: list[str] = field(default_factory=list)
 
 
 def walked(direction: Direction, paths: int, steps: int, rng: np.random.Generator) -> Tally:
-    """Follow the paths."""
-    tally, home = Tally(examples=[]), direction.home
-    number = np.float32 if direction.real == "float" else np.float64
-    goals = paths_of(direction, paths, steps, rng).astype(number).astype(float)
+    """Follow random paths."""
+    tally, home = Tally(), direction.home
+    goals = direction.rounded(paths_of(direction, paths, steps, rng))
     at = State(*(np.repeat(part, paths, axis=0) for part in (home.unknowns, home.known, home.guesses)))
-    epsilon = Real(direction.real).epsilon
     for goal in goals:
-        status, found = direction.answers(goal, at.guesses)
-        begin, end = at.known, goal
-        if direction.places is None:
-            begin, end = direction._lines._line(at.known, goal)
-        ends = direction.walker.reached(at.unknowns, begin, end)
-        ok, regular = status == 0, ends.shortest >= REGULAR
-        reached = direction.stated(ends.unknowns, end)
-        away = np.where(ok, direction.off(found, reached), 0.0)
-        conditions = direction.problem.system.conditions(ends.unknowns, end)
-        allowed = 2e-7 + 64 * epsilon * np.minimum(conditions, 1e6) + 2e-3 * (direction.real == "float")
-        wrong = ok & ((ends.shortest <= 0.0) | (away > allowed))
-        easy = regular & (conditions < _HARD)
-        stuck = ~ok & (status != _OUT_OF_RANGE) & easy & (ends.shortest >= _PLAIN) & direction.gives_back(reached, end)
-        tally.steps, tally.ok = tally.steps + paths, tally.ok + int(ok.sum())
-        tally.wrong, tally.stuck = tally.wrong + int(wrong.sum()), tally.stuck + int(stuck.sum())
-        again, _ = direction.answers(goal, np.where(ok[:, None], found, at.guesses))
-        moved = ok & ~wrong & (again != 0) & regular
-        tally.moved += int(moved.sum())
-        for what, which in (("wrong", wrong), ("stuck", stuck), ("does not stand still", moved)):
-            for k in np.flatnonzero(which)[:1]:
-                if len(tally.examples) < 4:
-                    tally.examples.append(
-                        f"{what}: from {at.guesses[k].tolist()} ({begin[k].tolist()}) to {end[k].tolist()}: status {status[k]}, {found[k].tolist()}; "
-                        f"walked {reached[k].tolist()}, shortest {ends.shortest[k]:.2g}, condition {conditions[k]:.2g}"
-                    )
-        good = ok & ~wrong
-        at = State(
-            *(
-                np.where(good[:, None], new, old)
-                for new, old in zip((ends.unknowns, end, found), (at.unknowns, at.known, at.guesses), strict=True)
-            )
-        )
+        at = _step(direction, at, goal, tally)
     return tally
+
+
+def _step(direction: Direction, at: State, goal: np.ndarray, tally: Tally) -> State:
+    """Ask for the next goal of each path, judge the answers, and go on from those that are right."""
+    status, found = direction.answers(goal, at.guesses)
+    begin, end = (at.known, goal) if direction.places is not None else direction.lines.line(at.known, goal)
+    ends = direction.walker.reached(at.unknowns, begin, end)
+    ok, regular, reached = status == 0, ends.shortest >= REGULAR, direction.stated(ends.unknowns, end)
+    away = np.where(ok, direction.off(found, reached), 0.0)
+    conditions = direction.problem.system.conditions(ends.unknowns, end)
+    epsilon = Real(direction.real).epsilon  # type: ignore[arg-type]
+    allowed = 2e-7 + 64 * epsilon * np.minimum(conditions, 1e6) + 2e-3 * (direction.real == "float")
+    wrong = ok & ((ends.shortest <= 0.0) | (away > allowed))
+    easy = regular & (conditions < _HARD) & (ends.shortest >= PLAIN)
+    stuck = ~ok & (status != OUT_OF_RANGE) & easy & direction.gives_back(reached, end)
+    again, _ = direction.answers(goal, np.where(ok[:, None], found, at.guesses))
+    moved = ok & ~wrong & (again != 0) & regular
+    tally.steps, tally.ok = tally.steps + len(goal), tally.ok + int(ok.sum())
+    for what, which in (("wrong", wrong), ("stuck", stuck), ("moved", moved)):
+        setattr(tally, what, getattr(tally, what) + int(which.sum()))
+        tally.examples += [
+            f"{what}: from {at.guesses[k].tolist()} ({begin[k].tolist()}) to {end[k].tolist()}: status {status[k]}, again {again[k]}, "
+            f"{found[k].tolist()}; walked {reached[k].tolist()}, shortest {ends.shortest[k]:.2g}, condition {conditions[k]:.2g}"
+            for k in np.flatnonzero(which)[:1]
+        ]
+    pairs = ((ends.unknowns, at.unknowns), (end, at.known), (found, at.guesses))
+    return State(*(np.where((ok & ~wrong)[:, None], new, old) for new, old in pairs))
+
+
+@dataclass
+class Row:
+    """Sums of what solves problems in one way, in one type of numbers."""
+
+    machines: set[str] = field(default_factory=set)
+    walks: Tally = field(default_factory=Tally)
+    grazes: Grazes = field(default_factory=Grazes)
+
+    def add(self, name: str, walks: Tally, grazes: Grazes) -> None:
+        self.machines.add(name)
+        for whole, part in ((self.walks, walks), (self.grazes, grazes)):
+            for key, value in vars(part).items():
+                if isinstance(value, int):
+                    setattr(whole, key, getattr(whole, key) + value)
+
+    @property
+    def failures(self) -> int:
+        return self.walks.wrong + self.walks.stuck + self.walks.moved + self.grazes.unread
+
+    def cells(self) -> list[str]:
+        w, g = self.walks, self.grazes
+        numbers = (len(self.machines), w.steps, w.ok, w.wrong, w.stuck, w.moved, g.ok, g.moved, g.unread, g.lost)
+        return [f"{n:,}" for n in numbers]
+
+
+_HEAD = "| solved by | type | machines | steps | OK | wrong | stuck | moved | beside refusals OK | moved | not read | lost |"
+
+
+def table(rows: dict[tuple[str, str], Row]) -> str:
+    """The summary, one line a way of solving and type, and all together."""
+    total = Row()
+    for row in rows.values():
+        for name in row.machines:
+            total.machines.add(name)
+        total.add(next(iter(row.machines)), row.walks, row.grazes)
+    lines = [f"| {' | '.join([*key, *row.cells()])} |" for key, row in (*sorted(rows.items()), (("all", ""), total))]
+    return "\n".join([_HEAD, "|" + "---|" * _HEAD[1:].count("|"), *lines])
+
+
+def machines_of(chosen: argparse.Namespace, scratch: Path) -> Iterator[Machine]:
+    """The named machines, else all that closes.py knows, and random ones, of which a part may be chosen."""
+    if chosen.names:
+        given, find = (tuple(v.split(",")) if v else () for v in (chosen.given, chosen.find))
+        yield from (Machine(load(n), given, find) for n in chosen.names)
+        return
+    number, count = (int(v) for v in chosen.part.split("/"))
+    machines = [*named(), *(m for m, _ in zip(drawn(chosen.seed, scratch), range(chosen.random), strict=False))]
+    yield from machines[number - 1 :: count]
+
+
+def run(machine: Machine, real: str, chosen: argparse.Namespace, rows: dict[tuple[str, str], Row]) -> None:
+    """Walk one machine's code in one type, and print what comes of it."""
+    name = machine.mechanism.name
+    signal.alarm(_SECONDS)
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            found = directions(machine, real, Path(folder))
+        for way, direction in zip(("direct", "inverse"), found, strict=False):
+            rng = np.random.default_rng(chosen.seed)
+            walks, grazes = walked(direction, chosen.paths, chosen.steps, rng), grazed(direction, chosen.lines, rng)
+            rows.setdefault((direction.solved_by, real), Row()).add(name, walks, grazes)
+            one = Row()
+            one.add(name, walks, grazes)
+            said = [f"\n    {e}" for e in (*walks.examples[:_SHOWN], *grazes.examples[:_SHOWN])]
+            print(f"| {name} {way if len(found) > 1 else ''} | {real} | {' | '.join(one.cells())} |", *said, flush=True)
+    except (InputError, TimeoutError) as reason:
+        print(f"{name} {real}: left out: {str(reason)[:120]}", flush=True)
+    finally:
+        signal.alarm(0)
 
 
 def main() -> int:
@@ -225,42 +163,22 @@ def main() -> int:
     parser.add_argument("names", nargs="*")
     parser.add_argument("--given")
     parser.add_argument("--find")
-    parser.add_argument("--paths", type=int, default=100)
+    parser.add_argument("--paths", type=int, default=25)
     parser.add_argument("--steps", type=int, default=400)
-    parser.add_argument("--random", type=int, default=30)
+    parser.add_argument("--lines", type=int, default=200)
+    parser.add_argument("--random", type=int, default=10)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--real", choices=("float", "double"))
+    parser.add_argument("--part", default="1/1")
     chosen = parser.parse_args()
-    total = Tally()
+    signal.signal(signal.SIGALRM, late)
+    rows: dict[tuple[str, str], Row] = {}
     with tempfile.TemporaryDirectory() as scratch:
-        machines = [
-            Machine(load(n), *(tuple(v.split(",")) if v else () for v in (chosen.given, chosen.find))) for n in chosen.names
-        ]
-        if not machines:
-            machines = [*named(), *(m for m, _ in zip(drawn(chosen.seed, Path(scratch)), range(chosen.random), strict=False))]
-        for machine in machines:
+        for machine in machines_of(chosen, Path(scratch)):
             for real in (chosen.real,) if chosen.real else ("float", "double"):
-                try:
-                    with tempfile.TemporaryDirectory() as folder:
-                        found = directions(machine, real, Path(folder))
-                except InputError as reason:
-                    print(f"{machine.mechanism.name} {real}: left out: {str(reason)[:120]}", flush=True)
-                    continue
-                for way, direction in zip(("direct", "inverse"), found, strict=False):
-                    tally = walked(direction, chosen.paths, chosen.steps, np.random.default_rng(chosen.seed))
-                    print(
-                        f"{machine.mechanism.name:24} {real:6} {'' if len(found) == 1 else way:7} steps {tally.steps:8,} OK {tally.ok:8,} "
-                        f"wrong {tally.wrong} stuck {tally.stuck} moved {tally.moved}",
-                        *(f"\n    {e}" for e in tally.examples or []),
-                        flush=True,
-                    )
-                    total = replace(
-                        total, **{n: getattr(total, n) + getattr(tally, n) for n in ("steps", "ok", "wrong", "stuck", "moved")}
-                    )
-    print(
-        f"{total.steps:,} steps, {total.ok:,} OK: {total.wrong} wrong, {total.stuck} stuck, {total.moved} that do not stand still"
-    )
-    return 1 if total.failures else 0
+                run(machine, real, chosen, rows)
+    print(table(rows))
+    return 1 if any(row.failures for row in rows.values()) else 0
 
 
 if __name__ == "__main__":

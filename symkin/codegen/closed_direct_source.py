@@ -67,9 +67,9 @@ class ClosedDirectSource:
         values = dict(self.common) | {
             "nu": self.values.count, "nk": max(1, len(self.found.formulas.names)), "ng": len(self.found.guards), "ny": int(self.values.y.shape[0]),
             "guess_lines": indent(GuessText(self.values).lines, 2), "formula_lines": indent(self._formula_lines), "set_lines": indent(self._set_lines),
-            "keep_lines": indent(line.keep_lines), "reach_member": line.reach_member, "no_reach": "    w.reach = 0U;" if line.reach_member else "",
+            "keep_lines": indent(line.keep_lines), "reach_member": line.reach_member, "no_reach": "    w->reach = 0U;" if line.reach_member else "",
             "p_angle": angle, "near_one": literal(0.9999), "hundred": literal(80.0), "nine_tenths": literal(0.9), "tenth": literal(0.1), "least_part": literal(_LEAST_PART), "first_part": literal(0.5 if not any(wide) else 1.0), "at_lines": indent(line.at_lines),
-            "span_lines": indent(line.span_lines), "change_lines": indent(line.change_lines, 3), "near": "false" if any(wide) else "true",
+            "span_lines": indent(line.span_lines), "change_lines": indent(line.change_lines, 3), "same_signs": indent(self._same_signs), "near": "false" if any(wide) else "true",
             # limits of more than half a turn: the line within them need not be the nearer way round, and is walked
             "evaluations": "two evaluations, since limits say which way round the line goes" if any(wide) else "one evaluation",
             "evaluation_count": 2 if any(wide) else 1,
@@ -80,6 +80,15 @@ class ClosedDirectSource:
         answer = fill("closed_direct_answer.c", values)
         begin = whole.index("/* The answer at joint values")
         return turn + whole[:begin] + answer + whole[begin:]
+
+    @property
+    def _same_signs(self) -> list[str]:
+        """Statements that compare the signs of a guess read again."""
+        count, p = int(self.found.formulas.roots.shape[0]), self.made.name.upper()
+        return [
+            f"for (int k = 0; (k < {count}) && (status == {p}_OK); ++k) {{",
+            f"    status = (again.sign[k] * w->sign[k] > {self.real.literal(0.0)}) ? {p}_OK : {p}_WRONG_BRANCH;", "}",
+        ] if count else ["(void)w;"]  # fmt: skip
 
     @property
     def _formula_lines(self) -> list[str]:

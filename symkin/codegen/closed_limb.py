@@ -23,6 +23,10 @@ from symkin.text import c_comment
 
 RESOLVED = 32.0
 """Roundings of a root's usual size below which it is nothing: no configuration has the pose, or the joint is not decided there."""
+BESIDE = 4.0
+"""Square roots of an answer's error, as shares of a root's usual size, within which the pose does not tell a limb's side."""
+READ_AGAIN = 8.0
+"""Multiple of BESIDE within which an answer is read again, for poses whose error is larger than usual."""
 _SINGULAR = 1e-3
 """Share of a root's usual size below which the limb is near a dead centre, where rates are without bound."""
 
@@ -172,9 +176,17 @@ class LimbFormulas:
         ], f"({closes}) ? {capital}_OK : {capital}_OUT_OF_RANGE"
 
 
+def side_lines(side: str, what: str, bounds: tuple[float, float], real: Real, name: str) -> list[str]:
+    """Statements on a limb's side of a dead centre, sign times root: below the first bound it is the other one, below the second it is not
+    firm."""
+    wrong, beside = (real.literal(float(np.copysign(rounded(abs(bound)), bound))) for bound in bounds)
+    return [f"if (!({side} >= {wrong})) {{ /* {c_comment(what)} */", f"    status = {name}_WRONG_BRANCH;", "}",
+            f"firm = firm && ({side} > {beside});"]  # fmt: skip
+
+
 def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: float) -> str:
     """NAME_check_branch: whether each limb of an answer is on the reference's branch, by what tells its signs. An error t of the pose
-    is sqrt(t) near a dead centre, where two branches meet: what differs by less is one."""
+    is sqrt(t) near a dead centre, where two branches meet. `common` has NAME_check_given's bounds `near`."""
     lines, known = [], made.inverse.known_coordinates
     state = [*(c for c in made.passive), *known]
     names: dict[str, list[str]] = {}
@@ -195,13 +207,9 @@ def branch_text(made: LimbPlatform, common: Mapping[str, object], tolerance: flo
         tests = []
         for k, name in enumerate(formulas.names):
             text = emitter.value(0, k)
-            near = made.real.literal(
-                -rounded(float(4.0 * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k]))
-            )
-            tests += [
-                f"if (!({text} >= {near})) {{ /* {c_comment(name)} */",
-                f"    status = {made.name.upper()}_WRONG_BRANCH;",
-                "}",
-            ]
+            near = float(BESIDE * np.sqrt(tolerance / system.characteristic_length) * written.usual_roots[k])
+            tests += side_lines(text, name, (-near, READ_AGAIN * near), made.real, made.name.upper())
+            tests += [f"told = told && ({text} > {made.real.literal(rounded(near))});"]
         lines += [*emitter.lines, *tests]
-    return fill("told_branch.c", {**common, "count": place, "told": indent(lines)})
+    answer = f"&x[{place - sum(c.width for c in known)}]"
+    return fill("told_branch.c", {**common, "count": place, "told": indent(lines), "answer": answer})

@@ -8,14 +8,17 @@ import casadi as ca
 import numpy as np
 
 from symkin.codegen.c_emitter import Emitter, indent, indexed
-from symkin.codegen.closed_limb import LimbFormulas
+from symkin.codegen.closed_limb import BESIDE, READ_AGAIN, LimbFormulas, side_lines
 from symkin.codegen.direct_values import DirectValues
 from symkin.codegen.gathered import gathered
 from symkin.codegen.lifted import Generators, NotLiftedError, lifted
-from symkin.codegen.newton_kernel import rounded
 from symkin.codegen.newton_source import tuning_of
 from symkin.computed_once import cached_property
-from symkin.text import c_comment
+
+_SMALL_SHARE = 1.0 / 64
+"""Share of its usual size below which a root multiplies rounding so much that an answer is read again before it is OK."""
+_FIRM = 64.0
+"""How many times what rounding leaves of a guard it is at least where an answer need not be read again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,16 +96,24 @@ class AnswerText:
                 continue
             limb = LimbFormulas(self.values.made, block, block.formulas)
             for root, what in zip(limb.usual_roots, block.formulas.names, strict=True):
-                near = -rounded(float(4.0 * np.sqrt(self._tolerance / block.system.characteristic_length) * root))
-                tests += [f"if (!({emitter.value(1, k)} >= {real.literal(near)})) {{ /* {c_comment(what)} */",
-                          f"    status = {name}_WRONG_BRANCH;", "}"]  # fmt: skip
+                near = READ_AGAIN * BESIDE * np.sqrt(self._tolerance / block.system.characteristic_length)
+                tests += side_lines(emitter.value(1, k), what, (0.0, float(near * root)), real, name)
                 k += 1
         side = [*emitter.lines[len(residual) :], *tests]
         begin = len(emitter.lines)
         targets = indexed("pose->position", 3) + indexed("pose->quaternion", 4)
         values = [emitter.value(2, i) for i in range(7)]
         stores = [*emitter.lines[begin:], *(f"{target} = {text};" for target, text in zip(targets, values, strict=True))]
-        return {"residual_lines": indent(residual), "side_lines": indent(side), "pose_lines": indent(stores, 2)}
+        parts = {"residual": residual, "side": side, "firm": self._firm_lines}
+        return {f"{part}_lines": indent(lines) for part, lines in parts.items()} | {"pose_lines": indent(stores, 2)}
+
+    @property
+    def _firm_lines(self) -> list[str]:
+        """Statements on what is near a fold: there the pose's error is large beside the distance."""
+        real, values = self.values.real, self.values
+        tests = [f"(w->share > {real.literal(_SMALL_SHARE)})"] if values.found.usual_roots.size else []
+        tests += [f"(w->guard[{j}] > {least})" for j, least in enumerate(values.least_by(_FIRM))]
+        return [f"bool firm = {' && '.join(tests) or 'true'};"]
 
     @property
     def half_lines(self) -> list[str]:

@@ -17,6 +17,10 @@ _ALIKE = 0.01
 """Relative difference of weights that are taken as equal: as the largest of them."""
 
 
+_ROUNDED = 256.0
+"""Roundings by which a guess's slide, read from its pose, may be beyond its range: the given value is held against its limits apart."""
+
+
 @dataclass(frozen=True, eq=False)
 class LineText:
     """How a line between two given values of one platform is looked at."""
@@ -29,7 +33,7 @@ class LineText:
         for i, c in enumerate(self.values.made.actuated):
             places = self.values.joint_places[c.name]
             for n in places:
-                lines.append(f"const {real.type} move{n} = w.u[{n}] - w.at[{n}];")
+                lines.append(f"const {real.type} move{n} = w->u[{n}] - w->at[{n}];")
             square = " + ".join(f"move{n} * move{n}" for n in places)
             if c.is_angular:
                 lines += [f"const {real.type} chord{i} = {square};", f"kept = kept && (chord{i} <= {real.literal(2.0)});",
@@ -44,9 +48,9 @@ class LineText:
         real, largest = self.values.real, []
         for i, (c, span) in enumerate(zip(self.values.made.actuated, self.values.found.spans, strict=True)):
             if not span.angular:
-                place, per = self.values.joint_places[c.name][0], real.literal(1.0 / span.half)
-                for value in (f"w.at[{place}]", f"joints[{i}]"):
-                    largest.append(f"{per} * {real.call('fabs')}({value} - {real.literal(span.middle)})")
+                place, beyond = self.values.joint_places[c.name][0], 1.0 + _ROUNDED * real.epsilon
+                for value, half in ((f"w->at[{place}]", span.half * beyond), (f"joints[{i}]", span.half)):
+                    largest.append(f"{real.literal(1.0 / half)} * {real.call('fabs')}({value} - {real.literal(span.middle)})")
         if not largest:
             return []
         p = self.values.made.name.upper()
@@ -60,7 +64,7 @@ class LineText:
                 "    }",
             ]
         for reach in self.values.found.parts[:-1]:
-            lines += [f"    w.reach += (excursion > {real.literal(reach)}) ? 1U : 0U;"]
+            lines += [f"    w->reach += (excursion > {real.literal(reach)}) ? 1U : 0U;"]
         return [*lines, f"    if (!(excursion <= {real.literal(1.0)})) {{", f"        status = {p}_WRONG_BRANCH;", "    }", "}"]
 
     @property

@@ -61,8 +61,10 @@ The amplitudes are those of exact trigonometric interpolation of $g$, compared w
 generated. Values of $g$ below 64 roundings of the sum of its amplitudes count as zero."""
 
 _LINE_SIDE = r"""A limb's dead centre leaves the direct problem regular, but a pose does not say on which side of it the limb stands: its sign is
-taken at the answer, and where it is not the reference's (but for an error of four square roots of the tolerance over the size),
-the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was given, and the next call can begin there. Last, the rows of the
+taken at the answer, and where it is not the reference's, the status is `WRONG_BRANCH`. Near a dead centre or a fold the pose, rounded, may
+lie beyond it: an answer with a root below 1/64 of its usual size, a side within 32 square roots of the tolerance over the size, or
+a $g$ below 64 times its rounding is read once more as a guess, and is `WRONG_BRANCH` where it would not stand still.
+The inverse of an answer called OK is what was given, and the next call can begin there. Last, the rows of the
 closure must vanish at the answer, to the tolerance and rounding; else the formulas have lost their digits (`SINGULAR`)."""
 
 

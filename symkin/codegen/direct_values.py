@@ -101,7 +101,11 @@ class DirectValues:
     @cached_property
     def least(self) -> list[str]:
         """Values of the guards that are nothing but rounding."""
-        return [self.real.literal(rounded(_NOISE * self.real.epsilon * guard.size)) for guard in self.found.guards]
+        return self.least_by(1.0)
+
+    def least_by(self, times: float) -> list[str]:
+        """Multiples of what is nothing but rounding of each guard."""
+        return [self.real.literal(rounded(times * _NOISE * self.real.epsilon * guard.size)) for guard in self.found.guards]
 
 
 def _places_of(coordinates: Sequence[Coordinate]) -> dict[str, list[int]]:

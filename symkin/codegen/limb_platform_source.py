@@ -11,7 +11,7 @@ import numpy as np
 from symkin.codegen.c_emitter import Emitter, Real, indent, indexed
 from symkin.codegen.c_templates import common_values, copy, farthest, fill, normalise_pose
 from symkin.codegen.closed_direct_source import ClosedDirectSource
-from symkin.codegen.closed_limb import branch_text, closed_limb_text
+from symkin.codegen.closed_limb import BESIDE, branch_text, closed_limb_text
 from symkin.codegen.formula_guards import feasible_error
 from symkin.codegen.joint_ranges import range_functions, ranges_of
 from symkin.codegen.limb_platform import LimbBlock, LimbPlatform
@@ -134,10 +134,9 @@ class LimbPlatformSource:
         """Statements that hold joints which are not actuated against their limits: of an inverse, of Newton's method, of formulas."""
         ga = "geometry, " if self.made.geometry.at_run_time else ""
         ok, count = f"status == {self._ok}", sum(c.width for c in self.made.passive)
-        names = ("inverse_passive", "direct_passive", "write_tracked", "begin_answer", "give_answer")
+        names = ("inverse_passive", "direct_passive", "write_tracked", "check_answer")
         if not self.made.passive_limits:
             return dict.fromkeys(names, "") | {
-                "answer": "pose",
                 "write_tracked": indent([f"{self.name}_write_pose({ga}&w, pose);"], 4),
             }
         of_state = f"{self.name}_check_passive({ga}&w.x[{count}], given, w.x)"
@@ -145,20 +144,9 @@ class LimbPlatformSource:
             indent([f"if ({ok}) {{", f"    status = {self.name}_check_passive({ga}c, q, passive);", "}"], 2),
             indent([f"if ({ok}) {{", f"    status = {of_state};", "}"], 2),
             indent([f"status = {of_state};", f"if ({ok}) {{", f"    {self.name}_write_pose({ga}&w, pose);", "}"], 4),
-            indent([f"{self.name}_pose answer;"], 3),
-            indent(
-                [
-                    f"if ({ok}) {{",
-                    f"    status = {self.name}_check_answer(&answer);",
-                    "}",
-                    f"if ({ok}) {{",
-                    "    *pose = answer;",
-                    "}",
-                ],
-                3,
-            ),
+            indent([f"if ({ok}) {{", f"    status = {self.name}_check_answer(&answer);", "}"], 2),
         )
-        return dict(zip(names, parts, strict=True)) | {"answer": "&answer"}
+        return dict(zip(names, parts, strict=True))
 
     @property
     def _checks_rows(self) -> bool:
@@ -184,8 +172,8 @@ class LimbPlatformSource:
         made, literal, p, ga = self.made, self.real.literal, self.name, self._ga
         kernel = made.direct_kernel
         passive = sum(c.width for c in made.passive)
-        answer = "w.x" if made.tells_branch else f"{ga}&w.x[{passive}]"
-        branch = [f"if (status == {self._ok}) {{", f"    status = {p}_check_branch({answer}, given);", "}"]
+        check = f"check_branch({ga}w.x, w.at, given)" if made.tells_branch else f"check_given({ga}&w.x[{passive}], given)"
+        branch = [f"if (status == {self._ok}) {{", f"    status = {p}_{check};", "}"]
         unwrap = [f"{self.real.type} given[{self._common['nq']}];", f"{p}_unwrap_joints(w.at, joints, given);"]
         return self._common | {
             "check_branch": indent(branch, 2) if made.has_dead_centres else "", "unwrap": indent(unwrap, 2),
@@ -283,20 +271,20 @@ class LimbPlatformSource:
 
     @property
     def _check_branch(self) -> str:
-        """NAME_check_branch, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where
+        """NAME_check_given and NAME_check_branch, where a pose may leave limbs more than one way to stand. Two ways meet at a dead centre, where
         errors of the tolerance are their square roots in joint values: what differs by less is one."""
         made = self.made
         if not made.has_dead_centres:
             return ""
-        if self.made.tells_branch:
-            return branch_text(made, self._common, self.code.tuning.tolerance)
         size = made.closure.characteristic_length
         # near a dead centre the pose moves by the square of the joint: an error t of the pose is sqrt(t) there
-        near = [4.0 * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size) for c in made.actuated]
+        near = [BESIDE * np.sqrt(self.code.tuning.tolerance / size) * (1.0 if c.is_angular else size) for c in made.actuated]
         within = [f"{self.name}_turn_into_limits(q, given);"] if any(made.limited_angles) else []
-        return fill("check_branch.c", self._common | {
+        values = self._common | {
             "near": ", ".join(self.real.literal(rounded(float(v))) for v in near), "within_given": indent(within, 2),
-        })  # fmt: skip
+        }  # fmt: skip
+        text = fill("check_given.c", values)
+        return text + (branch_text(made, values, self.code.tuning.tolerance) if made.tells_branch else "")
 
     @property
     def _turn_into_limits(self) -> str:

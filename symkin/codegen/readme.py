@@ -125,9 +125,10 @@ the status is `WRONG_BRANCH`. The inverse of an answer called OK is what was giv
 _SIDE = r"""
 
 A limb's dead centre is a singularity too, and a pose alone does not say on which side of it the limb stands. Of a limb in closed
-form a sign tells that: it is taken at the answer and the given joint values, and where it is not the reference's (but for
-an error of four square roots of the tolerance over the size), the status is `WRONG_BRANCH`. The inverse of an answer
-called OK is what was given, and the next call can begin there."""
+form a sign tells that: it is taken at the answer and the given joint values, and where it is not the reference's, the status is
+`WRONG_BRANCH`. An error $t$ of the pose, over the size, is $\sqrt{t}$ there: within $4 \sqrt{t}$ of the root's usual size, $t$ the tolerance's, only
+a change of joint values as small is OK, standing still; within eight times that the pose, as it is written, must give the joint values
+back as `inverse` solves them. The inverse of an answer called OK is what was given, and the next call can begin there."""
 
 _FORMULAS = r"""## Limbs in closed form
 

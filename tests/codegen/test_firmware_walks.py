@@ -158,3 +158,48 @@ def test_far_goals_that_were_answered_wrongly(name):
     asked = lines.Lines(symkin.load(machine if machine.exists() else name), Options(real, home=bench.HOMES.get(name)))
     outcome = asked.run(asked.home(len(goals)), np.array(goals), np.random.default_rng(0))
     assert not np.any(outcome.ok & ~outcome.right)
+
+
+def _slides_on_arms():
+    """Three limbs whose slides stand on turning arms: where a slide's length passes zero its arm's angle goes over by half a turn."""
+    return symkin.load("zhao2000")
+
+
+GRAZES = {
+    "formulas, slides on arms": _slides_on_arms,
+    "formulas, elbows": lambda: samples.readme_five_bar("planar"),
+    "Newton, elbows": lambda: samples.three_rrr("planar"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
+@pytest.mark.parametrize("name", GRAZES)
+def test_what_is_ok_beside_a_dead_centre_can_be_held(name, real, tmp_path):
+    """Lines that end at folds and dead centres, goals ever nearer to them: an OK answer is read as a guess, and of formulas its own joint values
+    are OK again."""
+    tools.compiler("gcc")
+    closes, grazes, directions = (tools.bench_module(m) for m in ("closes", "grazes", "directions"))
+    (direction,) = directions.directions(closes.Machine(GRAZES[name]()), real, tmp_path)
+    found = grazes.grazed(direction, 200, np.random.default_rng(3))
+    assert found.ok > 500
+    assert found.unread == 0, found.examples
+    assert direction.solved_by != "limbs, formulas" or found.moved == 0, found.examples
+
+
+@pytest.mark.slow
+def test_a_slide_beside_zero_is_not_answered_on_the_other_side(tmp_path):
+    """A line whose end has a slide of length zero but for rounding: OK only where the pose gives the joint values back."""
+    closes, directions = tools.bench_module("closes"), tools.bench_module("directions")
+    (direction,) = directions.directions(closes.Machine(_slides_on_arms()), "float", tmp_path)
+    rng, home = np.random.default_rng(5), direction.home
+    goal = np.array([[1.9871028661727905, 3.0342817306518555, 5.613564968109131, 141.12986755371094]])
+    guess = home.guesses
+    for part in np.linspace(0.0, 1.0, 60)[1:]:
+        at = direction.rounded(home.known + part * (goal - home.known))
+        status, answer = direction.answers(at, guess)
+        guess = answer if status[0] == 0 else guess
+    goals = direction.rounded(goal + 1e-5 * rng.normal(size=(500, 4)) * [1.0, 1.0, 1.0, 100.0])
+    status, answers = direction.answers(goals, np.repeat(guess, 500, axis=0))
+    again, _ = direction.answers(goals, answers)
+    assert np.all(again[status == 0] == 0)

@@ -62,7 +62,7 @@ static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} j
         for (int i = 0; i < @{nq}; ++i) {
             const @{real} way = given[i] - at[i];
             change[i] = ((end - done) * way) * ((end - done) * way);
-            at_end[i] = (end < @{one}) ? (at[i] + end * way) : given[i];
+            at_end[i] = (end < @{one}) ? (at[i] + end * way) : joints[i];
         }
         @{p}_direct_set(w, at_end);
         @{p}_direct_formulas(w);
@@ -96,7 +96,48 @@ static @{COLD} @{p}_status @{p}_direct_walk(@{p}_direct_work *w, const @{real} j
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps them. */
+/* Follows the line from the guess that was read to joint values: the formulas there with the guess's signs, where the line keeps them. */
+static @{SHARED} @{p}_status @{p}_direct_line(@{p}_direct_work *w, const @{real} joints[@{nq}], unsigned int most, unsigned int *count)
+{
+    @{p}_status status = @{P}_OK;
+    w->share = @{zero};
+    w->over = @{four};
+@{no_reach}
+@{span_lines}
+    if (status == @{P}_OK) {
+        @{real} change[@{nq}];
+        bool kept = false;
+        if (most > 0U) {
+            @{p}_direct_set(w, joints);
+            @{p}_direct_formulas(w);
+            *count = 1U;
+            /* squares of changes, of an angle by its chord's, up to a right angle */
+            kept = @{near};
+@{change_lines}
+            kept = kept && @{p}_line_keeps(w, change);
+        }
+        if (!kept) {
+            status = @{p}_direct_walk(w, joints, most, count);
+        }
+    }
+    return status;
+}
+
+/* Whether an answer, read as a guess, stands still: so near to a fold or a dead centre rounding may put it on the other side, or
+ * where no guess is read. */
+static @{COLD} @{p}_status @{p}_direct_stays(const @{p}_direct_work *w, const @{real} joints[@{nq}], const @{p}_pose *answer)
+{
+    @{p}_direct_work again;
+    unsigned int count = 0U;
+    @{p}_status status = @{p}_read_guess(&again, answer);
+    if (status == @{P}_OK) {
+        status = @{p}_direct_line(&again, joints, 2U, &count);
+    }
+@{same_signs}
+    return (status == @{P}_OK) ? @{P}_OK : @{P}_WRONG_BRANCH;
+}
+
+/* The answer at joint values. */
 static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pose *guess, @{p}_pose *pose, const @{p}_config *config, @{p}_info *info)
 {
     static const @{p}_config usual = { @{P}_TOLERANCE, @{P}_MAX_STEPS, @{P}_MAX_STEP };
@@ -106,8 +147,6 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
     @{p}_status status = @{p}_read_guess(&w, guess);
     const @{p}_status limits = @{p}_check_limits(joints);
     w.share = @{zero};
-    w.over = @{four};
-@{no_reach}
     /* NaN or infinity anywhere comes first */
     if ((status == @{P}_OK) || (limits == @{P}_NONFINITE)) {
         status = limits;
@@ -117,27 +156,20 @@ static @{p}_status @{p}_direct_reach(const @{real} joints[@{nq}], const @{p}_pos
     } else {
         status = @{p}_check_config(config, status);
     }
-@{span_lines}
     if (status == @{P}_OK) {
         const unsigned int most = config->max_iterations;
-        @{real} change[@{nq}];
-        bool kept = false;
-        if (most > 0U) {
-            @{p}_direct_set(&w, joints);
-            @{p}_direct_formulas(&w);
-            count = 1U;
-            /* squares of changes, of an angle by its chord's, up to a right angle */
-            kept = @{near};
-@{change_lines}
-            kept = kept && @{p}_line_keeps(&w, change);
+        status = @{p}_direct_line(&w, joints, most, &count);
+    }
+    if (status == @{P}_OK) {
+        @{p}_pose answer;
+        bool firm = true;
+        status = @{p}_direct_answer(&w, config->tolerance, &answer, &residual, &firm);
+        if ((status == @{P}_OK) && !firm) {
+            status = @{p}_direct_stays(&w, joints, &answer);
         }
-        if (!kept) {
-            status = @{p}_direct_walk(&w, joints, most, &count);
-        }
+@{check_answer}
         if (status == @{P}_OK) {
-@{begin_answer}
-            status = @{p}_direct_answer(&w, config->tolerance, @{answer}, &residual);
-@{give_answer}
+            *pose = answer;
         }
     }
     if (count > 0U) {

@@ -1,5 +1,6 @@
-/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes its pose. */
-static @{p}_status @{p}_direct_answer(const @{p}_direct_work *w, @{real} tolerance, @{p}_pose *pose, @{real} *residual)
+/* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes its pose. *is_firm: whether it is so far
+ * from folds and dead centres that rounding does not reach them. */
+static @{p}_status @{p}_direct_answer(const @{p}_direct_work *w, @{real} tolerance, @{p}_pose *pose, @{real} *residual, bool *is_firm)
 {
     @{p}_status status = @{P}_OK;
 @{half_lines}
@@ -7,7 +8,9 @@ static @{p}_status @{p}_direct_answer(const @{p}_direct_work *w, @{real} toleran
     if (!(*residual <= tolerance + @{rounding})) {
         status = @{P}_SINGULAR;
     }
+@{firm_lines}
 @{side_lines}
+    *is_firm = firm;
     if (status == @{P}_OK) {
 @{pose_lines}
     }

@@ -1,0 +1,84 @@
+"""Move to where generated C refuses to go on, ever nearer, and ask whether what was called OK there can be held and left again.
+
+Lines go from home until a goal is refused: at a fold, a dead centre, a meeting of branches. Between the last goal that was OK and the refused
+one others are asked for, each from the last OK. An OK whose own answer is refused as a guess has moved; it is lost where the goals before it
+are refused as well: a controller that holds it comes no further.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from directions import OUT_OF_RANGE, Direction
+
+_STEP = 0.03
+"""Length of a step from home (rad, or of the size)."""
+_STEPS = 120
+_GOALS = 40
+"""Goals on each line between the last OK and what is refused."""
+_FINE = {"float": 3.0, "double": 6.0}
+"""Every second goal lies at most ten to this power nearer to what is refused."""
+_WAYS_OUT = (1.0, 0.5, 0.1, 0.01)
+"""Parts of the way back to the last goal."""
+
+
+@dataclass
+class Grazes:
+    """What came of goals beside what is refused: asked for, OK, OK that do not stand still, as guesses not even read, and lost."""
+
+    asked: int = 0
+    ok: int = 0
+    moved: int = 0
+    unread: int = 0
+    lost: int = 0
+    examples: list[str] = field(default_factory=list)
+
+
+def grazed(direction: Direction, lines: int, rng: np.random.Generator) -> Grazes:
+    """Go from home in random directions; nothing where the given values are a pose, which has no straight lines."""
+    found, coordinates = Grazes(), direction.problem.known_coordinates
+    if any(c.width != 1 for c in coordinates):
+        return found
+    known, guesses, beyond = _refused(direction, lines, rng)
+    for k in range(_GOALS if len(known) else 0):
+        part = 10.0 ** -rng.uniform(0.0, _FINE[direction.real], (len(known), 1)) if k % 2 else 0.5
+        goal = direction.rounded(beyond + part * (known - beyond))
+        status, answers = direction.answers(goal, guesses)
+        ok = (status == 0)[:, None]
+        held = np.where(ok, answers, guesses)
+        again, _ = direction.answers(goal, held)
+        moved = ok[:, 0] & (again != 0)
+        lost = moved.copy()
+        for way in _WAYS_OUT if moved.any() else ():
+            lost &= direction.answers(direction.rounded(goal + way * (known - goal)), held)[0] != 0
+        found.asked, found.ok = found.asked + len(known), found.ok + int(ok.sum())
+        found.moved, found.lost = found.moved + int(moved.sum()), found.lost + int(lost.sum())
+        found.unread += int((moved & (again == OUT_OF_RANGE)).sum())
+        for i in np.flatnonzero(lost | (moved & (again == OUT_OF_RANGE)))[:1]:
+            found.examples.append(
+                f"from {guesses[i].tolist()} to {goal[i].tolist()}: OK, {answers[i].tolist()}, again: status {again[i]}"
+            )
+        known, guesses, beyond = np.where(ok, goal, known), held, np.where(ok, beyond, goal)
+    return found
+
+
+def _refused(direction: Direction, lines: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Last given values that were OK, their guesses, and the refused ones after them, of lines that end within limits."""
+    home, coordinates = direction.home, direction.problem.known_coordinates
+    units = np.array([1.0 if c.is_angular else direction.size for c in coordinates])
+    low, high = (np.array([c.limits[e] if c.limits else s * np.inf for c in coordinates]) for e, s in ((0, -1), (1, 1)))
+    known, guesses = (np.repeat(values, lines, axis=0) for values in (home.known, home.guesses))
+    way = rng.normal(size=known.shape)
+    step = _STEP * units * way / np.linalg.norm(way, axis=1, keepdims=True)
+    beyond, going, refused = known.copy(), np.ones(lines, bool), np.zeros(lines, bool)
+    for _ in range(_STEPS):
+        goal = direction.rounded(known + step)
+        going &= np.all((goal >= low) & (goal <= high), axis=1)
+        status, answers = direction.answers(goal, guesses)
+        ends = going & (status != 0)
+        beyond[ends], refused, going = goal[ends], refused | ends, going & ~ends
+        known = np.where(going[:, None], goal, known)
+        guesses = np.where(going[:, None], answers, guesses)
+    return known[refused], guesses[refused], beyond[refused]
