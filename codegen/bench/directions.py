@@ -12,10 +12,10 @@ import numpy as np
 from closes import Machine, asked, built
 from continuation import Walker
 from lines import Lines
+from symkin.codegen.c_emitter import Real
 from symkin.codegen.joint_map import JointMap
 from symkin.codegen.limb_platform import LimbPlatform
 from symkin.codegen.options import Options
-from symkin.codegen.program import build_program
 from symkin.codegen.rod_platform import RodPlatform
 from symkin.codegen.serial_arm import SerialArm
 from symkin.position.problem import Problem
@@ -47,6 +47,7 @@ class Direction:
     function: ctypes._CFuncPtr
     problem: Problem
     home: State
+    lines: Lines
     places: np.ndarray | None
     solved_by: str
 
@@ -72,10 +73,6 @@ class Direction:
             return unknowns[:, self.places]
         return self.lines.stated(unknowns, known)
 
-    @cached_property
-    def lines(self) -> Lines:
-        return Lines(self.machine.mechanism, Options(self.real, home=self.machine.home))  # type: ignore[arg-type]
-
     def gives_back(self, found: np.ndarray, known: np.ndarray) -> np.ndarray:
         """Whether the code's limbs, on the reference's branches, reach a pose with these joint values: else one is past a dead centre."""
         if self.places is not None or self.machine.mechanism.serial:
@@ -85,7 +82,9 @@ class Direction:
         units = np.array([1.0 if c.is_angular else self.size for c in self.problem.known_coordinates])
         away = joints - known
         away[:, units == 1.0] = np.angle(np.exp(1j * away[:, units == 1.0]))
-        return np.asarray((status == 0) & (np.max(np.abs(away / units), axis=1) < 1e-3))
+        # beside a dead centre joints differ by the root of the pose's rounding
+        near = np.sqrt(Real(self.real).epsilon)  # type: ignore[arg-type]
+        return np.asarray((status == 0) & (np.max(np.abs(away / units), axis=1) < near))
 
     def off(self, found: np.ndarray, reached: np.ndarray) -> np.ndarray:
         """Differences (n,), over the size or in rad; of maps by whole turns."""
@@ -113,12 +112,12 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
     """The problems of a machine's code that take a guess."""
     library, _ = built(machine, real, folder)
     options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
-    kind = build_program(machine.mechanism, options).kind
+    lines = Lines(machine.mechanism, options)
+    kind = lines.kind
     if not isinstance(kind, JointMap):
-        lines = Lines(machine.mechanism, options)
         start = lines.home(1)
         home = State(start.unknowns, start.known, start.guesses)
-        return [Direction(machine, real, library, library.ask_all, lines.problem, home, None, solved_by(kind))]
+        return [Direction(machine, real, library, library.ask_all, lines.problem, home, lines, None, solved_by(kind))]
     found = []
     for way, function, wanted in (
         (kind.direct, library.ask_all, machine.find),
@@ -129,7 +128,7 @@ def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
         names = [c.name for c in way.unknown]
         places = np.array([way.problem.system.slices[names.index(n)].start for n in wanted])
         home = State(unknowns[None], known[None], unknowns[None][:, places])
-        found.append(Direction(machine, real, library, function, problem, home, places, solved_by(kind, way)))
+        found.append(Direction(machine, real, library, function, problem, home, lines, places, solved_by(kind, way)))
     return found
 
 

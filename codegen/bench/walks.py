@@ -7,7 +7,7 @@ Without names: machines of all kinds (closes.py), maps both ways; `--part 1/4`: 
 limits. Each goal is asked for from the last answer that was OK, then once more from its own answer: standing still must be OK. Beside it the
 same lines are walked finely (walk.c) from the last configuration that was OK. Wrong is an OK on a line that is not regular, or that leads
 elsewhere; stuck is a regular line, far from singularities, that is refused. Then `--lines` lines go to where the code refuses, and ever nearer
-(grazes.py): no OK there may be refused as a guess. Exit status 1 where anything is wrong, stuck, does not stand still or is not read.
+(grazes.py): no OK there may be refused as a guess. An interrupted run (Control-C) prints its table. Exit status 1 where anything is wrong, stuck, does not stand still or is not read.
 """
 
 from __future__ import annotations
@@ -174,9 +174,12 @@ def main() -> int:
     signal.signal(signal.SIGALRM, late)
     rows: dict[tuple[str, str], Row] = {}
     with tempfile.TemporaryDirectory() as scratch:
-        for machine in machines_of(chosen, Path(scratch)):
-            for real in (chosen.real,) if chosen.real else ("float", "double"):
-                run(machine, real, chosen, rows)
+        try:
+            for machine in machines_of(chosen, Path(scratch)):
+                for real in (chosen.real,) if chosen.real else ("float", "double"):
+                    run(machine, real, chosen, rows)
+        except KeyboardInterrupt:
+            print("interrupted")
     print(table(rows))
     return 1 if any(row.failures for row in rows.values()) else 0
 
