@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from symkin.codegen.folder import write_folder
 from symkin.codegen.options import Options
+from symkin.codegen.program import Program, build_program
 from symkin.model.mechanism import Mechanism
 
 STATUSES = ("OK", "MAX_ITERATIONS", "SINGULAR", "NONFINITE", "OUT_OF_RANGE", "WRONG_BRANCH")
@@ -56,9 +56,14 @@ class Asked:
         return status, goals.astype(float)
 
     @cached_property
+    def program(self) -> Program:
+        return build_program(self.mechanism, self.options)
+
+    @cached_property
     def _library(self) -> ctypes.CDLL:
         folder, name = Path(tempfile.mkdtemp()), self.mechanism.name
-        write_folder(self.mechanism, folder, self.options)
+        for suffix, text in ((".h", self.program.header), (".c", self.program.source)):
+            (folder / f"{name}{suffix}").write_text(text)
         macros = [
             f'-DHEADER="{name}.h"',
             f"-DREAL={self.options.real}",

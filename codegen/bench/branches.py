@@ -39,6 +39,8 @@ STUDIED = (*SHIPPED, *(str(_MACHINES / f"{name}.toml") for name in (
 HOMES = {"zhang2009": HOME}
 RANGES = {"small": SMALL, "middle": MIDDLE, "widest": WIDEST}
 _BATCH = 4096
+LETTERS = "OMSNRW"
+"""Of the statuses, in the order of STATUSES: OUT_OF_RANGE is R, the others begin with theirs."""
 
 
 @dataclass
@@ -88,6 +90,17 @@ def studied(lines: Lines, count: int, reach: Reach, seed: int, legs: int, folds:
             starts = lines.after(outcome, home)
     found.seconds = time.monotonic() - begun
     return found
+
+
+def statuses(lines: Lines, count: int, reach: Reach, seed: int, legs: int = 2) -> str:
+    """The letter of the status of each goal, without a walk: of `count` from home, then as many from what was OK on the leg before."""
+    rng, home = np.random.default_rng(seed), lines.home(count).guesses
+    guesses, said = home, ""
+    for _ in range(legs):
+        answers = lines.asked.answers(lines.goals(count, reach, rng), guesses)
+        said += "".join(LETTERS[status] for status in answers.status)
+        guesses = np.where((answers.status == 0)[:, None], answers.found, home)
+    return said
 
 
 def _count(found: Found, lines: Lines, outcome: Outcome) -> None:

@@ -12,7 +12,7 @@ from continuation import Ends, Walker
 from goals import Reach, goals_about
 from symkin.codegen.c_emitter import Real
 from symkin.codegen.options import Options
-from symkin.codegen.program import Kind, build_program
+from symkin.codegen.program import Kind
 from symkin.codegen.serial_arm import SerialArm
 from symkin.model.mechanism import Mechanism
 from symkin.position.canonical import poses_of
@@ -69,9 +69,9 @@ class Lines:
     mechanism: Mechanism
     options: Options
 
-    @cached_property
+    @property
     def kind(self) -> Kind:
-        return build_program(self.mechanism, self.options).kind
+        return self.asked.program.kind
 
     @cached_property
     def problem(self) -> Problem:

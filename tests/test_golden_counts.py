@@ -1,0 +1,57 @@
+"""Golden figures of generated C: operations of each function; accepted and refused goals."""
+
+from __future__ import annotations
+
+import pytest
+
+from helpers import firmware_tools as tools
+from helpers.gate import in_gate
+
+GOLDEN = tools.bench_module("golden")
+QUICK = [("five_bar", "float"), ("three_rrr", "double"), ("slider_crank", "float"), ("zhang2009", "double"), ("scara", "float")]
+"""A platform that formulas solve, one that is iterated, a map, a platform on rods, an arm."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("machine", "real"), in_gate([(m, r) for m in GOLDEN.MACHINES for r in GOLDEN.REALS], QUICK))
+def test_the_code_does_what_it_did(machine, real):
+    """No function takes more or fewer operations than the golden ones, and the same goals are accepted and refused."""
+    tools.compiler("gcc")
+    told = GOLDEN.differences(machine, real, GOLDEN.kept().get(machine, {}).get(real), GOLDEN.found(machine, real))
+    assert not told, "\n" + "\n".join(told)
+
+
+def test_the_golden_file_has_every_machine_and_nothing_else():
+    """What is read is what was written, in the same bytes."""
+    kept = GOLDEN.kept()
+    assert set(kept) == set(GOLDEN.MACHINES)
+    assert len(kept) == 25
+    assert all(set(parts) == set(GOLDEN.REALS) for parts in kept.values())
+    assert GOLDEN.golden_text(kept) == GOLDEN.GOLDEN.read_text()
+
+
+def test_accepted_and_refused_goals_are_both_there():
+    """Of each type of numbers and most machines: else the golden statuses would say little."""
+    kept = GOLDEN.kept()
+    for real in GOLDEN.REALS:
+        said = {machine: "".join(parts[real].statuses.values()) for machine, parts in kept.items() if parts[real].statuses}
+        assert len(said) == 18
+        assert all("O" in letters for letters in said.values())
+        assert sum(len(set(letters)) > 1 for letters in said.values()) >= 16
+        assert set("".join(said.values())) >= set("OMRW")
+
+
+def test_a_difference_is_a_sentence():
+    """It says machine, type, function, old and new count, goals, and the command that accepts it."""
+    old = GOLDEN.Figures({"direct": (100, 5, 7, 0, 0, 0, 0, 0), "line": None, "gone": (0,) * 8}, {"small": "OOW"})
+    new = GOLDEN.Figures({"direct": (100, 5, 9, 1, 0, 0, 0, 0), "line": (0,) * 8, "feed": (0,) * 8}, {"small": "ORW"})
+    accepts = "`python codegen/bench/golden.py delta --write` accepts it"
+    assert GOLDEN.differences("delta", "float", old, new) == [
+        f"delta float, direct: 7 -> 9 multiplications, 0 -> 1 divisions; {accepts}",
+        f"delta float, line: its operations are bounded now; {accepts}",
+        f"delta float, gone: there is no such function any more; {accepts}",
+        f"delta float, feed: the function is new; {accepts}",
+        f"delta float, small goals: number 1 O -> R; in all 2 -> 1 O, 0 -> 1 R; {accepts}",
+    ]
+    assert GOLDEN.differences("delta", "float", old, old) == []
+    assert GOLDEN.differences("delta", "float", None, new) == [f"delta float has no golden figures; {accepts}"]
