@@ -16,6 +16,13 @@ settings.register_profile(
 settings.load_profile("symkin")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _shared_folders_of_c(tmp_path_factory):
+    """Folders of C that are not committed are written once for all workers of a run."""
+    base = tmp_path_factory.getbasetemp()
+    os.environ["SYMKIN_FOLDERS"] = str((base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "folders")
+
+
 @pytest.fixture
 def cache(tmp_path, monkeypatch):
     """A cache folder of the test's own."""

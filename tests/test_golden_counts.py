@@ -1,6 +1,8 @@
-"""Golden figures of generated C: operations of each function; accepted and refused goals."""
+"""Golden figures of generated C: operations of each function, accepted and refused goals, digests of the folders that are not committed."""
 
 from __future__ import annotations
+
+import json
 
 import pytest
 
@@ -8,6 +10,8 @@ from helpers import firmware_tools as tools
 from helpers.gate import in_gate
 
 GOLDEN = tools.bench_module("golden")
+FOLDERS = tools.bench_module("folders")
+HELD = [name for name in tools.FOLDERS if name not in tools.COMMITTED]
 QUICK = [("five_bar", "float"), ("three_rrr", "double"), ("slider_crank", "float"), ("zhang2009", "double"), ("scara", "float")]
 """A platform that formulas solve, one that is iterated, a map, a platform on rods, an arm."""
 
@@ -19,6 +23,19 @@ def test_the_code_does_what_it_did(machine, real):
     tools.compiler("gcc")
     told = GOLDEN.differences(machine, real, GOLDEN.kept().get(machine, {}).get(real), GOLDEN.found(machine, real))
     assert not told, "\n" + "\n".join(told)
+
+
+def test_committed_folders_have_the_golden_operations():
+    """Manifests state the same numbers as the golden file."""
+    kept = GOLDEN.kept()
+    for folder in tools.COMMITTED:
+        manifest = tools.manifest(folder)
+        golden = kept[manifest["mechanism"]][manifest["options"]["real"]].operations
+        stated = {function: bound["usual"] for function, bound in manifest["worst_case"]["bound"].items()}
+        assert set(golden) == set(stated)
+        for function, bound in stated.items():
+            row = (bound["iterations"], *(bound["operations"].get(name, 0) for name in GOLDEN.COLUMNS[1:]))
+            assert golden[function] == row, f"{folder}, {function}: {GOLDEN.accepting(manifest['mechanism'])}"
 
 
 def test_the_golden_file_has_every_machine_and_nothing_else():
@@ -55,3 +72,34 @@ def test_a_difference_is_a_sentence():
     ]
     assert GOLDEN.differences("delta", "float", old, old) == []
     assert GOLDEN.differences("delta", "float", None, new) == [f"delta float has no golden figures; {accepts}"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", in_gate(HELD, tools.KINDS))
+def test_folders_that_are_not_committed_have_their_digest(folder):
+    """Their text is the one that the digest is of."""
+    files = {path.name: path.read_text() for path in tools.folder(folder).iterdir() if path.is_file()}
+    digest = json.loads((tools.CODEGEN / "digests.json").read_text())[folder]
+    assert FOLDERS.generate().digest_of(files) == digest, f"{folder} is another text: run python codegen/generate.py"
+
+
+def test_committed_and_held_folders_are_all_that_there_are():
+    """Each variant of generate.py once; at most eight are committed."""
+    generate = FOLDERS.generate()
+    assert sorted(folder for folder, _, _ in generate.variants()) == tools.FOLDERS
+    assert sorted(generate.COMMITTED) == tools.COMMITTED
+    assert len(tools.COMMITTED) <= 8
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("x = -3.0533016766960284 * w->x[3];", "x = -3.053301676696029 * w->x[3];"),
+        ("const float a = 1e-09f;", "const float a = 1.0e-09f;"),
+        ("0x1.8p+1, 12U, x[10]", "0x1.8p+1, 12U, x[10]"),
+    ],
+)
+def test_last_digits_make_no_other_digest(one, other):
+    stable = FOLDERS.generate().stable
+    assert stable(one) == stable(other)
+    assert stable(one) != stable(one.replace("3", "4").replace("a", "b").replace("12", "13"))

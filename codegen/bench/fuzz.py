@@ -3,7 +3,7 @@ and on invalid operations where every input is finite.
 
     python codegen/bench/fuzz.py [FOLDER ...] [--count 1000000] [--seed 0] [--mode trap|division|count]
 
-Without folders: every committed one, and the fresh ones that no committed folder is like. `division` traps no overflow, `count` nothing: it counts.
+Without folders: every one that generate.py writes. `division` traps no overflow, `count` nothing: it counts.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+from folders import FOLDERS, folder_of
+
 BENCH = Path(__file__).parent
-COMMITTED = sorted(path.parent for path in BENCH.parent.glob("*/manifest.json"))
 SANITIZED = [
     "-O1",
     "-g",
@@ -75,13 +76,13 @@ def fuzzed(folder: Path, count: int, seed: int = 0, mode: str = "trap") -> tuple
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folders", nargs="*", type=Path, default=COMMITTED)
+    parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--count", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--mode", choices=["trap", "division", "count"], default="trap")
     given = parser.parse_args()
     findings = 0
-    for folder in given.folders:
+    for folder in given.folders or map(folder_of, FOLDERS):
         clean, said = fuzzed(folder.resolve(), given.count, given.seed, given.mode)
         findings += not clean
         print(f"{folder.name}: {'no finding' if clean else 'FOUND'}\n{said}", flush=True)

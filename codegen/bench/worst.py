@@ -1,4 +1,4 @@
-"""The worst case of each function of committed folders: instructions searched under QEMU, stack with callees, bytes.
+"""The worst case of each function of generated folders: instructions searched under QEMU, stack with callees, bytes.
 
     python codegen/bench/worst.py [FOLDER ...] [--write] [--seed 1]
 
@@ -18,8 +18,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from folders import FOLDERS, folder_of
 from footprint import LIBRARIES, footprints
-from fuzz import COMMITTED, macros
+from fuzz import macros
 from processors import BOARDS, COMMON, TARGETS
 from readme import written
 
@@ -103,18 +104,17 @@ def _gcc_version() -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="Search the worst cases of folders of generated C.")
-    parser.add_argument("folders", nargs="*", type=Path, default=COMMITTED, metavar="FOLDER")
+    parser.add_argument("folders", nargs="*", type=Path, metavar="FOLDER", help="default: all that generate.py writes")
     parser.add_argument("--write", action="store_true", help="write codegen/measured.json and the table of codegen/README.md")
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     found = {}
-    for folder in given.folders:
+    for folder in given.folders or map(folder_of, FOLDERS):
         found[folder.resolve().name] = measured(folder.resolve(), given.seed)
         print(table({folder.name: found[folder.resolve().name]}), flush=True)
     if given.write:
         kept = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
-        names = {path.name for path in COMMITTED}
-        kept = {name: figures for name, figures in {**kept, **found}.items() if name in names}
+        kept = {name: figures for name, figures in {**kept, **found}.items() if name in FOLDERS}
         MEASURED.write_text(json.dumps(dict(sorted(kept.items())), indent=1) + "\n")
         written("worst", table(kept))
 

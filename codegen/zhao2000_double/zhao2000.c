@@ -1129,7 +1129,7 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real b0 = w->guard[0] - 6.91e-10;
     const zhao2000_real lesser0 = (a0 < b0) ? a0 : b0;
     const zhao2000_real sum0 = change[0] + change[1] + change[2];
-    const zhao2000_real bend0 = 217000.0 * sum0;
+    const zhao2000_real bend0 = 216000.0 * sum0;
     const zhao2000_real most0 = a0 + b0 + lesser0 + lesser0;
     if (!((lesser0 > 0.0) && (bend0 < most0))) {
         w->over = (kept && (lesser0 > 0.0)) ? (bend0 / most0) : w->over;
@@ -1157,7 +1157,7 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real a2 = w->left[2] - 2.3e-10;
     const zhao2000_real b2 = w->guard[2] - 2.3e-10;
     const zhao2000_real lesser2 = (a2 < b2) ? a2 : b2;
-    const zhao2000_real bend2 = 57700.0 * sum0;
+    const zhao2000_real bend2 = 57600.0 * sum0;
     const zhao2000_real most2 = a2 + b2 + lesser2 + lesser2;
     if (!((lesser2 > 0.0) && (bend2 < most2))) {
         w->over = (kept && (lesser2 > 0.0)) ? (bend2 / most2) : w->over;
@@ -1167,7 +1167,7 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real a3 = w->left[3] - 2.13e-14;
     const zhao2000_real b3 = w->guard[3] - 2.13e-14;
     const zhao2000_real lesser3 = (a3 < b3) ? a3 : b3;
-    const zhao2000_real bend3 = 4.01 * sum0;
+    const zhao2000_real bend3 = 4.0 * sum0;
     const zhao2000_real most3 = a3 + b3 + lesser3 + lesser3;
     if (!((lesser3 > 0.0) && (bend3 < most3))) {
         w->over = (kept && (lesser3 > 0.0)) ? (bend3 / most3) : w->over;

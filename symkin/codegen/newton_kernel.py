@@ -20,6 +20,9 @@ from symkin.numeric.system import System, incidence_of
 from symkin.spatial.backend import dot
 from symkin.spatial.rotation import multiply
 
+_OWN_ROUNDING = 1e-12
+"""Relative rounding of a bound's own computation, which differs from processor to processor."""
+
 
 @dataclass(frozen=True)
 class Meaning:
@@ -186,9 +189,9 @@ def rounded(value: float) -> float:
 
 
 def rounded_up(value: float) -> float:
-    """Round a bound to three digits, away from zero."""
+    """Round a bound to three digits, away from zero; one that three digits state but for its own rounding stays, on any processor."""
     near = rounded(value)
-    if abs(near) >= abs(value):
+    if abs(near) >= abs(value) * (1.0 - _OWN_ROUNDING):
         return near
     step = 10.0 ** (math.floor(math.log10(abs(value))) - 2)
     return rounded(near + math.copysign(step, value))

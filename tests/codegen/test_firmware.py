@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 
 import numpy as np
@@ -17,28 +16,13 @@ from symkin import InputError, load
 CODEGEN = tools.CODEGEN
 
 
-def _generate():
-    spec = importlib.util.spec_from_file_location("generate", CODEGEN / "generate.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-GENERATE = _generate()
-VARIANTS = GENERATE.variants()
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("folder", "name", "options"),
-    in_gate_but(VARIANTS, [v for v in VARIANTS if v[0] == "zhao2000_links_float"]),
-    ids=[v[0] for v in VARIANTS],
-)
-def test_committed_folders_are_what_the_generator_writes(folder, name, options):
+@pytest.mark.parametrize("folder", tools.COMMITTED)
+def test_committed_folders_are_what_the_generator_writes(folder):
     """The same model gives the same bytes."""
-    files = folder_files(load(name), options, GENERATE.MEASURED.get(folder))
+    generate = tools.bench_module("folders").generate()
+    name, options = next((name, options) for other, name, options in generate.variants() if other == folder)
+    files = folder_files(load(name), options, generate.MEASURED.get(folder))
     committed = CODEGEN / folder
     assert {path.name for path in committed.iterdir() if path.suffix != ".o"} >= set(files)
     for file, text in files.items():
@@ -47,11 +31,10 @@ def test_committed_folders_are_what_the_generator_writes(folder, name, options):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cc", ["gcc", "clang"])
-@pytest.mark.parametrize("folder", in_gate([v[0] for v in VARIANTS], tools.KINDS))
-def test_committed_folders_compile_and_pass(folder, cc, tmp_path):
+@pytest.mark.parametrize("folder", in_gate(tools.FOLDERS, tools.KINDS))
+def test_folders_compile_and_pass(folder, cc, tmp_path):
     """Strict C99 without a warning; every vector and every failure status."""
-    name = next(v[1] for v in VARIANTS if v[0] == folder)
-    source = CODEGEN / folder
+    source, name = tools.folder(folder), tools.manifest(folder)["mechanism"]
     out = str(tmp_path / "test")
     tools.passed(tools.built(cc, source, [f"{name}.c", f"{name}_test.c"], out, "-O2", "-I."))
     tools.passed(tools.built(cc, source, [f"{name}.c", "example_main.c"], str(tmp_path / "example"), "-O1", "-I."))
@@ -103,7 +86,7 @@ def test_home_relative_form(real, geometry, tmp_path):
 
 
 def test_manifest_names_what_decides_the_bytes():
-    manifest = json.loads((CODEGEN / "zhang2009_float" / "manifest.json").read_text())
+    manifest = tools.manifest("zhang2009_float")
     assert manifest["options"]["real"] == "float"
     assert set(manifest) >= {"model_sha256", "symkin", "casadi", "files"}
     assert "time" not in json.dumps(manifest)

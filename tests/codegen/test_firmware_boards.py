@@ -93,7 +93,7 @@ def _digest_source(name: str, tmp_path: Path) -> Path:
 def test_the_same_bits_everywhere(name, real, tmp_path):
     """Cold, warm, far and failing calls of solvers without trigonometry: host, M4F and M7 agree in every bit."""
     arm, qemu = tools.compiler("arm-none-eabi-gcc"), tools.compiler("qemu-system-arm")
-    folder, main = CODEGEN / f"{name}_{real}", _digest_source(name, tmp_path)
+    folder, main = tools.folder(f"{name}_{real}"), _digest_source(name, tmp_path)
     sources = [str(main), str(folder / f"{name}.c"), f"-I{folder}", f"-I{TARGETS}"]
     digests = {}
     for cc in ("gcc", "clang"):
@@ -113,7 +113,7 @@ def test_the_same_bits_everywhere(name, real, tmp_path):
 def test_no_library_symbol_no_data_no_bss(real, tmp_path):
     arm = tools.compiler("arm-none-eabi-gcc")
     flags = BOARDS["M4F" if real == "float" else "M7"][1]
-    folder = CODEGEN / f"zhang2009_{real}"
+    folder = tools.folder(f"zhang2009_{real}")
     subprocess.run([arm, *FLAGS, *ARM[:2], *flags, "-c", str(folder / "zhang2009.c"), "-o", str(tmp_path / "z.o")], check=True)
     undefined = subprocess.run(["arm-none-eabi-nm", "-u", "z.o"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
     assert undefined.strip() == ""
@@ -127,7 +127,7 @@ def test_float_code_is_small(tmp_path):
     """Direct, inverse and track linked alone, without libraries, at -O2: code and constants within 5,600 bytes, of which 40 let a line that is rounding stand still."""
     arm = tools.compiler("arm-none-eabi-gcc")
     roots = ["-Wl,--gc-sections", "-Wl,-e,zhang2009_direct", "-Wl,-u,zhang2009_inverse", "-Wl,-u,zhang2009_track"]
-    source = [str(CODEGEN / "zhang2009_float" / "zhang2009.c"), "-nostdlib", "-ffunction-sections", "-fdata-sections"]
+    source = [str(tools.folder("zhang2009_float") / "zhang2009.c"), "-nostdlib", "-ffunction-sections", "-fdata-sections"]
     subprocess.run([arm, *FLAGS, *ARM[:2], *BOARDS["M4F"][1], *source, *roots, "-o", str(tmp_path / "z.elf")], check=True)
     sizes = subprocess.run(
         ["arm-none-eabi-size", "z.elf"], cwd=tmp_path, check=True, capture_output=True, text=True

@@ -12,8 +12,6 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.inside import Options, write_folder
 
-CODEGEN = tools.CODEGEN
-"""Folders of machines with a pose: maps between joints have an example of their own."""
 USER = """#include <NAME.h>
 int main(void) { NAME_pose pose = { { 0, 0, 0 }, { 2, 0, 0, 0 } }; NAME_real joints[NAME_COUNT]; return NAME_inverse(&pose, joints) == OUTSIDE ? 0 : 1; }
 """
@@ -45,7 +43,7 @@ def packaged(tmp_path_factory):
 def test_cmake_find_package(tmp_path):
     """What is installed is found from elsewhere, by name and version, with its header and without its example."""
     tools.compiler("cmake")
-    run("cmake", "-S", CODEGEN / "delta_float", "-B", tmp_path / "build", folder=tmp_path)
+    run("cmake", "-S", tools.folder("delta_double"), "-B", tmp_path / "build", folder=tmp_path)
     run("cmake", "--build", tmp_path / "build", folder=tmp_path)
     run("cmake", "--install", tmp_path / "build", "--prefix", tmp_path / "installed", folder=tmp_path)
     (tmp_path / "user").mkdir()
@@ -65,8 +63,8 @@ def test_cmake_subdirectory(tmp_path):
     tools.compiler("cmake")
     (tmp_path / "user.c").write_text(user("delta"))
     (tmp_path / "CMakeLists.txt").write_text(
-        f"cmake_minimum_required(VERSION 3.13)\nproject(user C)\nadd_subdirectory({CODEGEN / 'delta_float'} delta)\n"
-        f"add_subdirectory({CODEGEN / 'scara_float'} scara)\nadd_executable(user user.c)\ntarget_link_libraries(user PRIVATE delta::delta scara::scara)\n"
+        f"cmake_minimum_required(VERSION 3.13)\nproject(user C)\nadd_subdirectory({tools.folder('delta_double')} delta)\n"
+        f"add_subdirectory({tools.folder('ur5e_double')} ur5e)\nadd_executable(user user.c)\ntarget_link_libraries(user PRIVATE delta::delta ur5e::ur5e)\n"
     )
     run("cmake", "-S", ".", "-B", "build", folder=tmp_path)
     run("cmake", "--build", "build", folder=tmp_path)
@@ -165,11 +163,11 @@ def test_cpp_header(name, tmp_path):
             tools.passed(tmp_path / "user")
 
 
-@pytest.mark.parametrize("folder", tools.POSES)
+@pytest.mark.parametrize("folder", tools.at_hand(tools.POSES))
 def test_the_example_loses_nothing(folder, tmp_path):
     """The loop answers every cycle but those it must hold: readings that are not numbers; a gap is bridged by the whole line."""
-    name = tools.MANIFESTS[folder]["mechanism"]
-    sources = [str(CODEGEN / folder / "example_main.c"), str(CODEGEN / folder / f"{name}.c")]
+    name = tools.manifest(folder)["mechanism"]
+    sources = [str(tools.folder(folder) / file) for file in ("example_main.c", f"{name}.c")]
     said = tools.passed(tools.built("gcc", tmp_path, sources, "example", "-O1"))
     counts = {word: int(number) for number, word in re.findall(r"(\d+) (tracked|recovered|moved|held)", said)}
     assert counts["held"] == 1

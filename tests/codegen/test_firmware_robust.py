@@ -16,9 +16,6 @@ from helpers.inside import Options, write_folder
 from helpers.wide_five_bar import wide_five_bar
 from symkin import load
 
-CODEGEN = tools.CODEGEN
-
-"""Folders that solve for poses, not maps between joints."""
 TRAPS = "trap"
 SANITIZED = ["-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 
@@ -41,7 +38,7 @@ def _called(folder: Path, tmp_path: Path, *flags: str) -> str:
 def test_one_status_for_what_is_not_finite(folder, tmp_path):
     """NaN or an infinity in any number of joints, pose or guess is NONFINITE in every function that reads it, whatever else is
     wrong; a number whose square overflows is never OK."""
-    _called(CODEGEN / folder, tmp_path)
+    _called(tools.folder(folder), tmp_path)
 
 
 def _fuzzed(folder: Path, count: int) -> str:
@@ -57,7 +54,7 @@ def _fuzzed(folder: Path, count: int) -> str:
 def test_fuzz_under_sanitizers_and_traps(folder):
     """NaN, infinity, zero, huge, tiny, singular and ordinary inputs: a status, finite results when it is OK, no undefined behaviour, no
     division by zero, and of finite inputs no invalid operation. SYMKIN_FUZZ sets the count of inputs."""
-    said = _fuzzed(CODEGEN / folder, int(os.environ.get("SYMKIN_FUZZ", 1000)))
+    said = _fuzzed(tools.folder(folder), int(os.environ.get("SYMKIN_FUZZ", 1000)))
     assert re.search(r"[1-9]\d* answered", said)
 
 

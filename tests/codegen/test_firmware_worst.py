@@ -14,13 +14,10 @@ from helpers import firmware_tools as tools
 from helpers.inside import WorstCase, bounds
 
 CODEGEN = tools.CODEGEN
+MEASURED = json.loads((CODEGEN / "measured.json").read_text())
 OPERATIONS = ("additions", "multiplications", "divisions", "sqrt", "sin", "cos", "atan2")
 ANOTHER_COMPILER = 1.25
 """Another release of GCC unrolls and spills otherwise: a quarter more instructions, stack or bytes are no other code."""
-
-
-def _manifest(folder: str) -> dict:
-    return json.loads((CODEGEN / folder / "manifest.json").read_text())
 
 
 def _bound(body: str, iterations: int = 100):
@@ -75,12 +72,12 @@ def test_what_the_text_does_not_tell_has_no_bound(body):
 
 def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]:
     """The most operations of a call of each function, counted while a folder's C runs with numbers that count (C++)."""
-    manifest = _manifest(folder)
+    manifest = tools.manifest(folder)
     name, real = manifest["mechanism"], manifest["options"]["real"]
     for file in (f"{name}.c", f"{name}.h", f"{name}_vectors.h"):
-        text = (CODEGEN / folder / file).read_text().replace('extern "C" {', 'extern "C++" {')
+        text = (tools.folder(folder) / file).read_text().replace('extern "C" {', 'extern "C++" {')
         (place / file).write_text(text.replace(f"typedef {real} {name}_real;", f"typedef number {name}_real;"))
-    macros = [*tools.bench_module("fuzz").macros(CODEGEN / folder), f"-DNUMBER={real}", f'-DSOURCE="{name}.c"']
+    macros = [*tools.bench_module("fuzz").macros(tools.folder(folder)), f"-DNUMBER={real}", f'-DSOURCE="{name}.c"']
     command = [
         tools.compiler("g++"),
         "-std=gnu++17",
@@ -103,13 +100,13 @@ def _counted(folder: str, place: Path, inputs: int) -> dict[str, dict[str, int]]
         "ankle_float",
         *(
             pytest.param(f, marks=pytest.mark.slow)
-            for f in ("delta_double", "ren2008_float", "scara_float", "zhao2000_links_double")
+            for f in ("delta_double", "ren2008_float", "scara_float", "zhao2000_links_float")
         ),
     ],
 )
 def test_no_call_does_more_than_its_bound(folder, tmp_path):
     """An independent count, of operations that are carried out."""
-    bound = _manifest(folder)["worst_case"]["bound"]
+    bound = tools.manifest(folder)["worst_case"]["bound"]
     met = _counted(folder, tmp_path, 5000)
     assert set(met) == set(bound)
     for function, counts in met.items():
@@ -121,15 +118,15 @@ def test_no_call_does_more_than_its_bound(folder, tmp_path):
 # --- what folders say -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("folder", tools.FOLDERS)
+@pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))
 def test_header_and_readme_have_the_numbers_of_the_manifest(folder):
-    manifest = _manifest(folder)
+    manifest = tools.manifest(folder)
     worst, name = manifest["worst_case"], manifest["mechanism"]
-    header = (CODEGEN / folder / f"{name}.h").read_text()
+    header = (tools.folder(folder) / f"{name}.h").read_text()
     declared = set(re.findall(rf"^(?:int|{name}_status) {name}_(\w+)\(", header, re.M))
     assert set(worst["bound"]) == declared
     words = " ".join(re.sub(r"^ \*", "", header, flags=re.M).split())
-    readme = (CODEGEN / folder / "README.md").read_text()
+    readme = (tools.folder(folder) / "README.md").read_text()
     for function, bound in worst["bound"].items():
         for case in ("usual", "largest"):
             assert bound[case] is not None
@@ -144,21 +141,23 @@ def test_header_and_readme_have_the_numbers_of_the_manifest(folder):
 
 def test_figures_of_another_code_are_left_out():
     """They are kept where the digest is that of the code."""
-    figures = json.loads((CODEGEN / "measured.json").read_text())["scara_float"]
-    code = (CODEGEN / "scara_float" / "scara.c").read_text()
+    figures = MEASURED["ur5e_double"]
+    code = (tools.folder("ur5e_double") / "ur5e.c").read_text()
     for digest, kept in ((hashlib.sha256(code.encode()).hexdigest(), True), ("0" * 64, False)):
-        worst = WorstCase.of("scara", code, {**figures, "code": digest})
+        worst = WorstCase.of("ur5e", code, {**figures, "code": digest})
         assert (worst.manifest()["measured"] is not None) is kept
         assert any("bytes of stack" in line for line in worst.header_lines()) is kept
         assert ("worst.py FOLDER" in worst.chapter()) is not kept
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", tools.FOLDERS)
-def test_committed_folders_state_measured_figures(folder):
-    """Else the code has changed: run codegen/bench/worst.py --write, then codegen/generate.py."""
-    measured = _manifest(folder)["worst_case"]["measured"]
-    assert measured is not None, "run python codegen/bench/worst.py --write, then python codegen/generate.py"
+@pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))
+def test_figures_are_measured_of_this_code(folder):
+    """Else the code has changed: run codegen/bench/worst.py --write, then codegen/generate.py. Committed folders state them."""
+    manifest, measured = tools.manifest(folder), MEASURED[folder]
+    code = manifest["files"][f"{manifest['mechanism']}.c"]
+    assert measured["code"] == code, "run python codegen/bench/worst.py --write, then python codegen/generate.py"
+    assert folder not in tools.COMMITTED or manifest["worst_case"]["measured"] == measured
     assert measured["inputs"] > 500
     for f in measured["functions"].values():
         assert f["bytes"] <= f["bytes_with_library"]
@@ -171,9 +170,8 @@ def test_committed_folders_state_measured_figures(folder):
 def test_measured_again_nothing_is_exceeded(folder):
     """On M4F and M7, other inputs than the ones that the figures are of."""
     tools.compiler("arm-none-eabi-gcc"), tools.compiler("qemu-system-arm")
-    stated = _manifest(folder)["worst_case"]["measured"]
-    again = tools.bench_module("worst").measured(CODEGEN / folder, seed=2, most_inputs=2000, most_ticks=6_000_000)
-    assert stated is not None
+    stated = MEASURED[folder]
+    again = tools.bench_module("worst").measured(tools.folder(folder), seed=2, most_inputs=2000, most_ticks=6_000_000)
     assert set(again["functions"]) == set(stated["functions"])
     assert again["library"] == stated["library"]
     for function, f in again["functions"].items():

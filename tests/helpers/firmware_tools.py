@@ -10,25 +10,53 @@ import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
 HELPERS = Path(__file__).parent
 CODEGEN = HELPERS.parents[1] / "codegen"
-MANIFESTS = {path.parent.name: json.loads(path.read_text()) for path in sorted(CODEGEN.glob("*/manifest.json"))}
-"""Manifests of the committed folders."""
-FOLDERS = list(MANIFESTS)
-POSES = [name for name, manifest in MANIFESTS.items() if "given" not in manifest["options"]]
+
+
+def bench_module(name: str) -> ModuleType:
+    """A script of codegen/bench as a module; its neighbours are found beside it."""
+    place = str(CODEGEN / "bench")
+    if place not in sys.path:
+        sys.path.append(place)
+    return importlib.import_module(name)
+
+
+FOLDERS: list[str] = bench_module("folders").FOLDERS
+"""Folders that codegen/generate.py writes."""
+COMMITTED: list[str] = bench_module("folders").COMMITTED
+"""Those of them that are committed; `folder` writes the others."""
+POSES = [name for name in FOLDERS if not name.startswith("ankle_")]
 """Folders of platforms and arms, not of maps between joints."""
 KINDS = [
     "ankle_float", "delta_double", "ren2008_float", "scara_float", "ur5e_double", "zhang2009_double_struct",
     "zhang2009_float_home_relative", "zhao2000_double", "zhao2000_links_float",
 ]  # fmt: skip
-"""One of the committed folders of each kind, for laws that the gate tries on these alone."""
+"""One of the folders of each kind, for laws that the gate tries on these alone."""
 STRICT = [
     "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wmissing-prototypes", "-pedantic", "-Werror",
     "-fno-math-errno", "-ffp-contract=off",
 ]  # fmt: skip
+
+
+def folder(name: str) -> Path:
+    """A folder of generated C, committed or written for this run."""
+    return Path(bench_module("folders").folder_of(name))
+
+
+def at_hand(names: list[str]) -> list[object]:
+    """Parameters of a test that takes no time but for writing what is not committed: one folder of each kind is slow, the others are long."""
+    marks = {name: pytest.mark.slow if name in KINDS else pytest.mark.long for name in names if name not in COMMITTED}
+    return [pytest.param(name, marks=marks[name]) if name in marks else name for name in names]
+
+
+def manifest(name: str) -> dict[str, Any]:
+    """The manifest of a folder of generated C."""
+    return dict(json.loads((folder(name) / "manifest.json").read_text()))
 
 
 def compiler(name: str) -> str:
@@ -54,11 +82,3 @@ def passed(program: Path) -> str:
     done = subprocess.run([str(program)], cwd=program.parent, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
-
-
-def bench_module(name: str) -> ModuleType:
-    """A script of codegen/bench as a module; its neighbours are found beside it."""
-    folder = str(Path(__file__).parents[2] / "codegen" / "bench")
-    if folder not in sys.path:
-        sys.path.append(folder)
-    return importlib.import_module(name)

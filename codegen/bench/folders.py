@@ -1,0 +1,66 @@
+"""Folders of generated C for tests and benches: the committed ones where they stand, the others written into a temporary place."""
+
+from __future__ import annotations
+
+import atexit
+import importlib
+import json
+import os
+import shutil
+import sys
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+
+CODEGEN = Path(__file__).resolve().parents[1]
+_HELD = tuple(json.loads((CODEGEN / "digests.json").read_text()))
+COMMITTED = sorted({path.parent.name for path in CODEGEN.glob("*/manifest.json")} - set(_HELD))
+FOLDERS = sorted([*COMMITTED, *_HELD])
+"""Names of all folders that generate.py writes."""
+PLACE = "SYMKIN_FOLDERS"
+"""Environment variable: a folder in which several processes share what they write; each has its own without it."""
+
+
+@lru_cache(maxsize=1)
+def generate() -> ModuleType:
+    """The script generate.py as a module."""
+    if str(CODEGEN) not in sys.path:
+        sys.path.append(str(CODEGEN))
+    return importlib.import_module("generate")
+
+
+def folder_of(name: str) -> Path:
+    """A folder by its name; one that is not committed is written when it is first asked for, without measured figures."""
+    if name in COMMITTED:
+        return CODEGEN / name
+    if name not in FOLDERS:
+        raise ValueError(f"{name}: no such folder; there are {', '.join(FOLDERS)}")
+    place = _place() / name
+    if not place.exists():
+        _write(name, place)
+    return place
+
+
+def _write(name: str, place: Path) -> None:
+    """Writes a folder beside its place and moves it there whole; another process may have been quicker."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=place.parent) as scratch:
+        mechanism, options = next((source, options) for folder, source, options in generate().variants() if folder == name)
+        generate().write_folder(generate().load(mechanism), Path(scratch) / name, options)
+        try:
+            (Path(scratch) / name).rename(place)
+        except OSError:
+            if not place.exists():
+                raise
+
+
+@lru_cache(maxsize=1)
+def _place() -> Path:
+    """Where folders are written: the shared place, or one of this process, which is removed when it ends."""
+    shared = os.environ.get(PLACE)
+    if shared:
+        return Path(shared)
+    own = Path(tempfile.mkdtemp(prefix="symkin-folders-"))
+    atexit.register(shutil.rmtree, own, ignore_errors=True)
+    return own
