@@ -89,6 +89,7 @@ def test_committed_and_held_folders_are_all_that_there_are():
     assert sorted(folder for folder, _, _ in generate.variants()) == tools.FOLDERS
     assert sorted(generate.COMMITTED) == tools.COMMITTED
     assert len(tools.COMMITTED) <= 8
+    assert sorted(path.parent.name for path in tools.CODEGEN.glob("*/manifest.json")) == tools.COMMITTED
 
 
 @pytest.mark.parametrize(
