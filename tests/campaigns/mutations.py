@@ -6,8 +6,8 @@ Each row of `mutations.toml` is a fault (a file, a text that stands in it exactl
 in its place) and the tests that must fail with it. The tracked files are copied to a temporary
 folder, one for each job. There the tests pass as the files are; then a fault is put in, its tests
 run with a cache of their own, and the file is put back. Tests that compare generated C with the
-committed folders byte for byte are left out: they find every change and say of none that it is
-wrong. The command ends with 1 where a fault survives or no longer fits the code, or where a test
+committed folders, digests and golden figures are left out: they find every change and say of none
+that it is wrong. The command ends with 1 where a fault survives or no longer fits the code, or where a test
 fails without any.
 """
 
@@ -28,8 +28,12 @@ from queue import SimpleQueue
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = Path(__file__).with_suffix(".toml")
-BYTE_COMPARISONS = ("tests/codegen/test_firmware.py::test_committed_folders_are_what_the_generator_writes",)
-"""Tests that compare generated C with committed C."""
+BYTE_COMPARISONS = (
+    "tests/codegen/test_firmware.py::test_committed_folders_are_what_the_generator_writes",
+    "tests/codegen/test_golden_counts.py::test_folders_that_are_not_committed_have_their_digest",
+    "tests/codegen/test_golden_counts.py::test_the_code_does_what_it_did",
+)
+"""Tests that compare generated C with committed C, its digests and its golden figures."""
 TIMEOUT_S = 900.0
 """Seconds after which the tests of one fault are ended: one that makes a search endless is found
 too."""
