@@ -18,9 +18,9 @@ import argparse
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +48,7 @@ from symkin.calibration.estimate.solver import Estimate, estimate
 from symkin.calibration.judge.outliers import screen_readings
 from symkin.calibration.judge.statistics import covariance, linear_model
 from symkin.model.file import parse
+from timing import Figure, in_turn, median_ratio
 
 NOMINAL, TRUE = symkin.load("ren2008"), symkin.load("ren2008_true")
 HELD = joint_frames(NOMINAL, PLATFORM_LIMBS, BASE_LIMBS)
@@ -280,46 +281,59 @@ def scipy_fit(data: Measurements, names: tuple[str, ...], *, warm: bool) -> np.n
     return least_squares(residuals, nominal.values(names), method="lm", xtol=1e-13, ftol=1e-13, gtol=1e-13).x
 
 
-def seconds(run: Callable[[], object]) -> float:
-    begin = time.process_time()
-    run()
-    return time.process_time() - begin
+@dataclass(frozen=True)
+class Times:
+    """Processor times of fits of the same data, taken in turn, and scipy's largest parameter error in metres."""
+
+    postures: int
+    times: dict[str, list[float]]
+    scipys_error: float
+
+
+def timed_fits(groups: int, seed: int, repeats: int) -> Times:
+    """Both methods and scipy on the same data; scipy's are left out where it is not installed."""
+    rng = np.random.default_rng([seed, 2])
+    truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
+    data = measured(truth, rng, groups, rods=False)
+    problem = build_calibration(NOMINAL, data, fixed=HELD)
+    problem.model.compile()
+    runs: dict[str, Callable[[], object]] = {"nested": lambda: fit(problem), "lifted": lambda: fit(problem, "lifted")}
+    error = float("nan")
+    if find_spec("scipy"):
+        runs["scipy, warm"] = lambda: scipy_fit(data, problem.names, warm=True)
+        runs["scipy, cold"] = lambda: scipy_fit(data, problem.names, warm=False)
+        values = truth.values(problem.names)
+        error = max(float(np.abs(scipy_fit(data, problem.names, warm=w) - values).max()) for w in (True, False))
+    return Times(4 * groups, in_turn(runs, repeats), error)
 
 
 def report_time(lines: Lines, seed: int) -> None:
     for groups, limit in ((10, 20.0), (100, 10.0)):
-        rng = np.random.default_rng([seed, 2])
-        truth = random_geometry(geometry(NOMINAL), HELD, 0.005, rng)
-        data = measured(truth, rng, groups, rods=False)
-        problem = build_calibration(NOMINAL, data, fixed=HELD)
-        problem.model.compile()
-        runs: dict[str, Callable[[], object]] = {
-            "nested": lambda problem=problem: fit(problem),
-            "lifted": lambda problem=problem: fit(problem, "lifted"),
-            "scipy, warm": lambda data=data, problem=problem: scipy_fit(data, problem.names, warm=True),
-            "scipy, cold": lambda data=data, problem=problem: scipy_fit(data, problem.names, warm=False),
-        }
-        for run in runs.values():
-            run()
-        times = {name: [] for name in runs}
-        for _ in range(9):
-            for name, run in runs.items():
-                times[name].append(seconds(run))
-        median = {name: float(np.median(t)) for name, t in times.items()}
-        for name, t in median.items():
-            lines.add(f"{4 * groups} postures, {name}", f"{1e3 * t:.1f} ms")
-        worst = max(np.abs(scipy_fit(data, problem.names, warm=w) - truth.values(problem.names)).max() for w in (True, False))
-        lines.add(f"{4 * groups} postures, scipy's largest parameter error [m]", f"{worst:.1e}")
+        found = timed_fits(groups, seed, 9)
+        times, of = found.times, f"{found.postures} postures"
+        for name, t in times.items():
+            lines.add(f"{of}, {name}", f"{1e3 * np.median(t):.1f} ms")
+        lines.add(f"{of}, scipy's largest parameter error [m]", f"{found.scipys_error:.1e}")
         for name in ("nested", "lifted"):
-            for other in ("scipy, cold", "scipy, warm"):
-                ratio = float(np.median(np.array(times[other]) / np.array(times[name])))
+            for other in (o for o in times if o.startswith("scipy")):
+                ratio = median_ratio(times[other], times[name])
                 holds = ratio >= limit if other == "scipy, cold" else None
-                lines.add(
-                    f"{4 * groups} postures, {other} over {name}",
-                    f"{ratio:.1f}",
-                    f"at least {limit:.0f}" if holds is not None else "",
-                    holds,
-                )
+                told = f"at least {limit:.0f}" if holds is not None else ""
+                lines.add(f"{of}, {other} over {name}", f"{ratio:.1f}", told, holds)
+
+
+def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
+    """A whole fit over scipy's least squares, which goes on from its last solutions (warm) or not (cold)."""
+    for groups in (10,) if quick else (10, 100):
+        found = timed_fits(groups, seed, 3 if quick else 9)
+        for name in ("nested", "lifted"):
+            for other in ("scipy, warm", "scipy, cold"):
+                figure = f"calibration: {found.postures} postures, {name} over {other}"
+                if other in found.times:
+                    told = f"{1e3 * np.median(found.times[name]):.1f} ms"
+                    yield Figure(figure, median_ratio(found.times[name], found.times[other]), told)
+                else:
+                    yield Figure(figure, None, "scipy is not installed (pip install scipy)")
 
 
 # --- size ----------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The problems that `enumeration.py` measures, with the figures that they are held against.
+"""The machines of all figures: problems of `enumeration.py` with the figures that they are held against, grids and sweeps, starts.
 
 TABLE holds what a prototype of one generic engine took in NumPy, in multiples of T: (many instances at once, one instance). T
 was 40 us there. A case without such figures has limits of its own, or none.
@@ -35,6 +35,21 @@ PATHS = {"numpy": 600.0, "compiled": 30.0}
 """Most that 40 paths of six distances may take, in T."""
 GENERAL_6R = {"compiled": 50.0}
 """Most that the 16 of a general 6R may take, in T."""
+QUICK = ("zhang2009", "zhao2000", "five-bar", "3-RRR direct", "gluon_6l3", "spherical wrist")
+"""Cases that are ready in a moment: their starts are shipped, found quickly, or formulas."""
+STARTED = ("zhang2009", "zhao2000", "yao2020")
+"""Shipped mechanisms whose examples random starts solve."""
+FOLLOWED = "zhang2009"
+"""The shipped mechanism whose modes are followed, and swept at random points."""
+NAMED: list[tuple[str, dict[str, tuple[float, float]]]] = [
+    ("four_bar", {"crank": (0.0, 360.0)}),
+    ("four_bar", {"follower": (-90.0, 90.0)}),
+    ("jansen_leg", {"crank": (0.0, 360.0)}),
+    ("ankle", {"ankle.1": (-40.0, 40.0), "ankle.2": (-40.0, 40.0)}),
+    ("ankle", {"upper_motor": (-40.0, 40.0), "lower_motor": (-40.0, 40.0)}),
+    ("five_link_suspension", {"rack": (-20.0, 20.0), "z": (290.0, 330.0)}),
+]
+"""Graphs that are swept, and the ranges of what is given (mm, deg)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,6 +175,32 @@ def random_pose(mechanism: symkin.Mechanism, rng: np.random.Generator) -> symkin
     turn = np.array([1.0, 0, 0, 0]) + 0.2 * rng.normal(size=4)
     away = np.array([0, 0, 1.0]) + rng.uniform(-0.5, 0.5, 3)
     return symkin.Pose(mechanism.characteristic_length * away, turn / np.linalg.norm(turn))
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A case: its mechanism, half the range of two swept joints, values along each, and most T that a point may take."""
+
+    mechanism: symkin.Mechanism
+    half_range: float
+    values: int
+    most_t: float
+
+
+def grids(scale: float) -> list[Grid]:
+    """Angles by half a radian, lengths by a tenth of the size."""
+    from helpers.samples import five_bar, three_rrr
+
+    five, three = five_bar(), three_rrr("planar")
+    cases = [
+        Grid(five, five.angle_out(0.5), 300, 0.5),
+        Grid(three, three.angle_out(0.5), 150, 3.0),
+        *(
+            Grid(m, 0.1 * m.characteristic_length, n, 30.0)
+            for m, n in ((symkin.load("zhang2009"), 80), (symkin.load("ren2008_true"), 60))
+        ),
+    ]
+    return [replace(case, values=max(4, int(case.values * scale**0.5))) for case in cases]
 
 
 # --- mechanisms --------------------------------------------------------------------------------------------------

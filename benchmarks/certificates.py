@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -21,7 +22,7 @@ import casadi as ca
 import numpy as np
 
 import symkin
-from cases import all_cases
+from cases import QUICK, all_cases
 from symkin.certificate import certificate
 from symkin.certificate.ball_system import BallSystem
 from symkin.certificate.coordinates import in_phase
@@ -31,10 +32,13 @@ from symkin.certificate.quick_test import Enclosures, enclose_all
 from symkin.homotopy.algebraic import AlgebraicSystem
 from symkin.model.joint import Coordinate
 from symkin.numeric.balls import COMPLEX, REAL, precision, upper
+from timing import Figure, seconds
 
 BITS = 128
 CLOSEST, FARTHEST = -17.0, -7.0
 """Powers of ten between which points are moved from roots."""
+BALLS = 20
+"""Boxes of one set of roots that balls judge in a quick run."""
 REPEATS = 100
 """Points about each root."""
 
@@ -168,18 +172,55 @@ def moved(roots: Roots, rng: np.random.Generator) -> np.ndarray:
 # --- the judge ---------------------------------------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class Tried:
+    """Points about roots, boxes that the quick test certifies, those of them that balls do not confirm, and processor seconds a
+    point of both."""
+
+    points: int
+    certified: int
+    failures: int
+    quick_s: float
+    balls_s: float
+
+
 def count_failures(roots: Roots, rng: np.random.Generator) -> tuple[int, int, int]:
     """Points, those that the quick test certifies, and those of them that balls do not confirm."""
+    found = tried(roots, rng)
+    return found.points, found.certified, found.failures
+
+
+def tried(roots: Roots, rng: np.random.Generator, most: int | None = None) -> Tried:
+    """Hold the boxes of the quick test, all or `most` of them, against balls."""
     points = moved(roots, rng)
     near = np.max(np.abs(points.imag), axis=0) < 1e-7
     start = np.where(near, points.real, points)
-    found = enclose_all(roots.system, start, near, roots.knowns, np.zeros(points.shape[1], dtype=int))
-    proved = np.flatnonzero(found.found).tolist()
-    balls = BallSystem(roots.system, roots.knowns.numbers(0))
-    failures = [i for i in proved if not is_true(balls, start[:, i], found, i)]
+    inputs = np.zeros(points.shape[1], dtype=int)
+    boxes: list[Enclosures] = []
+    quick = seconds(lambda: boxes.append(enclose_all(roots.system, start, near, roots.knowns, inputs)))
+    found = boxes[0]
+    proved = np.flatnonzero(found.found)[:most].tolist()
+    balls, failures = BallSystem(roots.system, roots.knowns.numbers(0)), list[int]()
+    slow = seconds(lambda: failures.extend(i for i in proved if not is_true(balls, start[:, i], found, i)))
     for i in failures[:3]:
         print(f"{roots.name}: a false box about {start[:, i]}, half width {found.half_width[i]}", file=sys.stderr)
-    return points.shape[1], len(proved), len(failures)
+    count = points.shape[1]
+    return Tried(count, int(np.sum(found.found)), len(failures), quick / count, slow / max(1, len(proved)))
+
+
+def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
+    """A quick certificate over a proof by balls of 128 bits, shares of points without one, and false ones."""
+    rng, false, judged = np.random.default_rng(seed), 0, 0
+    chosen = [c for c in all_cases(seed) if c.name in (QUICK if quick else [c.name for c in all_cases(seed)])]
+    for case in chosen:
+        found = [tried(roots, rng, BALLS if quick else None) for _ in range(3) for roots in roots_of(case, rng)]
+        found = found[1:]  # the first one compiles
+        if not found:
+            continue
+        false, judged = false + sum(t.failures for t in found), judged + sum(t.certified for t in found)
+        ratio = statistics.median(t.quick_s / t.balls_s for t in found if t.balls_s)
+        yield Figure(f"certificates: {case.name}, quick test over balls", ratio, "processor time a point")
+    yield Figure("certificates: false ones", false, f"of {judged}, of each root a few" if quick else f"of {judged}")
 
 
 def is_true(balls: BallSystem, point: np.ndarray, found: Enclosures, i: int) -> bool:

@@ -26,20 +26,23 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 import symkin
-from cases import Case, all_cases
+from cases import QUICK, Case, all_cases
+from timing import Figure, ReferenceKernel, verdict
 
 ENGINES = ("compiled", "numpy")
 MOST_WHOLE = {True: 130.0, False: 80.0}
 """Most that one certified answer may take once the start is kept, in T: Dietmaier's 40 modes, others."""
 FIRST_S = {True: 3.0, False: 30.0}
 """Most that a first answer may take: platforms on six rods, others."""
+PEER_S = 120.0
+"""Seconds that PHCpack may take for one system, unless an option says otherwise."""
 PROOFS_T = 15.0
 """Most that certificates of 40 modes may take, in T."""
 
@@ -66,7 +69,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--cases", default="", help="parts of names, separated by commas; default: all")
     parser.add_argument("--engines", default=",".join(ENGINES), help=f"of {', '.join(ENGINES)}")
-    parser.add_argument("--peer-timeout", type=float, default=120.0, help="seconds for each system of PHCpack; 0 leaves it out")
+    parser.add_argument("--peer-timeout", type=float, default=PEER_S, help="seconds for each system of PHCpack; 0 leaves it out")
     parser.add_argument("--child", choices=ENGINES, help=argparse.SUPPRESS)
     return parser.parse_args()
 
@@ -120,29 +123,34 @@ class Measured:
 
 
 def run_engine(options: argparse.Namespace) -> None:
+    chosen = [c for c in all_cases(options.seed) if any(part in c.name for part in options.cases.split(","))]
+    print_table(options.child, measure(chosen, options.inputs, options.seed))
+
+
+def measure(chosen: Sequence[Case], inputs: int, seed: int) -> list[Measured]:
+    """Time all answers of some cases, which take turns, in this process with its engine and its cache."""
     from symkin.assembly import block_paths, continuation
     from symkin.assembly.block_proofs import BlockProver
     from symkin.certificate import certificate
 
-    paths, proofs, rng = Clock(), Clock(), np.random.default_rng(options.seed)
+    paths, proofs, rng = Clock(), Clock(), np.random.default_rng(seed)
     paths.wrap(block_paths, "plain_instances")
     paths.wrap(continuation, "instance")
     for module, name in ((BlockProver, "ends"), (BlockProver, "roots"), (certificate, "certify")):
         proofs.wrap(module, name)
-    chosen = [c for c in all_cases(options.seed) if any(part in c.name for part in options.cases.split(","))]
     done = [Measured(case) for case in chosen]
-    inputs = {m.case.name: [m.case.draw(rng) for _ in range(options.inputs + 1)] for m in done}
+    given = {m.case.name: [m.case.draw(rng) for _ in range(inputs + 1)] for m in done}
     kernel = ReferenceKernel()
     for m in done:
         begin = time.perf_counter()
-        symkin.modes(replace(m.case.mechanism, title="benchmark"), **inputs[m.case.name][0])
+        symkin.modes(replace(m.case.mechanism, title="benchmark"), **given[m.case.name][0])
         m.first, m.engine = time.perf_counter() - begin, engine_of(paths.arguments)
-    for k in range(1, options.inputs + 1):
+    for k in range(1, inputs + 1):
         for m in done:
             paths.seconds = proofs.seconds = 0.0
             m.kernel.append(kernel.seconds(20))
             begin = time.process_time()
-            found = symkin.modes(m.case.mechanism, **inputs[m.case.name][k])
+            found = symkin.modes(m.case.mechanism, **given[m.case.name][k])
             m.whole.append(time.process_time() - begin)
             m.paths.append(paths.seconds)
             m.proofs.append(proofs.seconds)
@@ -151,28 +159,23 @@ def run_engine(options: argparse.Namespace) -> None:
             m.unresolved += bool(found.unresolved_paths)
             m.miscounted += found.complex_count != m.case.complex_count
     for m in done:
-        begin, rows = time.process_time(), inputs[m.case.name][1:]
+        begin, rows = time.process_time(), given[m.case.name][1:]
         symkin.modes(m.case.mechanism, **{key: [row[key] for row in rows] for key in rows[0]})
         m.together = (time.process_time() - begin) / len(rows) / statistics.median(m.kernel)
-    print_table(options.child, done)
+    return done
 
 
-class ReferenceKernel:
-    """T: numpy.linalg.solve on 40 complex 8 x 8 systems."""
-
-    def __init__(self) -> None:
-        rng = np.random.default_rng(0)
-        self.a = rng.normal(size=(40, 8, 8)) + 1j * rng.normal(size=(40, 8, 8))
-        self.b = rng.normal(size=(40, 8, 1)) + 0j
-
-    def seconds(self, repeats: int) -> float:
-        """Median of `repeats` calls."""
-        times = []
-        for _ in range(repeats):
-            begin = time.process_time()
-            np.linalg.solve(self.a, self.b)
-            times.append(time.process_time() - begin)
-        return statistics.median(times)
+def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
+    """One answer, and each of many in one call, in multiples of T; inputs that were miscounted; PHCpack's time."""
+    chosen = [c for c in all_cases(seed) if not quick or c.name in QUICK]
+    done = measure(chosen, 8 if quick else 60, seed)
+    for m in done:
+        name = f"enumeration: {m.case.name}"
+        yield Figure(f"{name}, one answer", m.in_kernels(m.whole), f"T; {1e3 * statistics.median(m.whole):.1f} ms")
+        yield Figure(f"{name}, each of many", m.together, "T")
+    wrong = sum(m.unresolved + m.miscounted for m in done)
+    yield Figure("enumeration: inputs miscounted or unresolved", wrong, f"of {sum(len(m.whole) for m in done)}")
+    yield from peer_figures(done, seed)
 
 
 def engine_of(instance_arguments: tuple[Any, ...]) -> str:
@@ -215,11 +218,24 @@ def print_row(engine: str, m: Measured) -> None:
     )
 
 
-def verdict(good: bool) -> str:
-    return "ok" if good else "SLOW"
-
-
 # --- the peer ----------------------------------------------------------------------------------------------------
+
+
+def peer_figures(done: Sequence[Measured], seed: int) -> Iterator[Figure]:
+    """One answer over PHCpack's, for platforms on six rods."""
+    import phcpack
+
+    for m in (m for m in done if m.case.six_distances):
+        name = f"enumeration: {m.case.name}, one answer over PHCpack's"
+        if not phcpack.installed():
+            yield Figure(name, None, "PHCpack is not installed (Debian package phcpack)")
+            continue
+        legs = np.asarray(m.case.draw(np.random.default_rng(seed))["joints"])
+        answer = phcpack.solve(m.case.mechanism, legs, seed, PEER_S)
+        if answer is None:
+            yield Figure(name, None, f"PHCpack has no answer within {PEER_S:.0f} s")
+        else:
+            yield Figure(name, statistics.median(m.whole) / answer.seconds, f"{answer.seconds:.2f} s there")
 
 
 def run_peer(options: argparse.Namespace) -> None:

@@ -11,20 +11,20 @@ from __future__ import annotations
 
 import argparse
 import statistics
-import time
+from collections.abc import Iterator
 
 import casadi as ca
 import numpy as np
 
 import symkin
+from cases import STARTED
 from symkin.numeric.levenberg import levenberg_marquardt
 from symkin.position.given import given_from
 from symkin.position.multistart import distinct
 from symkin.position.newton import flat_rows
 from symkin.position.problem import build_problem
 from symkin.position.starts import random_starts
-
-MECHANISMS = ("zhang2009", "zhao2000", "yao2020")
+from timing import Figure, in_turn
 
 
 def main() -> None:
@@ -36,7 +36,7 @@ def main() -> None:
     options = parser.parse_args()
     print(f"seed {options.seed}, {options.starts} starts batched, {options.loop_starts} looped, medians of {options.repeats}")
     print("mechanism   batched starts/s   newton loop starts/s   fast_newton loop starts/s   ratio to the quicker loop")
-    for name in MECHANISMS:
+    for name in STARTED:
         rates = compare(name, options)
         best = max(rates["newton"], rates["fast_newton"])
         print(
@@ -52,18 +52,32 @@ def compare(name: str, options: argparse.Namespace) -> dict[str, float]:
     starts = random_starts(problem, system, given, options.starts, np.random.default_rng(options.seed))
     loops = {method: rootfinder(problem, method) for method in ("newton", "fast_newton")}
     system.linearise(starts[:1], given.values)
-    times: dict[str, list[float]] = {"batched": [], **{method: [] for method in loops}}
-    for _ in range(options.repeats):
-        begin = time.perf_counter()
+
+    def batched() -> None:
         batch = levenberg_marquardt(system, starts, given.values)
         distinct(system, batch.points[batch.converged], given.values, len(starts))
-        times["batched"].append(len(starts) / (time.perf_counter() - begin))
-        for method, solver in loops.items():
-            begin = time.perf_counter()
-            for start in starts[: options.loop_starts]:
-                solver(start, given.values)
-            times[method].append(options.loop_starts / (time.perf_counter() - begin))
-    return {method: statistics.median(rates) for method, rates in times.items()}
+
+    def looped(solver: ca.Function) -> None:
+        for start in starts[: options.loop_starts]:
+            solver(start, given.values)
+
+    times = in_turn(
+        {"batched": batched} | {name: lambda solver=solver: looped(solver) for name, solver in loops.items()},
+        options.repeats,
+    )
+    counts = {name: len(starts) if name == "batched" else min(options.loop_starts, len(starts)) for name in times}
+    return {name: counts[name] / statistics.median(seconds) for name, seconds in times.items()}
+
+
+def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
+    """A start of a batch over one of the quicker loop of CasADi's rootfinder."""
+    size = {"repeats": 3, "starts": 500, "loop_starts": 60} if quick else {"repeats": 7, "starts": 2000, "loop_starts": 200}
+    for name in STARTED:
+        rates = compare(name, argparse.Namespace(seed=seed, **size))
+        quicker = max(rate for way, rate in rates.items() if way != "batched")
+        yield Figure(
+            f"multistart: {name}, a start over CasADi's", quicker / rates["batched"], f"{rates['batched']:,.0f} starts/s"
+        )
 
 
 def rootfinder(problem: symkin.position.problem.Problem, method: str) -> ca.Function:

@@ -25,33 +25,25 @@ import resource
 import sys
 import tempfile
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
 import symkin
-from enumeration import ReferenceKernel
+from cases import FOLLOWED, NAMED, Grid, grids
 from symkin.sweeps.plan import Plan, make_plan
 from symkin.sweeps.run import sweep
 from symkin.sweeps.space import make_space
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
+from timing import Figure, ReferenceKernel, verdict
 
 LIMIT, MEMORY_MB = 1.3, 1024.0
 """Most that a point may cost, of the reference, and most memory of all processes."""
-NAMED: list[tuple[str, dict[str, tuple[float, float]]]] = [
-    ("four_bar", {"crank": (0.0, 360.0)}),
-    ("four_bar", {"follower": (-90.0, 90.0)}),
-    ("jansen_leg", {"crank": (0.0, 360.0)}),
-    ("ankle", {"ankle.1": (-40.0, 40.0), "ankle.2": (-40.0, 40.0)}),
-    ("ankle", {"upper_motor": (-40.0, 40.0), "lower_motor": (-40.0, 40.0)}),
-    ("five_link_suspension", {"rack": (-20.0, 20.0), "z": (290.0, 330.0)}),
-]
-"""Graphs, and the ranges of what is given (mm, deg)."""
 ABOUT_MM = 40.0
 REFERENCE_POINTS, MODES_POINTS = 10_000, 50
 """Points of the reference and of `symkin.modes`."""
+QUICK_POINTS, QUICK_GRIDS = 1_000, 0.1
+"""Points of a quick sweep, and the share of the sizes of grids."""
 
 
 def main() -> None:
@@ -64,12 +56,13 @@ def main() -> None:
         time_named(name, ranges, options.named)
 
 
-def time_sample(options: argparse.Namespace) -> None:
-    mechanism = symkin.load("zhang2009")
+def time_sample(options: argparse.Namespace) -> float:
+    """Sweep random points and return what one costs, over the reference (processor time)."""
+    mechanism = symkin.load(FOLLOWED)
     ranges = {c.name: (v - ABOUT_MM, v + ABOUT_MM) for c, v in zip(mechanism.actuated, mechanism.example.joints, strict=True)}
     space = make_space(mechanism, ranges, sample=options.points, seed=options.seed)
     plan = make_plan(space, chunk=options.chunk)
-    print(f"zhang2009, direct problem, {options.points} random points in {len(plan.blocks)} chunks, {options.workers} workers")
+    print(f"{FOLLOWED}, direct problem, {options.points} random points in {len(plan.blocks)} chunks, {options.workers} workers")
     some = np.unique(
         np.linspace(0, len(plan.blocks) - 1, min(len(plan.blocks), REFERENCE_POINTS // plan.chunk)).round().astype(int)
     )
@@ -106,36 +99,11 @@ def time_sample(options: argparse.Namespace) -> None:
         f"memory          {total:8.0f} MB: this process {driver:.0f}, workers {options.workers} x {worker:.0f} (largest); "
         f"allowed {MEMORY_MB:.0f}: {verdict(total <= MEMORY_MB)}"
     )
+    return float(ratios[1])
 
 
-@dataclass(frozen=True)
-class Grid:
-    """A case: its mechanism, half the range of two swept joints, values along each, and most T that a point may take."""
-
-    mechanism: symkin.Mechanism
-    half_range: float
-    values: int
-    most_t: float
-
-
-def grids(scale: float) -> list[Grid]:
-    """Angles by half a radian, lengths by a tenth of the size."""
-    from helpers.samples import five_bar, three_rrr
-
-    five, three = five_bar(), three_rrr("planar")
-    cases = [
-        Grid(five, five.angle_out(0.5), 300, 0.5),
-        Grid(three, three.angle_out(0.5), 150, 3.0),
-        *(
-            Grid(m, 0.1 * m.characteristic_length, n, 30.0)
-            for m, n in ((symkin.load("zhang2009"), 80), (symkin.load("ren2008_true"), 60))
-        ),
-    ]
-    return [replace(case, values=max(4, int(case.values * scale**0.5))) for case in cases]
-
-
-def time_grid(grid: Grid) -> None:
-    """Sweep a grid once, after a small one that prepares all."""
+def time_grid(grid: Grid) -> float:
+    """Sweep a grid once, after a small one that prepares all; what a point takes, in T."""
     mechanism, kernel = grid.mechanism, ReferenceKernel()
     at = [mechanism.angle_out(c.reference[0]) if c.is_angular else c.reference[0] for c in mechanism.actuated]
     if all(isinstance(limb, symkin.RodLimb) for limb in mechanism.limbs):
@@ -159,10 +127,12 @@ def time_grid(grid: Grid) -> None:
         f"{mechanism.name:16}{found.points:7d} points in {found.chunks} chunks: {1e6 * wall / found.points:8.1f} us a point, "
         f"{wall / unit:6.2f} T (cpu {cpu / unit:.2f} T); allowed {grid.most_t} T: {verdict(cpu / unit <= grid.most_t)}"
     )
+    return float(cpu / unit)
 
 
-def time_named(name: str, ranges: dict[str, tuple[float, float]], points: int) -> None:
-    """Sweep coordinates told by name once, after a small sweep that prepares all."""
+def time_named(name: str, ranges: dict[str, tuple[float, float]], points: int) -> tuple[float, int]:
+    """Sweep coordinates told by name once, after a small sweep that prepares all; what a point takes, in T, and how many points
+    have other counts than `symkin.modes` finds."""
     mechanism, kernel = symkin.load(name), ReferenceKernel()
     count = round(points ** (1.0 / len(ranges)))
     given = {coordinate: np.linspace(low, high, count, endpoint=False) for coordinate, (low, high) in ranges.items()}
@@ -183,13 +153,29 @@ def time_named(name: str, ranges: dict[str, tuple[float, float]], points: int) -
         f"{1e6 * cpu / modes:.1f} us a mode (cpu), {cpu / unit:.2f} T a point; peak {peak:.0f} MB; "
         f"other counts than symkin.modes: {other} of {MODES_POINTS}: {verdict(not other)}"
     )
+    return float(cpu / unit), int(other)
+
+
+def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
+    """A point of a random sweep over the same enumeration in one process; points of grids and of graphs in T; miscounts."""
+    points = QUICK_POINTS if quick else REFERENCE_POINTS
+    options = arguments(["--points", str(points), "--workers", "1", "--seed", str(seed), "--chunk", "250"])
+    yield Figure(f"sweep: {FOLLOWED}, a point over the enumeration alone", time_sample(options), "processor time")
+    for grid in grids(QUICK_GRIDS if quick else 1.0):
+        yield Figure(f"sweep: {grid.mechanism.name}, a point of a grid", time_grid(grid), "T")
+    miscounted = 0
+    for name, ranges in NAMED[::3] if quick else NAMED:
+        ratio, other = time_named(name, ranges, QUICK_POINTS if quick else REFERENCE_POINTS)
+        miscounted += other
+        yield Figure(f"sweep: {name} by {', '.join(ranges)}, a point", ratio, "T")
+    yield Figure("sweep: points with other counts than modes", miscounted, "of graphs by name")
 
 
 KILO = 1024.0 * (1024.0 if sys.platform == "darwin" else 1.0)
 """What `ru_maxrss` counts in, of a megabyte."""
 
 
-def arguments() -> argparse.Namespace:
+def arguments(words: Sequence[str] | None = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--points", type=int, default=10_000)
     parser.add_argument("--workers", type=int, default=2)
@@ -198,7 +184,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--grids", type=float, default=1.0, help="size of the grids; 0 leaves them out")
     parser.add_argument("--named", type=int, default=10_000, help="points of each graph by name; 0 leaves them out")
     parser.add_argument("--directory", help="where the folder is left; default: a temporary one")
-    return parser.parse_args()
+    return parser.parse_args(words)
 
 
 class Reference:
@@ -226,10 +212,6 @@ def processor_seconds() -> float:
     """Of this process and of those that it has ended."""
     used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(u.ru_utime + u.ru_stime for u in used)
-
-
-def verdict(good: bool) -> str:
-    return "ok" if good else "MISSED"
 
 
 if __name__ == "__main__":

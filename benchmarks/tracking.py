@@ -13,19 +13,23 @@ from __future__ import annotations
 
 import argparse
 import math
+import statistics
 import time
 from collections import Counter
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 import symkin
+from cases import FOLLOWED
 from symkin.following.track import track
 from symkin.following.track_result import Track
 from symkin.position.problem import Problem
 from symkin.position.roots import features
 from symkin.position.solution import Solution
 from symkin.position.solution_list import make_solution
+from timing import Figure, seconds
 
 FAULTS = ("lost", "astray", "unnoticed", "false stop")
 """What can be wrong: an end that the enumeration lacks; an independent continuation that comes to no end; one that comes to
@@ -42,7 +46,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--amplitude", type=float, default=20.0, help="of each joint, in its unit")
-    parser.add_argument("--mechanism", default="zhang2009")
+    parser.add_argument("--mechanism", default=FOLLOWED)
     o = parser.parse_args()
     print(f"{o.mechanism}: {o.count} paths, {o.samples} samples each, amplitude {o.amplitude:g}, seed {o.seed}")
     mechanism = symkin.load(o.mechanism)
@@ -61,7 +65,7 @@ def run(
     times = []
     for k in range(1, count + 1):
         start = random_configuration(mechanism, rng)
-        path = smooth_path(np.array(start.actuated), samples, amplitude, rng)
+        path = smooth_path(np.array(start.actuated_values), samples, amplitude, rng)
         begin = time.process_time()
         found = track(mechanism, joints=path, start=start, name_modes=False)
         times.append(time.process_time() - begin)
@@ -71,6 +75,27 @@ def run(
         if k % 100 == 0:
             print(f"after {k}: {in_words(counts)}", flush=True)
     return counts, times
+
+
+def figures(*, quick: bool, seed: int) -> Iterator[Figure]:
+    """A followed path, proved, over Newton's method at fixed steps, which proves nothing; and paths that are wrong."""
+    mechanism, rng = symkin.load(FOLLOWED), np.random.default_rng(seed)
+    ratios, wrong, count = [], 0, 8 if quick else 100
+    for _ in range(count + 1):
+        start = random_configuration(mechanism, rng)
+        path = smooth_path(np.array(start.actuated_values), 16, 20.0, rng)
+        found: list[Track] = []
+        own = seconds(
+            lambda start=start, path=path, found=found: found.append(track(mechanism, joints=path, start=start, name_modes=False))
+        )
+        wrong += bool(faults(found[0], path))
+        if found[0].stop is None:
+            problem, begin = found[0].problem, found[0].samples[0].solution
+            ratios.append(own / seconds(lambda problem=problem, begin=begin, path=path: newton(problem, begin, path, _FINE[0])))
+    # the first path compiles what all others use
+    told = f"median of {len(ratios) - 1} paths"
+    yield Figure(f"tracking: {FOLLOWED}, a path over Newton's at fixed steps", statistics.median(ratios[1:]), told)
+    yield Figure("tracking: paths that are lost, astray, unnoticed or stopped for nothing", wrong, f"of {count + 1}")
 
 
 def in_words(counts: Counter[str]) -> str:

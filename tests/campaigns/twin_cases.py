@@ -14,7 +14,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from twin_oracle import ROOT, Oracle, joint_kinds, numbers_only, oracle_of
+from twin_oracle import (
+    FAMILIES,
+    ROOT,
+    SMALL,
+    Drawing,
+    Oracle,
+    chosen_values,
+    joint_kinds,
+    numbers_only,
+    oracle_of,
+    random_file,
+    random_graph,
+    to_toml,
+)
 
 SHIPPED = ROOT / "symkin" / "mechanisms"
 RANDOM = ("limbs", "small", "limbs", "graph", "limbs", "small", "odd")
@@ -52,18 +65,14 @@ def text_of(name: str) -> str:
     source, kind, *numbers = name.split()
     if source == "shipped":
         return (SHIPPED / f"{kind}.toml").read_text(encoding="utf-8")
-    import random_graphs
-    from helpers.random_graphs import random_graph
-    from random_files import random_file, to_toml
-
     seed, index = map(int, numbers)
     rng = np.random.default_rng([seed, index])
     if kind == "limbs":
         return str(to_toml(random_file(rng)))
     if kind == "odd":
         return str(random_graph(1000 * seed + index).to_toml())
-    families = random_graphs.SMALL if kind == "small" else random_graphs.FAMILIES
-    return str(random_graphs.Drawing(rng, families).grow())
+    families = SMALL if kind == "small" else FAMILIES
+    return str(Drawing(rng, families).grow())
 
 
 def make_case(name: str, text: str, seed: int) -> Case:
@@ -129,8 +138,6 @@ def _units(data: Mapping[str, Any], oracle: Oracle) -> list[float]:
 
 def _named(text: str, mobility: int | None, rng: np.random.Generator) -> Iterator[dict[str, Any]]:
     """A graph by coordinates that decide all others, twice; by none where nothing moves."""
-    from random_graphs import chosen_values
-
     if mobility == 0:
         yield {"key": "named 0", "given": {}}
         return

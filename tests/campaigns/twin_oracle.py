@@ -16,14 +16,33 @@ from typing import Any, Protocol
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "benchmarks"), str(ROOT / "tests")]
+_FOLDERS = ("benchmarks", "tests/oracle", "tests/campaigns", "tests")
+"""Where the independent closures and the random machines may stand."""
+sys.path[:0] = [str(ROOT / folder) for folder in _FOLDERS]
 
 import plain_graph as graphs  # noqa: E402
 import plain_search as search  # noqa: E402
+from helpers.random_graphs import random_graph  # noqa: E402
 from plain_closure import PlainMechanism, matrix_quaternion, quaternion_matrix  # noqa: E402
 from plain_graph_file import Reader, number  # noqa: E402
+from random_files import random_file, to_toml  # noqa: E402
+from random_graphs import FAMILIES, SMALL, Drawing, chosen_values  # noqa: E402
 
-__all__ = ["ROOT", "Oracle", "joint_kinds", "numbers_only", "oracle_of", "rotation"]
+__all__ = [
+    "FAMILIES",
+    "ROOT",
+    "SMALL",
+    "Drawing",
+    "Oracle",
+    "chosen_values",
+    "joint_kinds",
+    "numbers_only",
+    "oracle_of",
+    "random_file",
+    "random_graph",
+    "rotation",
+    "to_toml",
+]
 
 CLOSED = 1e-7
 """Largest closure error of a mode that closes, over the size."""

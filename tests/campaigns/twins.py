@@ -1,7 +1,7 @@
 """Write what symkin answers to fixed questions, and compare two checkouts by what they answered.
 
     python tests/campaigns/twins.py write -o FILE [--count 200] [--seed 0] [--jobs 2] [--resume]
-    python tests/campaigns/twins.py compare OLD NEW
+    python tests/campaigns/twins.py compare OLD NEW [--only NAME ...]
     python tests/campaigns/twins.py against REVISION [-o FOLDER] [--jobs 2]
 
 `write` asks all shipped mechanisms and `--count` random ones for mobility, modes in both directions
@@ -46,6 +46,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if name == "compare":
             command.add_argument("old", type=Path)
             command.add_argument("new", type=Path)
+        command.add_argument("--only", nargs="*", default=[], help="parts of names of machines")
+        if name == "compare":
             continue
         if name == "against":
             command.add_argument("revision")
@@ -54,7 +56,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         command.add_argument("--seed", type=int, default=0)
         command.add_argument("--jobs", type=int, default=1)
         command.add_argument("--limit", type=float, default=LIMIT_S, help="seconds a machine")
-        command.add_argument("--only", nargs="*", default=[], help="parts of names of machines")
         command.add_argument("--resume", action="store_true", help="keep machines that are done")
         command.add_argument("--like", type=Path, help="ask the questions of this file")
         if name == "write":
@@ -64,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return write(options)
     if options.command == "against":
         return against(options)
-    return compare(options.old, options.new)
+    return compare(options.old, options.new, options.only)
 
 
 # --- writing -----------------------------------------------------------------------------------------
@@ -124,7 +125,12 @@ def machine_names(options: argparse.Namespace) -> list[str]:
         from twin_cases import random_name, shipped
 
         names = [*shipped(), *(random_name(options.seed, k) for k in range(options.count))]
-    return [n for n in names if not options.only or any(part in n for part in options.only)]
+    return chosen(names, options.only)
+
+
+def chosen(names: Sequence[str], only: Sequence[str]) -> list[str]:
+    """Names of which a part was asked for; all where none was."""
+    return [n for n in names if not only or any(part in n for part in only)]
 
 
 def _asked_of(seed: int) -> Any:
@@ -166,7 +172,7 @@ class Journal:
 # --- comparing ---------------------------------------------------------------------------------------
 
 
-def compare(old: Path, new: Path) -> int:
+def compare(old: Path, new: Path, only: Sequence[str] = ()) -> int:
     """Print the differences of two files, each with who is right; 1 where there are some."""
     from twin_compare import differences
     from twin_judge import judged
@@ -174,7 +180,8 @@ def compare(old: Path, new: Path) -> int:
     files = [json.loads(path.read_text(encoding="utf-8"))["machines"] for path in (old, new)]
     verdicts: Counter[str] = Counter()
     asked = 0
-    for name in sorted(set(files[0]) | set(files[1])):
+    names = chosen(sorted(set(files[0]) | set(files[1])), only)
+    for name in names:
         pair = [file.get(name) for file in files]
         asked += len((pair[0] or pair[1])["answers"])
         alike: Counter[tuple[str, str]] = Counter()
@@ -188,7 +195,7 @@ def compare(old: Path, new: Path) -> int:
             if count > PRINTED:
                 print(f"{name}: {count - PRINTED} more like this: {kind}: {who}", flush=True)
     told = ", ".join(f"{count} {who}" for who, count in sorted(verdicts.items())) or "none"
-    print(f"{len(set(files[0]) | set(files[1]))} machines, {asked} answers; differences: {told}")
+    print(f"{len(names)} machines, {asked} answers; differences: {told}")
     return int(bool(verdicts))
 
 
@@ -210,7 +217,7 @@ def against(options: argparse.Namespace) -> int:
         _write([str(old), *shared, "--like", str(new), "--package", str(tree)])
     finally:
         subprocess.run([*git, "remove", "--force", str(tree)], check=True)
-    return compare(old, new)
+    return compare(old, new, options.only)
 
 
 def _write(arguments: list[str]) -> None:
