@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import base64
 import importlib.util
-import io
 import re
-import warnings
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
+from symkin.formats.child import ChildError, answer_of
 from symkin.model.mesh import LinkMesh
 
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -23,20 +22,24 @@ _LARGEST = 40e6
 _FARTHEST = 1e18
 """Largest coordinate of a corner: the page has floats, whose largest is 3e38."""
 _COLLADA = ".dae"
+_WORKER = Path(__file__).with_name("collada_worker.py")
+_NOTHING = "no triangles could be read there: empty, cut short, or not of the kind that the suffix tells"
 _STEPS = 65535
 """Steps of a mesh's box along an axis: its places are numbers of two bytes, 15 um apart on a metre."""
 
 
-def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object] | None:
-    """A mesh as an item of a scene, its triangles in the base frame at the reference; None where the file is not there, of another
-    kind or without bounds."""
+class UnreadMeshError(Exception):
+    """A mesh that is not shown; the text says why, as the words of a note."""
+
+
+def mesh_item(mesh: LinkMesh, link: int) -> dict[str, object]:
+    """A mesh as an item of a scene, its triangles in the base frame at the reference. Raises UnreadMeshError where the file is not
+    there, cannot be read or has no bounds."""
     triangles = read_triangles(Path(mesh.file))
-    if triangles is None:
-        return None
     with np.errstate(over="ignore", invalid="ignore"):
         placed = np.asarray(mesh.pose.rotation) @ (triangles * np.array(mesh.scale)).reshape(-1, 3).T
     if not (np.abs(placed) < _FARTHEST).all():
-        return None
+        raise UnreadMeshError(_NOTHING)
     return {"kind": "mesh", "link": link, "name": mesh.link, **_packed(placed.T + np.array(mesh.position))}
 
 
@@ -57,33 +60,25 @@ def _text(numbers: np.ndarray) -> str:
     return base64.b64encode(numbers.tobytes()).decode("ascii")
 
 
-def read_triangles(path: Path) -> np.ndarray | None:
-    """Corners (n, 3, 3) of a mesh file's triangles in its own numbers; None where it cannot be read as one."""
-    reader = _readers().get(path.suffix.lower())
-    if reader is None or not path.is_file() or path.stat().st_size > _LARGEST:
-        return None
-    triangles = reader(path.read_bytes())
-    return triangles if len(triangles) and np.isfinite(triangles).all() else None
-
-
-def why_unread(path: Path) -> str:
-    """What a note says of mesh files that `read_triangles` does not read."""
+def read_triangles(path: Path) -> np.ndarray:
+    """Corners (n, 3, 3) of a mesh file's triangles in its own numbers. Raises UnreadMeshError where it cannot be read as one."""
+    reader = _READERS.get(path.suffix.lower())
     if not path.is_file():
-        return "there is no such file, also in folders named by --packages"
+        raise UnreadMeshError("there is no such file, also in folders named by --packages")
     if path.suffix.lower() == _COLLADA and importlib.util.find_spec("collada") is None:
-        return "COLLADA takes the package pycollada: pip install 'symkin[meshes]' installs it"
-    if path.suffix.lower() not in _readers():
-        return f"read are {', '.join(_readers())}"
+        raise UnreadMeshError("COLLADA takes the package pycollada: pip install 'symkin[meshes]' installs it")
+    if reader is None:
+        raise UnreadMeshError(f"read are {', '.join(_READERS)}")
     if path.stat().st_size > _LARGEST:
-        return f"files up to {_LARGEST / 1e6:g} MB are read"
-    return "no triangles could be read there: empty, cut short, or not of the kind that the suffix tells"
+        raise UnreadMeshError(f"files up to {_LARGEST / 1e6:g} MB are read")
+    triangles = reader(path)
+    if not len(triangles) or not np.isfinite(triangles).all():
+        raise UnreadMeshError(_NOTHING)
+    return triangles
 
 
-def _readers() -> dict[str, Callable[[bytes], np.ndarray]]:
-    return {".stl": _stl, ".obj": _obj, _COLLADA: _collada}
-
-
-def _stl(content: bytes) -> np.ndarray:
+def _stl(path: Path) -> np.ndarray:
+    content = path.read_bytes()
     count = int.from_bytes(content[_HEADER - 4 : _HEADER], "little")
     if len(content) == _HEADER + count * _TRIANGLE.itemsize:
         return np.asarray(np.frombuffer(content, _TRIANGLE, offset=_HEADER)["corners"], dtype=float)
@@ -98,8 +93,8 @@ def _rows(numbers: list[tuple[bytes, ...]]) -> np.ndarray:
         return np.zeros((0, 3, 3))
 
 
-def _obj(content: bytes) -> np.ndarray:
-    lines = content.decode("utf-8", "replace").splitlines()
+def _obj(path: Path) -> np.ndarray:
+    lines = path.read_bytes().decode("utf-8", "replace").splitlines()
     try:
         points = np.array([[float(v) for v in line.split()[1:4]] for line in lines if line.startswith("v ")])
         triangles = [corners for line in lines if line.startswith("f ") for corners in _fan(line, len(points))]
@@ -115,22 +110,13 @@ def _fan(line: str, count: int) -> Iterator[tuple[int, int, int]]:
     return ((places[0], a, b) for a, b in pairwise(places[1:]))
 
 
-def _collada(content: bytes) -> np.ndarray:
-    """Triangles of the file's scene in metres. `up_axis` is not heeded, as RViz and Gazebo do not: robots' files are written for them."""
+def _collada(path: Path) -> np.ndarray:
+    """Triangles of the file's scene in metres, which pycollada reads in a process of its own."""
     try:
-        import collada
-    except ImportError:
-        return np.zeros((0, 3, 3))
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # NumPy's about `matrix`, which pycollada uses
-            document = collada.Collada(io.BytesIO(content), ignore=[collada.DaeError])
-            shapes = list(document.scene.objects("geometry")) if document.scene else []
-            sets = [
-                part.triangleset() if hasattr(part, "triangleset") else part for shape in shapes for part in shape.primitives()
-            ]
-            triangles = [part.vertex[part.vertex_index] for part in sets if part.vertex_index is not None]
-    except Exception:  # pycollada does not list what foreign files raise; the picture goes without this one, and a note tells it
-        return np.zeros((0, 3, 3))
-    found = [corners for corners in triangles if corners.shape[1:] == (3, 3)]
-    return np.concatenate(found).astype(float) * (document.assetInfo.unitmeter or 1.0) if found else np.zeros((0, 3, 3))
+        told = answer_of(_WORKER, {"path": str(path)})
+    except ChildError as error:
+        raise UnreadMeshError(f"pycollada {error}") from None
+    return np.frombuffer(base64.b64decode(told["corners"]), "<f4").reshape(-1, 3, 3).astype(float) * float(told["unit"])
+
+
+_READERS: dict[str, Callable[[Path], np.ndarray]] = {".stl": _stl, ".obj": _obj, _COLLADA: _collada}

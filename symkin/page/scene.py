@@ -7,7 +7,6 @@ from there, so that all geometry stands at the reference.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from symkin.model.bar import Bar
 from symkin.model.joint import BASE, Joint
 from symkin.model.mechanism import Mechanism
 from symkin.page.bodies import body_of, distinct
-from symkin.page.mesh_files import mesh_item, why_unread
+from symkin.page.mesh_files import UnreadMeshError, mesh_item
 from symkin.plots.graph_lines import reference_graph_lines, view_axes
 from symkin.plots.graph_painter import LINK_COLOURS
 from symkin.plots.mechanism_lines import reference_lines
@@ -58,11 +57,10 @@ def _meshes(mechanism: Mechanism, links: Sequence[str]) -> tuple[list[Item], lis
     found: list[Item] = []
     unread: dict[str, dict[str, None]] = {}
     for mesh in (mesh for mesh in mechanism.link_meshes if mesh.link in links):
-        item = mesh_item(mesh, links.index(mesh.link))
-        if item is None:
-            unread.setdefault(why_unread(Path(mesh.file)), {})[mesh.file] = None
-        else:
-            found.append(item)
+        try:
+            found.append(mesh_item(mesh, links.index(mesh.link)))
+        except UnreadMeshError as error:
+            unread.setdefault(str(error), {})[mesh.file] = None
     notes = [
         f"Not shown: {counted(len(files), 'file')} of meshes ({first_of(list(files), 3)}); {why}."
         for why, files in unread.items()

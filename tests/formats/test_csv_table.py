@@ -1,6 +1,7 @@
 """CSV tables: what is written is read, units are converted, and every mistake names file, row and column."""
 
 import math
+import os
 
 import pytest
 from hypothesis import given
@@ -24,6 +25,15 @@ def test_units_convert(tmp_path):
     assert t.numbers("b", "angle", "rad") == pytest.approx([math.pi, math.pi / 2], rel=1e-15)
     assert t.text("group") == ("first", "second")
     assert t.lines == (3, 5)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no FIFOs here")
+def test_what_is_no_regular_file_is_refused(tmp_path):
+    """A FIFO would wait for ever for one who writes, a device would never end."""
+    os.mkfifo(tmp_path / "pipe.csv")
+    for place in (tmp_path / "pipe.csv", "/dev/zero"):
+        with pytest.raises(InputError, match="no regular file"):
+            read_table(place)
 
 
 @pytest.mark.parametrize("header", ["leg1 [m],theta [deg]", " leg1[m] , theta  [deg] "])

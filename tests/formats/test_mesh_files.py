@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 import sys
 from pathlib import Path
 
@@ -11,7 +12,8 @@ import pytest
 
 import symkin
 from helpers import inside
-from helpers.inside import LinkMesh, mesh_item, read_triangles, why_unread
+from symkin.model.mesh import LinkMesh
+from symkin.page.mesh_files import UnreadMeshError, mesh_item, read_triangles
 
 COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><created>2026-01-01</created><modified>2026-01-01</modified><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
@@ -29,7 +31,6 @@ def test_collada_is_read_in_metres_and_in_its_own_axes(tmp_path: Path) -> None:
     """The rectangle 3 x 2 mm is turned by a quarter about z and stands at z = 7 mm; Y_UP turns nothing, as in RViz and Gazebo. Files hold floats."""
     (tmp_path / "plate.DAE").write_text(COLLADA, encoding="utf-8")
     triangles = read_triangles(tmp_path / "plate.DAE")
-    assert triangles is not None
     sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
     np.testing.assert_allclose(sides.sum(axis=0), [0, 0, 6e-6], atol=1e-12)
     np.testing.assert_allclose(triangles.reshape(-1, 3).min(axis=0), [-2e-3, 0, 7e-3], atol=1e-9)
@@ -41,15 +42,40 @@ def test_collada_is_read_in_metres_and_in_its_own_axes(tmp_path: Path) -> None:
 )
 def test_broken_collada_is_told(tmp_path: Path, content: str) -> None:
     (tmp_path / "plate.dae").write_text(content, encoding="utf-8")
-    assert read_triangles(tmp_path / "plate.dae") is None
-    assert why_unread(tmp_path / "plate.dae").startswith("no triangles could be read there")
+    with pytest.raises(UnreadMeshError, match=r"^no triangles could be read there"):
+        read_triangles(tmp_path / "plate.dae")
 
 
 def test_collada_without_its_package_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "plate.dae").write_text(COLLADA, encoding="utf-8")
-    monkeypatch.setitem(sys.modules, "collada", None)
-    assert read_triangles(tmp_path / "plate.dae") is None
-    assert "symkin[meshes]" in why_unread(tmp_path / "plate.dae")
+    monkeypatch.setattr("importlib.util.find_spec", lambda _name: None)
+    with pytest.raises(UnreadMeshError, match=r"symkin\[meshes\]"):
+        read_triangles(tmp_path / "plate.dae")
+
+
+NO_END = "def work(task):\n    while True:\n        pass\n"
+DEATH = "import os, signal\ndef work(task):\n    os.kill(os.getpid(), signal.SIGSEGV)\n"
+GREEDY = "def work(task):\n    return [bytearray(10**9) for _ in range(9)]\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+@pytest.mark.parametrize(
+    ("worker", "told"),
+    [
+        (NO_END, "gave no answer within 1 s"),
+        (DEATH, "ended without an answer (SIGSEGV)"),
+        (GREEDY, "needed more than 2 GB of memory"),
+    ],
+    ids=["no end", "death", "memory"],
+)
+def test_what_pycollada_does_not_survive_is_told(worker: str, told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page goes without the mesh, and this process stays well."""
+    (tmp_path / "plate.dae").write_text(COLLADA, encoding="utf-8")
+    (tmp_path / "worker.py").write_text(worker, encoding="utf-8")
+    monkeypatch.setattr("symkin.page.mesh_files._WORKER", tmp_path / "worker.py")
+    monkeypatch.setattr(child, "SECONDS", 1.0 if worker is NO_END else 20.0)
+    with pytest.raises(UnreadMeshError, match=f"^pycollada {re.escape(told)}"):
+        read_triangles(tmp_path / "plate.dae")
 
 
 def test_packed_meshes_are_the_files_triangles(tmp_path: Path) -> None:
@@ -66,7 +92,6 @@ def test_packed_meshes_are_the_files_triangles(tmp_path: Path) -> None:
     turned = symkin.Pose([3.0, 4.0, 5.0], [0.5, 0.5, -0.5, 0.5])
     mesh = LinkMesh("a", str(tmp_path / "m.obj"), turned.position, turned.quaternion, (2.0, 1.0, -1.0))
     item = mesh_item(mesh, 1)
-    assert item is not None
     places = np.frombuffer(base64.b64decode(str(item["places"])), "<u2").reshape(-1, 3)
     triangles = np.frombuffer(base64.b64decode(str(item["triangles"])), "<u2").reshape(-1, 3)
     low, span = np.array(item["low"]), np.array(item["span"])
@@ -80,7 +105,8 @@ def test_packed_meshes_are_the_files_triangles(tmp_path: Path) -> None:
 def test_meshes_without_bounds_are_told(tmp_path: Path) -> None:
     (tmp_path / "m.obj").write_text("v 0 0 0\nv 1e300 0 0\nv 0 1 0\nf 1 2 3\n", encoding="utf-8")
     for scale in (1.0, 1e100):
-        assert mesh_item(LinkMesh("a", str(tmp_path / "m.obj"), scale=(scale, 1.0, 1.0)), 1) is None
+        with pytest.raises(UnreadMeshError):
+            mesh_item(LinkMesh("a", str(tmp_path / "m.obj"), scale=(scale, 1.0, 1.0)), 1)
 
 
 def test_why_a_mesh_is_not_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -92,6 +118,7 @@ def test_why_a_mesh_is_not_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         ("c.obj", "v 0 0 0", "no triangles could be read there"),
     ):
         (tmp_path / name).write_text(content, encoding="utf-8")
-        assert read_triangles(tmp_path / name) is None
-        assert why_unread(tmp_path / name).startswith(reason)
-    assert why_unread(tmp_path / "none.stl").startswith("there is no such file")
+        with pytest.raises(UnreadMeshError, match=f"^{reason}"):
+            read_triangles(tmp_path / name)
+    with pytest.raises(UnreadMeshError, match=r"^there is no such file"):
+        read_triangles(tmp_path / "none.stl")
