@@ -14,17 +14,20 @@ _NOISE = 4e-15
 some products of such numbers gather a little more."""
 
 
-def snap(value: float, scale: float = 1.0) -> float:
-    """Round a constant to 0 or to 11 digits where it differs from that by rounding noise only; `scale` is the size of the numbers
-    that have made it."""
+def snap(value: float, scale: float = 0.0) -> float:
+    """Round a constant to 0 or to 11 digits where it differs from that by rounding noise only.
+
+    `scale` is the size of the numbers that have made it, in its own unit. Without it no constant is nothing: the square of a
+    length of a tiny machine, or one over that of a huge one, is as small as rounding is elsewhere.
+    """
     if abs(value) < _NOISE * scale:
         return 0.0
     near = float(f"{value:.11g}")
     return near if abs(near - value) <= _NOISE * abs(value) else value
 
 
-def snapped_expression(expression: ca.SX, symbols: Sequence[ca.SX], scale: float = 1.0) -> ca.SX:
-    """Write the same expression with snapped constants."""
+def snapped_expression(expression: ca.SX, symbols: Sequence[ca.SX], scale: float = 0.0) -> ca.SX:
+    """Write the same expression with snapped constants, `scale` as in `snap`."""
     function = ca.Function("f", list(symbols), [expression], {"cse": True})
 
     def folded(value: ca.SX) -> ca.SX:

@@ -94,7 +94,7 @@ class ArmMotion:
         """Emitter of a function of the halves, whose C name is `u`, and of the symbols of their pose, `x`, if there are some."""
         symbols = [self.halves, ca.SX(0, 1) if pose is None else pose]
         (short,) = gathered([expression], symbols, self.turns)
-        snapped = snapped_expression(short, symbols, 1.0)
+        snapped = snapped_expression(short, symbols)
         function = ca.Function("f", symbols, [ca.densify(snapped)], {"cse": True})
         return Emitter(function, [indexed("u", 2 * len(self.arm)), indexed("x", int(symbols[1].shape[0]))], self.real)
 

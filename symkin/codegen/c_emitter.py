@@ -127,9 +127,11 @@ class _Graph:
     def _with_constant(self, k: int, number: float) -> int | None:
         """x + number, where x may end in a constant; None where that is written already."""
         node = self.nodes[k]
+        scale = 0.0
         if node.op in _SUMS and (last := self._number(node.reads[1])) is not None:
-            k, number = node.reads[0], number + (last if node.op == ca.OP_ADD else -last)
-        number = snap(number)
+            k, scale = node.reads[0], max(abs(number), abs(last))
+            number += last if node.op == ca.OP_ADD else -last
+        number = snap(number, scale)
         if number == 0.0:
             return k
         return self._add(_Node(ca.OP_SUB if number < 0.0 else ca.OP_ADD, (k, self.constant(abs(number)))))

@@ -107,7 +107,7 @@ class ClosedCode:
         values = [at.motions[i].value + screw.zero for i, screw in enumerate(self.plan.arm.screws)]
         symbols = [self._pose, self._signs, self._near]
         gap = self._gap(at) if self.is_checked else ca.SX(0)
-        return snapped_expression(ca.vertcat(*outputs, *values, gap), symbols, 1.0)
+        return snapped_expression(ca.vertcat(*outputs, *values, gap), symbols)
 
     @cached_property
     def guarded(self) -> list[int]:

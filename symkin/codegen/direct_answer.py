@@ -53,14 +53,18 @@ class AnswerText:
         return self._distinct(rows), ca.vertcat(*sides), lifted(pose, pose_symbols, generators, none)
 
     def _distinct(self, rows: ca.SX) -> ca.SX:
-        """Rows without those that equal another one."""
+        """Rows without those that equal another one, at values about 1 and about the size: beside the first the squares of a
+        tiny machine's lengths are nothing, beside the second its cosines are."""
         symbols = ca.vertcat(self.values.u, self.values.y, self.values.half)
         function = ca.Function("rows", [symbols], [rows])
         rng = np.random.default_rng(2)
-        values = np.array([np.asarray(function(rng.normal(size=int(symbols.shape[0])))).ravel() for _ in range(3)])
+        sizes = [1.0, 1.0, 1.0, *[self.values.made.closure.characteristic_length] * 3]
+        drawn = [s * rng.normal(size=int(symbols.shape[0])) for s in sizes]
+        values = np.array([np.asarray(function(one)).ravel() for one in drawn])
+        values /= np.maximum(np.max(np.abs(values), axis=1, keepdims=True), np.finfo(float).tiny)
         kept: list[int] = []
         for k in range(values.shape[1]):
-            if not any(np.allclose(values[:, k], s * values[:, j], rtol=1e-9, atol=1e-9) for j in kept for s in (1, -1)):
+            if not any(np.allclose(values[:, k], s * values[:, j], rtol=1e-9, atol=1e-15) for j in kept for s in (1, -1)):
                 kept.append(k)
         return ca.vertcat(ca.SX(0, 1), *(rows[k] for k in kept))
 

@@ -215,7 +215,7 @@ def _closed_values(program: Program, values: dict[str, object]) -> dict[str, obj
     size, epsilon = program.mechanism.characteristic_length, program.real.epsilon
     own = {
         "angular": ", ".join(str(int(c.is_angular)) for c in program.mechanism.actuated),
-        "reached": f"{4 * program.main.tuning.tolerance + 512 * epsilon * max(size, 1.0):.2g}",
+        "reached": f"{4 * program.main.tuning.tolerance + 512 * epsilon * size:.2g}",
     }
     return {
         "closed_test": fill("closed_test.c", values | own),
@@ -233,9 +233,16 @@ def _map_values(program: Program) -> dict[str, object]:
 
 
 def _angle_bound(program: Program) -> str:
-    """Give the factor that turns the allowed error of lengths into one of joint values, some of which are angles."""
-    angular = any(c.is_angular for c in program.mechanism.actuated)
-    return f" * {max(1.0, 2.0 / program.mechanism.characteristic_length)!r}" if angular else ""
+    """What makes the allowed error of lengths one of joint value `i`, which may be an angle."""
+    if not any(c.is_angular for c in program.mechanism.actuated):
+        return ""
+    slides, weight = _slides(program), f"{2.0 / program.mechanism.characteristic_length!r}"
+    return f" * (({slides}) ? 1.0 : {weight})" if slides else f" * {weight}"
+
+
+def _slides(program: Program) -> str:
+    """C condition: joint `i` is a length. Empty where none is."""
+    return " || ".join(f"(i == {i})" for i, c in enumerate(program.mechanism.actuated) if not c.is_angular)
 
 
 def _redundant_values(program: Program) -> dict[str, object]:
@@ -244,7 +251,7 @@ def _redundant_values(program: Program) -> dict[str, object]:
     kind, name = program.kind, program.mechanism.name
     if not kind.is_redundant:
         return {"joint_bound": "bound" + _angle_bound(program), "again": ""}
-    slides = " || ".join(f"(i == {i})" for i, c in enumerate(program.mechanism.actuated) if not c.is_angular)
+    slides = _slides(program)
     bound = f"(({slides}) ? {0.01 * program.mechanism.characteristic_length!r} : 0.01)" if slides else "0.01"
     first = "geometry, " if program.options.geometry == "struct" else ""
     again = [

@@ -84,7 +84,7 @@ class MapVectors:
         coordinates = self.made.given if which == "joints" else self.made.found
         places = self.made.direct.problem.places(coordinates)
         scales = [1.0 if c.is_angular else self.made.size for c in coordinates]
-        digits = [_DIGITS - int(np.ceil(np.log10(max(scale, 1e-3)))) for scale in scales]
+        digits = [_DIGITS - int(np.ceil(np.log10(scale))) for scale in scales]
         return np.array([round(float(v), d) + 0.0 for v, d in zip(values[places], digits, strict=True)])
 
     @cached_property

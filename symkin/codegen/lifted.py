@@ -114,7 +114,7 @@ class _Lift:
 
     def _cosine_and_sine(self, angle: _Angle) -> tuple[ca.SX, ca.SX]:
         """By the addition theorems."""
-        cosine, sine = ca.SX(snap(float(np.cos(angle.offset)))), ca.SX(snap(float(np.sin(angle.offset))))
+        cosine, sine = ca.SX(snap(float(np.cos(angle.offset)), 1.0)), ca.SX(snap(float(np.sin(angle.offset)), 1.0))
         for name, factor in angle.factors.items():
             own = self.generators[self.names.index(name)]
             c, s = own.parts

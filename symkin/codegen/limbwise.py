@@ -152,7 +152,7 @@ class _Limbwise:
         """A limb's rows in its passive joints, given the actuated ones and the pose."""
         unknowns, every = tuple(c for c in limb.unknowns if c.role != "actuated"), (*limb.unknowns, *self._pose)
         # no half angles of the pose, of which formulas give cosine and sine of the whole
-        rows, errors = (plain(part, self._symbols(every), every) for part in (limb.rows, limb.errors))
+        rows, errors = (plain(part, self._symbols(every), every, limb.characteristic_length) for part in (limb.rows, limb.errors))
         return System(unknowns, self._symbols(unknowns), self._symbols(self._given), rows, errors, limb.characteristic_length)
 
     def _system(self, limb: System, unknowns: tuple[Coordinate, ...], known: Sequence[Coordinate]) -> System:

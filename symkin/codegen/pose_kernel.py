@@ -140,7 +140,7 @@ class PlatformPose:
         arm, fixed = (tuple(snap(float(v), size) for v in part) for part in (solved[:n], solved[n:]))
         arm = tuple(0.0 if abs(v) <= _SAME * size else v for v in arm)
         expected = ca.mtimes(numbers_of(rows), position + self.turned(turn, arm)) + numbers_of(fixed)
-        if not self._vanishes(ca.vertcat(none, point - expected), [self.symbols]):
+        if not self._vanishes(ca.vertcat(none, point - expected) / size, [self.symbols]):
             return None
         return rows, arm, np.array(fixed)
 
@@ -149,7 +149,7 @@ class PlatformPose:
         p, turn = self.symbols[: self.lengths], self.symbols[self.lengths :]
         slope = ca.jacobian(row, p).T
         bend = ca.simplify(ca.jacobian(slope, p))
-        values = self._sampled([bend], [self.symbols, joints])
+        values = self._sampled([bend], [self.symbols, joints], actuated)
         half = 0.5 * float(values[0][0, 0])
         if half == 0.0 or any(np.max(np.abs(v - 2 * half * np.eye(self.lengths))) > _SAME * abs(half) for v in values):
             return None
@@ -162,30 +162,34 @@ class PlatformPose:
         vectors = [at(slope, place) / (2 * half) for place in self._turns]
         of = -sum(vectors[1:], vectors[0]) / len(vectors)
         arm = vectors[0] + of
-        numbers = tuple(
-            snap(float(v), self.closure.characteristic_length) for v in self._sampled([arm], [self.symbols, joints])[0].ravel()
-        )
+        size = self.closure.characteristic_length
+        numbers = tuple(snap(float(v), size) for v in self._sampled([arm], [self.symbols, joints], actuated)[0].ravel())
         level = dot(numbers_of(numbers) - of, numbers_of(numbers) - of) - at(row, self._turns[0]) / half
         d = p + self.turned(turn, numbers) - of
-        if not self._vanishes(row / half - (dot(d, d) - level), [self.symbols, joints]):
+        if not self._vanishes((row / half - (dot(d, d) - level)) / size**2, [self.symbols, joints], actuated):
             return None
-        found = plain(ca.vertcat(of, level), joints, actuated)
+        found = plain(ca.vertcat(of, level), joints, actuated, size)
         return TiedPoint(numbers, found[:-1], found[-1], is_sphere=True)
 
-    def _sampled(self, expressions: Sequence[ca.SX], inputs: Sequence[ca.SX]) -> list[np.ndarray]:
-        """An expression at some random values, quaternions of unit length."""
+    def _sampled(
+        self, expressions: Sequence[ca.SX], inputs: Sequence[ca.SX], joints: Sequence[Coordinate] = ()
+    ) -> list[np.ndarray]:
+        """An expression at some random values of the pose, and of `joints`: lengths about the size, angles about 1, quaternions of unit
+        length."""
+        kinds = [c.is_angular for c in joints]
+        units = [np.where([k >= self.lengths for k in range(int(inputs[0].shape[0]))], 1.0, self.closure.characteristic_length)]
+        units += [np.where(kinds, 1.0, self.closure.characteristic_length)] if kinds else []
         rng, function = np.random.default_rng(4), ca.Function("sampled", list(inputs), list(expressions))
         found = []
         for _ in range(_SAMPLES):
-            values = [rng.uniform(-1.0, 1.0, int(symbols.shape[0])) for symbols in inputs]
+            values = [unit * rng.uniform(-1.0, 1.0, len(unit)) for unit in units]
             if self.motion == "spatial":
                 values[0][3:] /= np.linalg.norm(values[0][3:])
             found.append(np.asarray(ca.DM(function(*values)).full()))
         return found
 
-    def _vanishes(self, expression: ca.SX, inputs: Sequence[ca.SX]) -> bool:
-        size = max(1.0, self.closure.characteristic_length) ** 2
-        return all(np.max(np.abs(v)) <= _SAME * size for v in self._sampled([expression], inputs))
+    def _vanishes(self, expression: ca.SX, inputs: Sequence[ca.SX], joints: Sequence[Coordinate] = ()) -> bool:
+        return all(np.max(np.abs(v)) <= _SAME for v in self._sampled([expression], inputs, joints))
 
     def row(self, point: TiedPoint) -> ca.SX:
         """The row of a tied point over pose and joints, as a length."""

@@ -6,11 +6,13 @@ The rows of a limb hold a platform point w by the joints, w + f(q, x) = 0. A com
     n(q) . w = c(q)         it lies in a plane.
 
 A(q), n(q) and c(q) are polynomials of lengths, cosines and sines; their coefficients solve linear equations: all terms with a passive joint
-vanish. So the structure is found in the rows, whatever joints have made them.
+vanish. So the structure is found in the rows, whatever joints have made them. Lengths are compared in a unit that is a power of two,
+about the size, so that no coefficient is nothing beside others because its machine is tiny or huge, and none is rounded by the change.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -76,16 +78,32 @@ def _of_points(system: System) -> System:
     return System(system.unknowns, system.unknown, system.known, rows, rows, system.characteristic_length)
 
 
-def plain(expressions: ca.SX, joints: ca.SX, coordinates: Sequence[Coordinate]) -> ca.SX:
-    """The same expressions of joints as sums of products, where they are polynomials of lengths, cosines and sines."""
-    none = ca.SX(0, 1)
-    system = System(tuple(coordinates), joints, none, expressions, expressions, 1.0)
+def plain(expressions: ca.SX, joints: ca.SX, coordinates: Sequence[Coordinate], size: float) -> ca.SX:
+    """The same expressions of joints as sums of products, where they are polynomials of lengths, cosines and sines of a mechanism of
+    this size."""
+    none, unit = ca.SX(0, 1), unit_of(size)
+    system = System(tuple(coordinates), joints, none, expressions, expressions, size)
     ring = Ring(system.unknowns)
     try:
         rows = polynomial_rows(ring, system, expressions, {})
     except NotPolynomialError:
         return expressions
-    return ca.vertcat(none, *(expression_of(ring, row, joints) for row in rows))
+    return ca.vertcat(none, *(expression_of(ring, _in_units(ring, row, unit), joints, unit) for row in rows))
+
+
+def unit_of(size: float) -> float:
+    """The power of two next to a size: lengths in this unit have the same digits."""
+    return float(2.0 ** round(math.log2(size)))
+
+
+def _slides(ring: Ring, monomial: Monomial) -> int:
+    """How many lengths a term is the product of."""
+    return sum(e for place, e in enumerate(monomial) if ring.generators[place][1] == "value")
+
+
+def _in_units(ring: Ring, polynomial: Polynomial, unit: float, power: int = 0) -> Polynomial:
+    """A polynomial of joints whose lengths are in `unit`, over that unit to a power."""
+    return Polynomial({m: c * ca.SX(unit ** (_slides(ring, m) - power)) for m, c in polynomial.terms.items()})
 
 
 def _limb(system: System, poses: np.ndarray) -> _Limb | None:
@@ -100,18 +118,23 @@ def _limb(system: System, poses: np.ndarray) -> _Limb | None:
     if any(not c.is_constant() for row in rows for m, c in row.terms.items() if m != ring.one):
         return None
     point = ca.vertcat(*(row.terms.get(ring.one, ca.SX(0)) for row in rows))
-    others = tuple(Polynomial({m: c for m, c in row.terms.items() if m != ring.one}) for row in rows)
+    unit = unit_of(system.characteristic_length)
+    others = tuple(_in_units(ring, Polynomial({m: c for m, c in row.terms.items() if m != ring.one}), unit, 1) for row in rows)
     return _Limb(system, ring, others, point)
 
 
 @dataclass(frozen=True, eq=False)
 class _Limb:
-    """Rows point + rows(joints) = 0 with constant coefficients."""
+    """Rows point + rows(joints) = 0 with constant coefficients, those of `rows` in the size's unit."""
 
     system: System
     ring: Ring
     rows: tuple[Polynomial, ...]
     point: ca.SX
+
+    @property
+    def unit(self) -> float:
+        return unit_of(self.system.characteristic_length)
 
     @property
     def passive(self) -> set[int]:
@@ -157,7 +180,7 @@ class _Limb:
 
     def _plane(self, factors: np.ndarray, monomials: Sequence[Monomial], polynomials: Sequence[Polynomial]) -> PointRow:
         level = _sum(zip(factors, polynomials, strict=True)).times(-1.0)
-        return PointRow(self.point, self._vector(factors, monomials), self._expression(self._free(level)), is_sphere=False)
+        return PointRow(self.point, self._vector(factors, monomials, 0), self._expression(self._free(level), 1), is_sphere=False)
 
     def sphere(self) -> PointRow | None:
         """The sphere on which the point lies."""
@@ -179,31 +202,33 @@ class _Limb:
         for j in range(len(self.rows)):
             part = Polynomial({m: ca.SX(float(v)) for m, v in zip(monomials, factors[n * j : n * j + n], strict=True)})
             level = level.plus(self.ring.product(part, part))
-        return PointRow(self.point, self._vector(factors, monomials), self._expression(level), is_sphere=True)
+        return PointRow(self.point, self._vector(factors, monomials, 1), self._expression(level, 2), is_sphere=True)
 
     def _free(self, polynomial: Polynomial) -> Polynomial:
         return Polynomial({m: c for m, c in polynomial.terms.items() if self._is_free(m)})
 
-    def _vector(self, factors: np.ndarray, monomials: Sequence[Monomial]) -> ca.SX:
-        """One expression of the actuated joints for each row."""
+    def _vector(self, factors: np.ndarray, monomials: Sequence[Monomial], power: int) -> ca.SX:
+        """One expression of the actuated joints for each row, of a power of lengths."""
         n = len(monomials)
         parts = [
             Polynomial(dict(zip(monomials, map(ca.SX, map(float, factors[n * j : n * j + n])), strict=True)))
             for j in range(len(self.rows))
         ]
-        return ca.vertcat(*(self._expression(part) for part in parts))
+        return ca.vertcat(*(self._expression(part, power) for part in parts))
 
-    def _expression(self, polynomial: Polynomial) -> ca.SX:
-        return expression_of(self.ring, polynomial, self.system.unknown)
+    def _expression(self, polynomial: Polynomial, power: int) -> ca.SX:
+        return expression_of(self.ring, polynomial, self.system.unknown, self.unit, power)
 
 
-def expression_of(ring: Ring, polynomial: Polynomial, joints: ca.SX) -> ca.SX:
-    """A polynomial of the joints with constant coefficients as an expression, without terms that are rounding."""
+def expression_of(ring: Ring, polynomial: Polynomial, joints: ca.SX, unit: float, power: int = 0) -> ca.SX:
+    """A polynomial of the joints with constant coefficients, in `unit`, as an expression of a power of lengths, without terms that
+    are rounding."""
     numbers = {m: float(c) for m, c in polynomial.terms.items()}
     largest, found = max((abs(v) for v in numbers.values()), default=0.0), ca.SX(0)
     for m, v in numbers.items():
         if abs(v) > _VANISHED * largest:
-            found = found + snap(v) * product(_generator(ring, place, joints) for place, e in enumerate(m) for _ in range(e))
+            number = snap(v * unit ** (power - _slides(ring, m)))
+            found = found + number * product(_generator(ring, place, joints) for place, e in enumerate(m) for _ in range(e))
     return found
 
 

@@ -62,28 +62,32 @@ def is_rod_platform(mechanism: Mechanism) -> bool:
 
 def rod_geometry(mechanism: Mechanism, home: Pose, *, relative: bool, parameters: ca.SX | None) -> Rods:
     """The rods as snapped numbers, or as entries of `parameters` (base, platform, offset of each limb)."""
-    bases, points, offsets = [], [], []
+    bases, points, offsets, size = [], [], [], mechanism.characteristic_length
     for k, bar in enumerate(mechanism.bars):
         if parameters is not None:
             g = parameters[7 * k : 7 * k + 7]
             base, end, offset = g[:3], g[3:6], g[6]
         else:
-            base, end, offset = _snapped(bar.start.point), _snapped(bar.end.point), ca.SX(snap(float(bar.offset)))
+            base, end, offset = (
+                _snapped(bar.start.point, size),
+                _snapped(bar.end.point, size),
+                ca.SX(snap(float(bar.offset), size)),
+            )
         bases.append(base)
         points.append(end)
         offsets.append(offset)
-    position = _snapped(home.position)
+    position = _snapped(home.position, size)
     if not relative:
         return Rods(tuple(bases), tuple(points), tuple(offsets), position, None)
-    turned = [rotate(_snapped(home.quaternion), a) for a in points]
+    turned = [rotate(_snapped(home.quaternion, 1.0), a) for a in points]
     if parameters is None:
-        turned = [_snapped(np.asarray(ca.DM(a)).ravel()) for a in turned]
+        turned = [_snapped(np.asarray(ca.DM(a)).ravel(), size) for a in turned]
     starts = tuple(position + a - b for a, b in zip(turned, bases, strict=True))
     return Rods(tuple(bases), tuple(turned), tuple(offsets), position, starts)
 
 
-def _snapped(values: Sequence[float] | np.ndarray) -> ca.SX:
-    return ca.SX(ca.DM([snap(float(v)) for v in values]))
+def _snapped(values: Sequence[float] | np.ndarray, scale: float) -> ca.SX:
+    return ca.SX(ca.DM([snap(float(v), scale) for v in values]))
 
 
 def _times(c: ca.SX, x: ca.SX) -> ca.SX:

@@ -208,10 +208,10 @@ def _bases(platform: RodPlatform, factor: float) -> tuple[list[str], dict[int, s
     coordinate; of a geometry struct no table, and no factor."""
     if platform.options.geometry == "struct":
         return [], {k: f"geometry->base[i][{k}]" for k in range(3)}
-    real = platform.real
+    real, size = platform.real, platform.mechanism.characteristic_length
     rows = platform.geometry_values.reshape(6, 7)[:, :3]
     kept = [k for k in range(3) if np.any(rows[:, k] != 0.0)] or [0]
-    numbers = ", ".join("{ " + ", ".join(real.literal(factor * snap(float(row[k]))) for k in kept) + " }" for row in rows)
+    numbers = ", ".join("{ " + ", ".join(real.literal(factor * snap(float(row[k]), size)) for k in kept) + " }" for row in rows)
     table = f"static const {real.type} base[6][{len(kept)}] = {{ {numbers} }};"
     return [table + (" /* 4 b */" if factor == 4.0 else "")], {k: f"base[i][{place}]" for place, k in enumerate(kept)}
 

@@ -196,7 +196,8 @@ def _middle(c: Coordinate, size: float, part: float) -> float:
     spread = 0.8 if c.is_angular else 0.1 * size
     if c.limits:
         spread = min(spread, 0.45 * (c.limits[1] - c.limits[0]))
-    return round(middle + spread * part, 6)
+    unit = 1.0 if c.is_angular else size
+    return unit * round((middle + spread * part) / unit, 6)
 
 
 @dataclass(frozen=True, eq=False)

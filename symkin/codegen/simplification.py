@@ -44,7 +44,7 @@ def _tidy(x: ca.SX) -> ca.SX:
 def _sum(a: ca.SX, b: ca.SX) -> ca.SX:
     """a + b with one constant, at the end."""
     (rest_a, one), (rest_b, two) = _without_constant(a), _without_constant(b)
-    rest, constant = _added(rest_a, rest_b), snap(one + two)
+    rest, constant = _added(rest_a, rest_b), snap(one + two, max(abs(one), abs(two)))
     if constant == 0.0:
         return rest
     return rest - ca.SX(-constant) if constant < 0.0 else rest + ca.SX(constant)

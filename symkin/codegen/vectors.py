@@ -34,6 +34,9 @@ _CLEAR = 4096.0
 256. Of an arm whose axes are off by NEARLY it is as much as these."""
 _ASIDE = 1e-3
 """Distance of vectors from limits, as a share of the range: code refuses what is too near to one to be decided."""
+_AWAY, _AWAY_SHARE = 0.1, 0.5
+"""Distance of guesses from answers (rad; slides over a tenth of the size): at most this, and this share of the root of the least square
+by which the answer's steps decide, which is about how far the nearest singularity is. Longer lines may take code more parts than it has."""
 _PARTS = (1.0, 0.25, 0.0625)
 """Shares of the usual way from home that are tried where limits of passive joints leave few configurations."""
 COUNT = 24
@@ -75,6 +78,7 @@ def build_vectors(kind: RodPlatform | LimbPlatform | SerialArm) -> Vectors:
         raise InputError(
             f"{kind.mechanism.name}: no regular configuration was found near {where} to test generated code with; check the "
             "geometry by `symkin show`, the joints' limits and the pose of [platform]"
+            + ("; --real double has more digits" if kind.real.name == "float" else "")
         )
     joints, guesses, poses, inverse, bounds = (np.array(column) for column in zip(*rows, strict=True))
     infeasible = infeasible_poses(kind, _cases(kind, kind.direct)) if isinstance(kind, LimbPlatform) else np.zeros((0, 7))
@@ -107,7 +111,7 @@ def _tidy(values: Sequence[float] | np.ndarray, scales: Sequence[float] | float)
     """Each number rounded to 13 digits of its scale (the size for lengths, 1 for angles and quaternions): below every
     tolerance, above what linear algebra libraries differ by."""
     numbers = np.asarray(values, dtype=float)
-    digits = [13 - int(np.ceil(np.log10(max(scale, 1e-3)))) for scale in np.broadcast_to(scales, numbers.shape).ravel()]
+    digits = [13 - int(np.ceil(np.log10(scale))) for scale in np.broadcast_to(scales, numbers.shape).ravel()]
     rounded = [round(float(v), d) + 0.0 for v, d in zip(numbers.ravel(), digits, strict=True)]
     return np.array(rounded).reshape(numbers.shape)
 
@@ -256,7 +260,10 @@ def _serial(arm: SerialArm) -> _Found:
         target = rounded_to(real, _tidy(pose, _pose_scales(size)))
         condition = system.condition(given, target)
         unit = target / np.array([1, 1, 1, *[np.linalg.norm(target[3:])] * 4])
-        guess = rounded_to(real, _within(np.round(given + 0.1 * rng.uniform(-1, 1, len(q)) * _scales(arm), 6), arm.actuated))
+        units = np.array(_joint_scales(arm.actuated, size))
+        away = _AWAY if branches is None else min(_AWAY, _AWAY_SHARE * np.sqrt(_least_square(branches, given, target)))
+        beside = units * np.round((given + away * rng.uniform(-1, 1, len(q)) * _scales(arm)) / units, 6)
+        guess = rounded_to(real, _within(beside, arm.actuated))
         end = _followed(arm, guess, unit, branches)
         if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not firm:
             continue
@@ -302,12 +309,12 @@ def _branches(arm: SerialArm) -> ca.Function | None:
     return ca.Function("branches", [symbol], outputs)
 
 
-def _is_apart(branches: ca.Function, q: np.ndarray, pose: np.ndarray, least: float) -> bool:
-    """Whether the branch that the joints are of is clear of others and of singular ones."""
+def _least_square(branches: ca.Function, q: np.ndarray, pose: np.ndarray) -> float:
+    """The least square by which a step of the branch decides that the joints are of; 0 where there is none."""
     joints, squares, _ = (np.asarray(part) for part in branches(pose))
     gaps = np.abs(np.angle(np.exp(1j * (joints - q[:, None])))).max(axis=0)
     nearest = int(np.argmin(np.where(np.isfinite(gaps), gaps, np.inf)))
-    return bool(squares[0, nearest] > least)
+    return max(float(squares[0, nearest]), 0.0) if np.isfinite(gaps[nearest]) else 0.0
 
 
 def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: ca.Function | None) -> np.ndarray | None:
@@ -323,7 +330,7 @@ def _followed(arm: SerialArm, guess: np.ndarray, target: np.ndarray, branches: c
         moved = arm.inverse.system.polish(q, pose, 6)
         if np.max(np.abs(moved - q) / _scales(arm)) > 0.1 or np.any(moved != _within(moved, arm.actuated)):
             return None
-        if branches is not None and not _is_apart(branches, moved, pose, least):
+        if branches is not None and _least_square(branches, moved, pose) <= least:
             return None
         q = moved
     return q

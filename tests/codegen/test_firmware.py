@@ -120,7 +120,7 @@ def test_literals_read_back_exactly():
 
 
 def test_constants_are_snapped_only_by_rounding_noise():
-    assert snap(float(np.cos(np.pi / 2))) == 0.0
+    assert snap(float(np.cos(np.pi / 2)), 1.0) == 0.0
     assert snap(float(np.sin(np.pi / 6))) == 0.5
     assert snap(125 * 3**0.5) == 125 * 3**0.5
     assert snap(1e-9) == 1e-9

@@ -15,7 +15,8 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import structures
 from helpers.gate import in_gate
-from helpers.inside import Options, folder_files, write_folder
+from symkin.codegen.folder import write_folder
+from symkin.codegen.options import Options
 
 CODE = Path(__file__).parents[2] / "codegen" / "bench" / "arm_lines.c"
 
@@ -55,10 +56,7 @@ def limited(name: str, seed: int = 5) -> symkin.Mechanism:
 
 def walked(arm: symkin.Mechanism, folder: Path, count: int, points: int, reach: float, real: str = "double") -> dict[str, int]:
     """Counts that arm_lines.c prints, by the word after each; it fails where an OK is wrong."""
-    # a folder's own test may ask for lines that are not decided beside these narrow limits
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, text in folder_files(arm, Options(real)).items():
-        (folder / name).write_text(text)
+    write_folder(arm, folder, Options(real))
     angular = ",".join(str(int(c.is_angular)) for c in arm.actuated)
     limits = ",".join(str(int(c.limits is not None)) for c in arm.actuated)
     free = [math.pi if c.is_angular else math.pi * arm.characteristic_length / 3 for c in arm.actuated]

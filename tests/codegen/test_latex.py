@@ -204,10 +204,12 @@ def test_parallel_axes_of_an_arm_leave_short_equations() -> None:
 
 
 def test_the_text_and_the_firmware_share_their_snapping() -> None:
-    """Rounding noise of quarter turns and square roots folds away; what is no noise stays."""
+    """Rounding noise of quarter turns and square roots folds away beside the size that made it; what is no noise stays, and without a
+    size nothing is zero: the square of a tiny machine's length is as small."""
     x = ca.SX.sym("x")
-    assert str(snapped_expression(6e-17 * x + (1 + 2e-16) * x, [x])) == "x"
-    assert [snap(v) for v in (1e-48, -3e-16, 1 - 1e-16, 0.49999999999999994, 1e-9, 1 / 3)] == [0, 0, 1, 0.5, 1e-9, 1 / 3]
+    assert str(snapped_expression(6e-17 * x + (1 + 2e-16) * x, [x], 1.0)) == "x"
+    assert [snap(v) for v in (1e-16, -4e-16, 1 - 1e-16)] == [1e-16, -4e-16, 1]
+    assert [snap(v, 1.0) for v in (1e-48, -3e-16, 1 - 1e-16, 0.49999999999999994, 1e-9, 1 / 3)] == [0, 0, 1, 0.5, 1e-9, 1 / 3]
 
 
 def _expressions(x: ca.SX) -> st.SearchStrategy[ca.SX]:

@@ -1,12 +1,12 @@
 
-/* Whether two lists of joint values are the same within a bound, whole turns left aside. */
+/* Whether two lists of joint values are the same within a bound (of angles times half of the size), whole turns left aside. */
 static int same_joints(const @{p}_real a[@{P}_JOINTS], const @{p}_real b[@{P}_JOINTS], double bound)
 {
     static const int angular[@{P}_JOINTS] = { @{angular} };
     int same = 1;
     for (int i = 0; i < @{P}_JOINTS; ++i) {
         const double gap = (double)a[i] - (double)b[i];
-        const double off = angular[i] ? fabs(remainder(gap, 6.283185307179586)) : fabs(gap);
+        const double off = angular[i] ? 0.5 * (double)@{P}_SIZE * fabs(remainder(gap, 6.283185307179586)) : fabs(gap);
         same = same && (off <= bound);
     }
     return same;
@@ -17,7 +17,7 @@ static void closed_form(void)
 {
     for (int k = 0; k < @{P}_VECTORS; ++k) {
         const double bound = @{p}_vector_bounds[k];
-        const double most = 8.0 * @{joint_bound};
+        const double most = 8.0 * bound;
         const @{p}_pose pose = pose_from(@{p}_vector_poses[k]);
         @{p}_real all[@{P}_BRANCHES][@{P}_JOINTS];
         @{p}_real one[@{P}_JOINTS];
@@ -47,7 +47,7 @@ static void closed_form(void)
         expect(named == count, "count of the branches by name", k);
         expect(@{p}_inverse_nearest(&pose, @{p}_vector_guesses[k], one) == @{P}_OK, "nearest branch", k);
         for (int i = 0; i < @{P}_JOINTS; ++i) {
-            expect(fabs((double)one[i] - (double)@{p}_vector_inverse[k][i]) <= most, "nearest branch's joints", k);
+            expect(fabs((double)one[i] - (double)@{p}_vector_inverse[k][i]) <= most@{angle_bound}, "nearest branch's joints", k);
         }
     }
 }

@@ -1,0 +1,57 @@
+"""The generated folder of the same machine, tiny or huge, passes its own tests: nothing in it is small or large but beside its size."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import symkin
+from helpers.gate import in_gate
+from helpers.moved_mechanisms import scaled
+from helpers.samples import readme_five_bar, three_rrr
+from symkin.codegen.folder import folder_files
+from symkin.codegen.options import Options
+from symkin.codegen.own_test import can_run, run_own_test
+
+MACHINES = Path(__file__).parents[1] / "codegen" / "bench" / "machines"
+ANKLE = {"given": ("upper_motor", "lower_motor"), "find": ("ankle.1", "ankle.2")}
+CASES = {
+    "five_bar": (lambda: symkin.load(MACHINES / "five_bar.toml"), {}),
+    "five_bar in space": (readme_five_bar, {}),
+    "three_rrr": (lambda: three_rrr("planar"), {}),
+    "delta": (lambda: symkin.load("delta"), {}),
+    "six rods": (lambda: symkin.load("zhang2009"), {"home": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}),
+    "scara": (lambda: symkin.load("scara"), {}),
+    "ur5e": (lambda: symkin.load("ur5e"), {}),
+    "map": (lambda: symkin.load("ankle"), ANKLE),
+}
+"""Machine and options of the code, by name."""
+SIZES = [1e-8, 1e-4, 1e3, 1e6]
+KEPT = [("five_bar", 1e-8), ("three_rrr", 1e-8), ("three_rrr", 1e6), ("scara", 1e-8)]
+"""Pairs that the gate runs: those of which each was refused once by a scale that was absolute."""
+
+
+def told(case: str, size: float, real: str) -> dict[str, str]:
+    """The folder of the machine of this size; it fails where the folder's own test does."""
+    mechanism, options = CASES[case][0](), dict(CASES[case][1])
+    if "home" in options:
+        x, y, z, *turn = options["home"]
+        options["home"] = (size * x, size * y, size * z, *turn)
+    mechanism = mechanism if size == 1.0 else scaled(mechanism, size)
+    files = folder_files(mechanism, Options(real, **options))
+    run_own_test(mechanism.name, files)
+    return {name.removeprefix(mechanism.name): text for name, text in files.items()}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not can_run(), reason="no C compiler")
+@pytest.mark.parametrize("real", ["double", "float"])
+@pytest.mark.parametrize(("case", "size"), in_gate([(c, s) for c in CASES for s in SIZES], KEPT))
+def test_the_same_machine_of_any_size_passes_its_own_tests(case, size, real):
+    """Its vectors are as many as those at its own size, and statements of its code differ by fewer than one in fifty."""
+    here, there = told(case, size, real), told(case, 1.0, real)
+    counts = [files["_vectors.h"].count(" },") for files in (here, there)]
+    assert counts[0] == counts[1]
+    lines = [files[".c"].count(";") for files in (here, there)]
+    assert abs(lines[0] - lines[1]) <= 0.02 * lines[1]
