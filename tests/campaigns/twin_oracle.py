@@ -22,11 +22,12 @@ sys.path[:0] = [str(ROOT / folder) for folder in _FOLDERS]
 
 import plain_graph as graphs  # noqa: E402
 import plain_search as search  # noqa: E402
-from helpers.random_graphs import random_graph  # noqa: E402
 from plain_closure import PlainMechanism, matrix_quaternion, quaternion_matrix  # noqa: E402
 from plain_graph_file import Reader, number  # noqa: E402
 from random_files import random_file, to_toml  # noqa: E402
 from random_graphs import FAMILIES, SMALL, Drawing, chosen_values  # noqa: E402
+
+from helpers.random_graphs import random_graph  # noqa: E402
 
 __all__ = [
     "FAMILIES",

@@ -15,8 +15,7 @@ import symkin
 from helpers import firmware_tools as tools
 from helpers.arms import structures
 from helpers.gate import in_gate
-from symkin.codegen.folder import write_folder
-from symkin.codegen.options import Options
+from helpers.inside import Options, write_folder
 
 CODE = Path(__file__).parents[2] / "codegen" / "bench" / "arm_lines.c"
 

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
-from helpers.inside import WIDTH, Emitter, Real, narrowed
-from symkin.codegen.newton_kernel import rounded_up
+from helpers.inside import WIDTH, Emitter, Real, narrowed, rounded_up
 
 
 @pytest.mark.parametrize("folder", tools.at_hand(tools.FOLDERS))

@@ -12,8 +12,7 @@ import pytest
 
 import symkin
 from helpers import inside
-from symkin.model.mesh import LinkMesh
-from symkin.page.mesh_files import UnreadMeshError, mesh_item, read_triangles
+from helpers.inside import LinkMesh, UnreadMeshError, mesh_item, read_triangles
 
 COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><created>2026-01-01</created><modified>2026-01-01</modified><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>

@@ -450,6 +450,7 @@ NAMES = {
     "bend_of": "symkin.codegen.line_bounds",
     "WIDTH": "symkin.codegen.line_width",
     "narrowed": "symkin.codegen.line_width",
+    "rounded_up": "symkin.codegen.newton_kernel",
     "bounds": "symkin.codegen.operation_bound",
     "Options": "symkin.codegen.options",
     "can_run": "symkin.codegen.own_test",
@@ -508,9 +509,9 @@ NAMES = {
     "View": "symkin.plots.view3d",
     # pages
     "complex_solutions": "symkin.page.complex_solutions",
+    "UnreadMeshError": "symkin.page.mesh_files",
     "mesh_item": "symkin.page.mesh_files",
     "read_triangles": "symkin.page.mesh_files",
-    "why_unread": "symkin.page.mesh_files",
     "page_model": "symkin.page.model_data",
     "page_html": "symkin.page.page",
     "completed_sliders": "symkin.page.sliders",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).resolve().parent / "campaigns"))
+sys.path.append(str(Path(__file__).resolve().parents[1] / "campaigns"))
 
 from children import run_each
 from twin_answers import answers

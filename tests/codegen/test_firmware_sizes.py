@@ -8,13 +8,11 @@ import pytest
 
 import symkin
 from helpers.gate import in_gate
+from helpers.inside import Options, can_run, folder_files, run_own_test
 from helpers.moved_mechanisms import scaled
 from helpers.samples import readme_five_bar, three_rrr
-from symkin.codegen.folder import folder_files
-from symkin.codegen.options import Options
-from symkin.codegen.own_test import can_run, run_own_test
 
-MACHINES = Path(__file__).parents[1] / "codegen" / "bench" / "machines"
+MACHINES = Path(__file__).parents[2] / "codegen" / "bench" / "machines"
 ANKLE = {"given": ("upper_motor", "lower_motor"), "find": ("ankle.1", "ankle.2")}
 CASES = {
     "five_bar": (lambda: symkin.load(MACHINES / "five_bar.toml"), {}),
