@@ -71,7 +71,7 @@ def test_what_pycollada_does_not_survive_is_told(worker: str, told: str, tmp_pat
     """The page goes without the mesh, and this process stays well."""
     (tmp_path / "plate.dae").write_text(COLLADA, encoding="utf-8")
     (tmp_path / "worker.py").write_text(worker, encoding="utf-8")
-    monkeypatch.setattr("symkin.page.mesh_files._WORKER", tmp_path / "worker.py")
+    monkeypatch.setattr(inside.mesh_files, "_WORKER", tmp_path / "worker.py")
     monkeypatch.setattr(inside.child, "SECONDS", 1.0 if worker is NO_END else 20.0)
     with pytest.raises(UnreadMeshError, match=f"^pycollada {re.escape(told)}"):
         read_triangles(tmp_path / "plate.dae")
