@@ -745,6 +745,11 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             - done) * turn2 * w->spread > 0.25f)) {
             accepted = ankle_direct_reaches_middle(w, to, done + 0.5f * (aim - done), still2);
         }
+        if (accepted && (taken == 1U) && (aim < 1.0f)) {
+            /* of every second step, also of one that is rounding: the next part is as long as this
+             * one tells */
+            quick = (size * 100.0f <= before);
+        }
         if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -767,9 +772,6 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
                 && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0f > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
-                if (taken < 2U) {
-                    quick = (size * 100.0f <= before);
-                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;
@@ -1657,6 +1659,29 @@ static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2
     return status;
 }
 
+/* Whether the joints lead from the reference configuration to the guess, which then has nowhere to
+ * go, though the found alone lead elsewhere: sets the numbers y of that configuration, and where
+ * its known values are. */
+static ANKLE_COLD bool ankle_direct_stands(const ankle_real joints[2], const ankle_real guess[2],
+    ankle_real y[8], ankle_real at[2])
+{
+    ankle_real other[2];
+    ankle_real away2 = 0.0f;
+    if (ankle_state_of_joints(joints, y, other) != ANKLE_OK) {
+        return false;
+    }
+    for (int i = 0; i < 2; ++i) {
+        at[i] = joints[i];
+    }
+    const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
+        1000.0f) - guess[0]);
+    away2 += way0 * way0;
+    const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
+        1000.0f) - guess[1]);
+    away2 += way1 * way1;
+    return away2 <= 0.0010229647f;
+}
+
 /* The direct problem: ankle.1, ankle.2 from upper_motor, lower_motor. */
 ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2],
     const ankle_real guess[2], ankle_real found[2],
@@ -1672,22 +1697,29 @@ ankle_status ankle_direct(const ankle_config *config, const ankle_real joints[2]
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
-    if (status == ANKLE_OK) {
+    bool asked = (status == ANKLE_OK);
+    if (asked) {
         status = ankle_state_of_found(guess, y, at);
     }
     if (status != ANKLE_OK) {
         ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
         ankle_blame(info, joints);
-    } else {
-        /* the line begins where the known values are at the guess */
-        w.at[0] = ankle_turned(at[0], joints[0], -1000.0f, 1000.0f);
-        w.at[1] = ankle_turned(at[1], joints[1], -1000.0f, 1000.0f);
-        w.x[0] = y[4];
-        w.x[1] = y[5];
-        w.x[2] = y[6];
-        w.x[3] = y[7];
-        ankle_direct_coefficients(&y[0], w.k0);
-        status = ankle_direct_newton(&w, joints, used, info);
+    }
+    bool goes = (status == ANKLE_OK);
+    for (int way = 0; way < 2; ++way) {
+        if (goes) {
+            /* the line begins where the known values are at the guess */
+            w.at[0] = ankle_turned(at[0], joints[0], -1000.0f, 1000.0f);
+            w.at[1] = ankle_turned(at[1], joints[1], -1000.0f, 1000.0f);
+            w.x[0] = y[4];
+            w.x[1] = y[5];
+            w.x[2] = y[6];
+            w.x[3] = y[7];
+            ankle_direct_coefficients(&y[0], w.k0);
+            status = ankle_direct_newton(&w, joints, used, info);
+        }
+        goes = asked && (status != ANKLE_OK) && ankle_direct_stands(joints, guess, y, at);
+        asked = false;
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];
@@ -1740,6 +1772,29 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
     return status;
 }
 
+/* Whether the found lead from the reference configuration to the guess, which then has nowhere to
+ * go, though the joints alone lead elsewhere: sets the numbers y of that configuration, and where
+ * its known values are. */
+static ANKLE_COLD bool ankle_inverse_stands(const ankle_real found[2], const ankle_real guess[2],
+    ankle_real y[8], ankle_real at[2])
+{
+    ankle_real other[2];
+    ankle_real away2 = 0.0f;
+    if (ankle_state_of_found(found, y, other) != ANKLE_OK) {
+        return false;
+    }
+    for (int i = 0; i < 2; ++i) {
+        at[i] = found[i];
+    }
+    const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
+        1000.0f) - guess[0]);
+    away2 += way0 * way0;
+    const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
+        1000.0f) - guess[1]);
+    away2 += way1 * way1;
+    return away2 <= 0.0010229647f;
+}
+
 /* The inverse problem: upper_motor, lower_motor from ankle.1, ankle.2. */
 ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2],
     const ankle_real guess[2], ankle_real joints[2],
@@ -1755,24 +1810,31 @@ ankle_status ankle_inverse(const ankle_config *config, const ankle_real found[2]
     if (config != NULL) {
         status = ankle_check_config(config, status);
     }
-    if (status == ANKLE_OK) {
+    bool asked = (status == ANKLE_OK);
+    if (asked) {
         status = ankle_state_of_joints(guess, y, at);
     }
     if (status != ANKLE_OK) {
         ankle_write_info(info, 0U, HUGE_VALF, 0.0f, 0.0f);
-    } else {
-        /* the line begins where the known values are at the guess */
-        w.at[0] = ankle_turned(at[0], found[0], -1000.0f, 1000.0f);
-        w.at[1] = ankle_turned(at[1], found[1], -1000.0f, 1000.0f);
-        w.x[0] = y[0];
-        w.x[1] = y[1];
-        w.x[2] = y[2];
-        w.x[3] = y[3];
-        w.k[0] = y[4];
-        w.k[1] = y[5];
-        w.k[2] = y[6];
-        w.k[3] = y[7];
-        status = ankle_inverse_follow(&w, found, used, info);
+    }
+    bool goes = (status == ANKLE_OK);
+    for (int way = 0; way < 2; ++way) {
+        if (goes) {
+            /* the line begins where the known values are at the guess */
+            w.at[0] = ankle_turned(at[0], found[0], -1000.0f, 1000.0f);
+            w.at[1] = ankle_turned(at[1], found[1], -1000.0f, 1000.0f);
+            w.x[0] = y[0];
+            w.x[1] = y[1];
+            w.x[2] = y[2];
+            w.x[3] = y[3];
+            w.k[0] = y[4];
+            w.k[1] = y[5];
+            w.k[2] = y[6];
+            w.k[3] = y[7];
+            status = ankle_inverse_follow(&w, found, used, info);
+        }
+        goes = asked && (status != ANKLE_OK) && ankle_inverse_stands(found, guess, y, at);
+        asked = false;
     }
     if (status == ANKLE_OK) {
         ankle_real result[2];

@@ -1053,7 +1053,7 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
         for (int i = 0; i < 3; ++i) {
             const delta_real way = given[i] - at[i];
             change[i] = ((end - done) * way) * ((end - done) * way);
-            at_end[i] = (end < 1.0) ? (at[i] + end * way) : given[i];
+            at_end[i] = (end < 1.0) ? (at[i] + end * way) : joints[i];
         }
         delta_direct_set(w, at_end);
         delta_direct_formulas(w);
@@ -1087,10 +1087,69 @@ static DELTA_COLD delta_status delta_direct_walk(delta_direct_work *w, const del
     return status;
 }
 
+/* Follows the line from the guess that was read to joint values: the formulas there with the
+ * guess's signs, where the line keeps them. */
+static DELTA_SHARED delta_status delta_direct_line(delta_direct_work *w,
+    const delta_real joints[3], unsigned int most, unsigned int *count)
+{
+    delta_status status = DELTA_OK;
+    w->share = 0.0;
+    w->over = 4.0;
+    if (status == DELTA_OK) {
+        delta_real change[3];
+        bool kept = false;
+        if (most > 0U) {
+            delta_direct_set(w, joints);
+            delta_direct_formulas(w);
+            *count = 1U;
+            /* squares of changes, of an angle by its chord's, up to a right angle */
+            kept = true;
+            const delta_real move0 = w->u[0] - w->at[0];
+            const delta_real move1 = w->u[1] - w->at[1];
+            const delta_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0);
+            change[0] = chord0 + 0.117 * chord0 * chord0;
+            const delta_real move2 = w->u[2] - w->at[2];
+            const delta_real move3 = w->u[3] - w->at[3];
+            const delta_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0);
+            change[1] = chord1 + 0.117 * chord1 * chord1;
+            const delta_real move4 = w->u[4] - w->at[4];
+            const delta_real move5 = w->u[5] - w->at[5];
+            const delta_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0);
+            change[2] = chord2 + 0.117 * chord2 * chord2;
+            kept = kept && delta_line_keeps(w, change);
+        }
+        if (!kept) {
+            status = delta_direct_walk(w, joints, most, count);
+        }
+    }
+    return status;
+}
+
+/* Whether an answer, read as a guess, stands still: so near to a fold or a dead centre rounding may
+ * put it on the other side, or where no guess is read. */
+static DELTA_COLD delta_status delta_direct_stays(const delta_direct_work *w,
+    const delta_real joints[3], const delta_pose *answer)
+{
+    delta_direct_work again;
+    unsigned int count = 0U;
+    delta_status status = delta_read_guess(&again, answer);
+    if (status == DELTA_OK) {
+        status = delta_direct_line(&again, joints, 2U, &count);
+    }
+    for (int k = 0; (k < 1) && (status == DELTA_OK); ++k) {
+        status = (again.sign[k] * w->sign[k] > 0.0) ? DELTA_OK : DELTA_WRONG_BRANCH;
+    }
+    return (status == DELTA_OK) ? DELTA_OK : DELTA_WRONG_BRANCH;
+}
+
 /* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
- * its pose. */
+ * its pose. *is_firm: whether it is so far from folds and dead centres that rounding does not reach
+ * them. */
 static delta_status delta_direct_answer(const delta_direct_work *w, delta_real tolerance,
-    delta_pose *pose, delta_real *residual)
+    delta_pose *pose, delta_real *residual, bool *is_firm)
 {
     delta_status status = DELTA_OK;
     const delta_real t0 = w->y[0] - 98.81349857180444;
@@ -1142,6 +1201,7 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     if (!(*residual <= tolerance + 3.15e-12)) {
         status = DELTA_SINGULAR;
     }
+    bool firm = (w->share > 0.015625) && (w->guard[0] > 3.88e-09) && (w->guard[1] > 1.66e-13);
     const delta_real t46 = 0.2530274677508381 * w->y[0];
     const delta_real t47 = 25.00252932322474 - t46;
     const delta_real t48 = t47 * w->u[1];
@@ -1162,15 +1222,19 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     const delta_real t63 = t62 + t54;
     const delta_real t64 = w->u[5] * t63;
     const delta_real t65 = t60 + t64;
-    if (!(t51 >= -0.000105)) { /* motor1 */
+    if (!(t51 >= 0.0)) { /* motor1 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t58 >= -0.000101)) { /* motor2 */
+    firm = firm && (t51 > 0.000839);
+    if (!(t58 >= 0.0)) { /* motor2 */
         status = DELTA_WRONG_BRANCH;
     }
-    if (!(t65 >= -0.000108)) { /* motor3 */
+    firm = firm && (t58 > 0.000809);
+    if (!(t65 >= 0.0)) { /* motor3 */
         status = DELTA_WRONG_BRANCH;
     }
+    firm = firm && (t65 > 0.000865);
+    *is_firm = firm;
     if (status == DELTA_OK) {
         pose->position[0] = w->y[0];
         pose->position[1] = w->y[1];
@@ -1183,8 +1247,7 @@ static delta_status delta_direct_answer(const delta_direct_work *w, delta_real t
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
- * them. */
+/* The answer at joint values. */
 static delta_status delta_direct_reach(const delta_real joints[3], const delta_pose *guess,
     delta_pose *pose, const delta_config *config, delta_info *info)
 {
@@ -1195,7 +1258,6 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     delta_status status = delta_read_guess(&w, guess);
     const delta_status limits = delta_check_limits(joints);
     w.share = 0.0;
-    w.over = 4.0;
     /* NaN or infinity anywhere comes first */
     if ((status == DELTA_OK) || (limits == DELTA_NONFINITE)) {
         status = limits;
@@ -1207,36 +1269,17 @@ static delta_status delta_direct_reach(const delta_real joints[3], const delta_p
     }
     if (status == DELTA_OK) {
         const unsigned int most = config->max_iterations;
-        delta_real change[3];
-        bool kept = false;
-        if (most > 0U) {
-            delta_direct_set(&w, joints);
-            delta_direct_formulas(&w);
-            count = 1U;
-            /* squares of changes, of an angle by its chord's, up to a right angle */
-            kept = true;
-            const delta_real move0 = w.u[0] - w.at[0];
-            const delta_real move1 = w.u[1] - w.at[1];
-            const delta_real chord0 = move0 * move0 + move1 * move1;
-            kept = kept && (chord0 <= 2.0);
-            change[0] = chord0 + 0.117 * chord0 * chord0;
-            const delta_real move2 = w.u[2] - w.at[2];
-            const delta_real move3 = w.u[3] - w.at[3];
-            const delta_real chord1 = move2 * move2 + move3 * move3;
-            kept = kept && (chord1 <= 2.0);
-            change[1] = chord1 + 0.117 * chord1 * chord1;
-            const delta_real move4 = w.u[4] - w.at[4];
-            const delta_real move5 = w.u[5] - w.at[5];
-            const delta_real chord2 = move4 * move4 + move5 * move5;
-            kept = kept && (chord2 <= 2.0);
-            change[2] = chord2 + 0.117 * chord2 * chord2;
-            kept = kept && delta_line_keeps(&w, change);
-        }
-        if (!kept) {
-            status = delta_direct_walk(&w, joints, most, &count);
+        status = delta_direct_line(&w, joints, most, &count);
+    }
+    if (status == DELTA_OK) {
+        delta_pose answer;
+        bool firm = true;
+        status = delta_direct_answer(&w, config->tolerance, &answer, &residual, &firm);
+        if ((status == DELTA_OK) && !firm) {
+            status = delta_direct_stays(&w, joints, &answer);
         }
         if (status == DELTA_OK) {
-            status = delta_direct_answer(&w, config->tolerance, pose, &residual);
+            *pose = answer;
         }
     }
     if (count > 0U) {

@@ -21,22 +21,13 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 6975 add, 9417 mul, 510 div, 208 sqrt, 303 sin, 303 cos, 3 atan2
- *   track: 1 iterations, 243 add, 309 mul, 15 div, 10 sqrt, 6 sin, 6 cos, 3 atan2
+ *   direct: 100 iterations, 7244 add, 9783 mul, 529 div, 217 sqrt, 312 sin, 312 cos, 6 atan2
+ *   track: 1 iterations, 512 add, 675 mul, 34 div, 19 sqrt, 15 sin, 15 cos, 6 atan2
  *   inverse: 44 add, 60 mul, 4 div, 4 sqrt, 3 atan2
  *   jacobian: 120 add, 210 mul, 10 div, 4 sqrt
  *   rates: 144 add, 228 mul, 10 div, 4 sqrt
  *   feed: 147 add, 231 mul, 13 div, 4 sqrt
  *   twist: 150 add, 261 mul, 22 div, 4 sqrt
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 98475 instructions, 1320 stack, 4968 code
- *   track: 1970 instructions, 1336 stack, 5008 code
- *   inverse: 690 instructions, 232 stack, 1272 code
- *   jacobian: 855 instructions, 400 stack, 2204 code
- *   rates: 1135 instructions, 592 stack, 2384 code
- *   feed: 1230 instructions, 632 stack, 2484 code
- *   twist: 1440 instructions, 680 stack, 2792 code
  *
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
  */

@@ -100,8 +100,8 @@ static void solve_all(void)
         pose = pose_from(delta_vector_poses[k]);
         expect(delta_inverse(&pose, joints) == DELTA_OK, "inverse", k);
         for (int i = 0; i < DELTA_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)delta_vector_inverse[k][i]) <= bound * 1.0,
-                "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)delta_vector_inverse[k][i]) <= bound
+                * 0.004518347638407824, "inverse's joints", k);
         }
         if (k < DELTA_VECTOR_JACOBIANS) {
             delta_real jacobian[DELTA_JOINTS * 6];

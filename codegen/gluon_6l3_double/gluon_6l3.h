@@ -14,34 +14,22 @@
  * written with GLUON_6L3_OK only; `info` always. config and info may be NULL, guess and pose the
  * same object.
  *
- * One step of Newton's method: 368 additions, 24 cos, 6 divisions, 601 multiplications, 24 sin
+ * One step of Newton's method: 661 additions, 24 cos, 6 divisions, 932 multiplications, 24 sin
  * (rows, matrix, factors, step). Predicted error of an answer: GLUON_6L3_TOLERANCE and the rounding
  * of the type, about 4.78989e-13 mm (angles times the size) where the matrix is well conditioned.
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   inverse_all: 8527 add, 10510 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
- *   inverse_branch: 1359 add, 1767 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   inverse_nearest: 1390 add, 1795 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
- *   direct: 55 add, 92 mul, 1 div, 1 sqrt, 6 sin, 6 cos
- *   inverse: 100 iterations, 40831 add, 61023 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
+ *   inverse_all: 8591 add, 10542 mul, 367 div, 51 sqrt, 144 sin, 144 cos, 34 atan2
+ *   inverse_branch: 1367 add, 1771 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   inverse_nearest: 1398 add, 1799 mul, 59 div, 37 sqrt, 18 sin, 18 cos, 34 atan2
+ *   direct: 59 add, 94 mul, 1 div, 1 sqrt, 6 sin, 6 cos
+ *   inverse: 100 iterations, 40843 add, 61029 mul, 2148 div, 3510 sqrt, 24 sin, 24 cos, 3400 atan2
  *   jacobian: 94 add, 131 mul, 6 sin, 6 cos
  *   twist: 136 add, 167 mul, 6 sin, 6 cos
  *   rates: 884 add, 1054 mul, 47 div, 5 sqrt, 6 sin, 6 cos
  *   feed: 890 add, 1060 mul, 53 div, 5 sqrt, 6 sin, 6 cos
- *   track: 1223 add, 1616 mul, 49 div, 10 sqrt, 36 sin, 36 cos
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 12684 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 19795 instructions, 1584 stack, 6532 code
- *   inverse_branch: 2920 instructions, 1640 stack, 6616 code
- *   inverse_nearest: 3535 instructions, 1704 stack, 6836 code
- *   direct: 1685 instructions, 944 stack, 1224 code
- *   inverse: 177495 instructions, 2064 stack, 9416 code
- *   jacobian: 1795 instructions, 1040 stack, 1696 code
- *   twist: 2210 instructions, 1384 stack, 1864 code
- *   rates: 10080 instructions, 1440 stack, 3184 code
- *   feed: 10205 instructions, 1504 stack, 3284 code
- *   track: 13025 instructions, 1584 stack, 4676 code
+ *   track: 1243 add, 1626 mul, 49 div, 10 sqrt, 36 sin, 36 cos
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

@@ -71,8 +71,8 @@ static void solve_all(void)
             &info) == GLUON_6L3_OK, "inverse", k);
         expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
         for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)gluon_6l3_vector_inverse[k][i]) <= bound * 1.0,
-                "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)gluon_6l3_vector_inverse[k][i]) <= bound
+                * 0.003708554213012941, "inverse's joints", k);
         }
         expect(gluon_6l3_inverse(NULL, &pose, joints, joints, &info) == GLUON_6L3_OK,
             "standing still", k);
@@ -156,7 +156,8 @@ static void refuse_all(void)
 }
 
 
-/* Whether two lists of joint values are the same within a bound, whole turns left aside. */
+/* Whether two lists of joint values are the same within a bound (of angles times half of the size),
+ * whole turns left aside. */
 static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS],
     const gluon_6l3_real b[GLUON_6L3_JOINTS], double bound)
 {
@@ -164,7 +165,8 @@ static int same_joints(const gluon_6l3_real a[GLUON_6L3_JOINTS],
     int same = 1;
     for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
         const double gap = (double)a[i] - (double)b[i];
-        const double off = angular[i] ? fabs(remainder(gap, 6.283185307179586)) : fabs(gap);
+        const double off = angular[i] ? 0.5 * (double)GLUON_6L3_SIZE * fabs(remainder(gap,
+            6.283185307179586)) : fabs(gap);
         same = same && (off <= bound);
     }
     return same;
@@ -176,7 +178,7 @@ static void closed_form(void)
 {
     for (int k = 0; k < GLUON_6L3_VECTORS; ++k) {
         const double bound = gluon_6l3_vector_bounds[k];
-        const double most = 8.0 * bound * 1.0;
+        const double most = 8.0 * bound;
         const gluon_6l3_pose pose = pose_from(gluon_6l3_vector_poses[k]);
         gluon_6l3_real all[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS];
         gluon_6l3_real one[GLUON_6L3_JOINTS];
@@ -210,8 +212,8 @@ static void closed_form(void)
         expect(gluon_6l3_inverse_nearest(&pose, gluon_6l3_vector_guesses[k], one) == GLUON_6L3_OK,
             "nearest branch", k);
         for (int i = 0; i < GLUON_6L3_JOINTS; ++i) {
-            expect(fabs((double)one[i] - (double)gluon_6l3_vector_inverse[k][i]) <= most,
-                "nearest branch's joints", k);
+            expect(fabs((double)one[i] - (double)gluon_6l3_vector_inverse[k][i]) <= most
+                * 0.003708554213012941, "nearest branch's joints", k);
         }
     }
 }

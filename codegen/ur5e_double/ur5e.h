@@ -14,7 +14,7 @@
  * written with UR5E_OK only; `info` always. config and info may be NULL, guess and pose the same
  * object.
  *
- * One step of Newton's method: 356 additions, 24 cos, 6 divisions, 599 multiplications, 24 sin
+ * One step of Newton's method: 558 additions, 24 cos, 6 divisions, 841 multiplications, 24 sin
  * (rows, matrix, factors, step). Predicted error of an answer: UR5E_TOLERANCE and the rounding of
  * the type, about 7.49441e-13 mm (angles times the size) where the matrix is well conditioned.
  *

@@ -70,8 +70,8 @@ static void solve_all(void)
             "inverse", k);
         expect((double)info.residual <= 16.0 * bound, "inverse's residual", k);
         for (int i = 0; i < UR5E_JOINTS; ++i) {
-            expect(fabs((double)joints[i] - (double)ur5e_vector_inverse[k][i]) <= bound * 1.0,
-                "inverse's joints", k);
+            expect(fabs((double)joints[i] - (double)ur5e_vector_inverse[k][i]) <= bound
+                * 0.0023702423295015184, "inverse's joints", k);
         }
         expect(ur5e_inverse(NULL, &pose, joints, joints, &info) == UR5E_OK, "standing still", k);
         if (k < UR5E_VECTOR_JACOBIANS) {
@@ -153,14 +153,16 @@ static void refuse_all(void)
 }
 
 
-/* Whether two lists of joint values are the same within a bound, whole turns left aside. */
+/* Whether two lists of joint values are the same within a bound (of angles times half of the size),
+ * whole turns left aside. */
 static int same_joints(const ur5e_real a[UR5E_JOINTS], const ur5e_real b[UR5E_JOINTS], double bound)
 {
     static const int angular[UR5E_JOINTS] = { 1, 1, 1, 1, 1, 1 };
     int same = 1;
     for (int i = 0; i < UR5E_JOINTS; ++i) {
         const double gap = (double)a[i] - (double)b[i];
-        const double off = angular[i] ? fabs(remainder(gap, 6.283185307179586)) : fabs(gap);
+        const double off = angular[i] ? 0.5 * (double)UR5E_SIZE * fabs(remainder(gap,
+            6.283185307179586)) : fabs(gap);
         same = same && (off <= bound);
     }
     return same;
@@ -172,7 +174,7 @@ static void closed_form(void)
 {
     for (int k = 0; k < UR5E_VECTORS; ++k) {
         const double bound = ur5e_vector_bounds[k];
-        const double most = 8.0 * bound * 1.0;
+        const double most = 8.0 * bound;
         const ur5e_pose pose = pose_from(ur5e_vector_poses[k]);
         ur5e_real all[UR5E_BRANCHES][UR5E_JOINTS];
         ur5e_real one[UR5E_JOINTS];
@@ -206,8 +208,8 @@ static void closed_form(void)
         expect(ur5e_inverse_nearest(&pose, ur5e_vector_guesses[k], one) == UR5E_OK,
             "nearest branch", k);
         for (int i = 0; i < UR5E_JOINTS; ++i) {
-            expect(fabs((double)one[i] - (double)ur5e_vector_inverse[k][i]) <= most,
-                "nearest branch's joints", k);
+            expect(fabs((double)one[i] - (double)ur5e_vector_inverse[k][i]) <= most
+                * 0.0023702423295015184, "nearest branch's joints", k);
         }
     }
 }

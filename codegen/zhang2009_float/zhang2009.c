@@ -797,6 +797,11 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1070793e-06f));
+        if (accepted && (taken == 1U) && (aim < 1.0f)) {
+            /* of every second step, also of one that is rounding: the next part is as long as this
+             * one tells */
+            quick = (size * 100.0f <= before);
+        }
         if (accepted) {
             if (aim >= 1.0f) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
@@ -818,9 +823,6 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
                 && ((taken == 1U) || ((far > 0U) && (taken == 2U) && (size * 25.0f > before))))) {
                 /* towards a point of the line: the next step judges this one; of a far point whose
                  * third step is not far shorter than its second, a fourth one judges that */
-                if (taken < 2U) {
-                    quick = (size * 100.0f <= before);
-                }
                 was_fresh = fresh;
                 fresh = false;
                 ++taken;

@@ -149,9 +149,11 @@ static ZHAO2000_SHARED zhao2000_status zhao2000_check_limits(const zhao2000_real
 }
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
- * reference's branch. */
-static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_real x[3])
+ * reference's branch; its rows may be off by `within`. */
+static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_real x[3],
+    zhao2000_real within)
 {
+    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
     const zhao2000_real t0 = 0.5 * c[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -171,22 +173,57 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t16 = t8 + t15;
     const zhao2000_real d1 = t16; /* above 0 where radial1 has two values */
     const zhao2000_real r1 = (d1 > 6.56e-26) ? sqrt(d1) : 1.0;
-    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
-    if (d1 > 6.56e-26) {
-        const zhao2000_real t19 = r1 * t7;
-        const zhao2000_real t20 = r1 * r1;
-        const zhao2000_real t21 = 1.0 / t20;
-        const zhao2000_real t22 = t19 * t21;
-        const zhao2000_real t23 = -t22;
-        const zhao2000_real t24 = r1 * t14;
-        const zhao2000_real t25 = t24 * t21;
-        const zhao2000_real t26 = atan2(t23, t25);
-        const zhao2000_real t27 = t26 + 1.5707963267948966;
-        x[0] = t27;
-        x[1] = r1;
-        x[2] = c[2];
-        status = ZHAO2000_OK;
+    const zhao2000_real t19 = r1 * r1;
+    if ((fabs(t19) > 1.85e-11)) {
+        if (d1 > 6.56e-26) {
+            const zhao2000_real t20 = r1 * t7;
+            const zhao2000_real t21 = 1.0 / t19;
+            const zhao2000_real t22 = t20 * t21;
+            const zhao2000_real t23 = -t22;
+            const zhao2000_real t24 = r1 * t14;
+            const zhao2000_real t25 = t24 * t21;
+            const zhao2000_real t26 = atan2(t23, t25);
+            const zhao2000_real t27 = t26 + 1.5707963267948966;
+            x[0] = t27;
+            x[1] = r1;
+            x[2] = c[2];
+            /* the rows that the formulas leave over */
+            const zhao2000_real e0 = 0.5 * c[3];
+            const zhao2000_real e1 = cos(e0);
+            const zhao2000_real e2 = sin(e0);
+            const zhao2000_real e3 = -69.28203230275508 * e2;
+            const zhao2000_real e4 = e1 * e3;
+            const zhao2000_real e5 = -e4;
+            const zhao2000_real e6 = e5 + e5;
+            const zhao2000_real e7 = c[0] + e6;
+            const zhao2000_real e8 = x[0] - 1.5707963267948966;
+            const zhao2000_real e9 = sin(e8);
+            const zhao2000_real e10 = e9 * x[1];
+            const zhao2000_real e11 = e7 + e10;
+            const zhao2000_real e12 = e2 * e3;
+            const zhao2000_real e13 = -e12;
+            const zhao2000_real e14 = e13 + e13;
+            const zhao2000_real e15 = e14 - 69.28203230275508;
+            const zhao2000_real e16 = c[1] + e15;
+            const zhao2000_real e17 = cos(e8);
+            const zhao2000_real e18 = e17 * x[1];
+            const zhao2000_real e19 = e18 - 138.56406460551017;
+            const zhao2000_real e20 = e16 - e19;
+            const zhao2000_real e21 = e17 * x[2];
+            const zhao2000_real e22 = 1.0 - e17;
+            const zhao2000_real e23 = e22 * x[2];
+            const zhao2000_real e24 = e21 + e23;
+            const zhao2000_real e25 = c[2] - e24;
+            status = ((fabs(e11) <= within) && (fabs(e20) <= within)
+                && (fabs(e25) <= within)) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
+        } else {
+            x[0] = 0.0;
+            x[1] = 0.0;
+            x[2] = 0.0;
+        }
     } else {
+        /* what is divided by vanishes */
+        status = ZHAO2000_SINGULAR;
         x[0] = 0.0;
         x[1] = 0.0;
         x[2] = 0.0;
@@ -198,6 +235,7 @@ static zhao2000_status zhao2000_limb1_joints(const zhao2000_real c[4], zhao2000_
  * dead centre. */
 static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
+    zhao2000_status status = ZHAO2000_SINGULAR;
     const zhao2000_real t0 = 0.5 * c[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -217,79 +255,87 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t16 = t8 + t15;
     const zhao2000_real d1 = t16; /* above 0 where radial1 has two values */
     const zhao2000_real r1 = (d1 > 0.00519) ? sqrt(d1) : 1.0;
-    zhao2000_status status = ZHAO2000_SINGULAR;
-    if (d1 > 0.00519) {
-        const zhao2000_real t19 = r1 * t7;
-        const zhao2000_real t20 = r1 * r1;
-        const zhao2000_real t21 = 1.0 / t20;
-        const zhao2000_real t22 = t19 * t21;
-        const zhao2000_real t23 = t22 * t22;
-        const zhao2000_real t24 = r1 * t14;
-        const zhao2000_real t25 = t24 * t21;
-        const zhao2000_real t26 = t25 * t25;
-        const zhao2000_real t27 = t23 + t26;
-        const zhao2000_real t28 = 1.0 / t27;
-        const zhao2000_real t29 = t22 * t28;
-        const zhao2000_real t30 = t14 * t21;
-        const zhao2000_real t31 = t25 * t21;
-        const zhao2000_real t32 = r1 + r1;
-        const zhao2000_real t33 = t31 * t32;
-        const zhao2000_real t34 = t30 - t33;
-        const zhao2000_real t35 = t29 * t34;
-        const zhao2000_real t36 = t25 * t28;
-        const zhao2000_real t37 = t7 * t21;
-        const zhao2000_real t38 = t22 * t21;
-        const zhao2000_real t39 = t38 * t32;
-        const zhao2000_real t40 = t37 - t39;
-        const zhao2000_real t41 = t36 * t40;
-        const zhao2000_real t42 = t35 - t41;
-        const zhao2000_real t43 = 1.0 / r1;
-        const zhao2000_real t44 = t7 * t43;
-        const zhao2000_real t45 = t42 * t44;
-        const zhao2000_real t46 = t36 * t21;
-        const zhao2000_real t47 = r1 * t46;
-        const zhao2000_real t48 = t45 - t47;
-        const zhao2000_real t49 = t29 * t21;
-        const zhao2000_real t50 = r1 * t49;
-        const zhao2000_real t51 = t14 * t43;
-        const zhao2000_real t52 = t42 * t51;
-        const zhao2000_real t53 = t50 + t52;
-        const zhao2000_real t54 = -t47;
-        const zhao2000_real t55 = t54 + t54;
-        const zhao2000_real t56 = t3 * t55;
-        const zhao2000_real t57 = t2 * t56;
-        const zhao2000_real t58 = t50 + t50;
-        const zhao2000_real t59 = t3 * t58;
-        const zhao2000_real t60 = t2 * t58;
-        const zhao2000_real t61 = t1 * t55;
-        const zhao2000_real t62 = t60 + t61;
-        const zhao2000_real t63 = -69.28203230275508 * t62;
-        const zhao2000_real t64 = t59 + t63;
-        const zhao2000_real t65 = t1 * t64;
-        const zhao2000_real t66 = t57 - t65;
-        const zhao2000_real t67 = 0.5 * t66;
-        const zhao2000_real t68 = 4.0 * t7;
-        const zhao2000_real t69 = t3 * t68;
-        const zhao2000_real t70 = t2 * t69;
-        const zhao2000_real t71 = 4.0 * t14;
-        const zhao2000_real t72 = t3 * t71;
-        const zhao2000_real t73 = t2 * t71;
-        const zhao2000_real t74 = t1 * t68;
-        const zhao2000_real t75 = t73 + t74;
-        const zhao2000_real t76 = -69.28203230275508 * t75;
-        const zhao2000_real t77 = t72 + t76;
-        const zhao2000_real t78 = t1 * t77;
-        const zhao2000_real t79 = t70 - t78;
-        const zhao2000_real t80 = 0.5 * t79;
-        const zhao2000_real t81 = t80 / t32;
-        const zhao2000_real t82 = t42 * t81;
-        const zhao2000_real t83 = t67 + t82;
-        rates[0] = t48;
-        rates[1] = t53;
-        rates[2] = 0.0;
-        rates[3] = t83;
-        status = ZHAO2000_OK;
+    const zhao2000_real t19 = r1 * r1;
+    if ((fabs(t19) > 5.19)) {
+        if (d1 > 0.00519) {
+            const zhao2000_real t20 = r1 * t7;
+            const zhao2000_real t21 = 1.0 / t19;
+            const zhao2000_real t22 = t20 * t21;
+            const zhao2000_real t23 = t22 * t22;
+            const zhao2000_real t24 = r1 * t14;
+            const zhao2000_real t25 = t24 * t21;
+            const zhao2000_real t26 = t25 * t25;
+            const zhao2000_real t27 = t23 + t26;
+            const zhao2000_real t28 = 1.0 / t27;
+            const zhao2000_real t29 = t22 * t28;
+            const zhao2000_real t30 = t14 * t21;
+            const zhao2000_real t31 = t25 * t21;
+            const zhao2000_real t32 = r1 + r1;
+            const zhao2000_real t33 = t31 * t32;
+            const zhao2000_real t34 = t30 - t33;
+            const zhao2000_real t35 = t29 * t34;
+            const zhao2000_real t36 = t25 * t28;
+            const zhao2000_real t37 = t7 * t21;
+            const zhao2000_real t38 = t22 * t21;
+            const zhao2000_real t39 = t38 * t32;
+            const zhao2000_real t40 = t37 - t39;
+            const zhao2000_real t41 = t36 * t40;
+            const zhao2000_real t42 = t35 - t41;
+            const zhao2000_real t43 = 1.0 / r1;
+            const zhao2000_real t44 = t7 * t43;
+            const zhao2000_real t45 = t42 * t44;
+            const zhao2000_real t46 = t36 * t21;
+            const zhao2000_real t47 = r1 * t46;
+            const zhao2000_real t48 = t45 - t47;
+            const zhao2000_real t49 = t29 * t21;
+            const zhao2000_real t50 = r1 * t49;
+            const zhao2000_real t51 = t14 * t43;
+            const zhao2000_real t52 = t42 * t51;
+            const zhao2000_real t53 = t50 + t52;
+            const zhao2000_real t54 = -t47;
+            const zhao2000_real t55 = t54 + t54;
+            const zhao2000_real t56 = t3 * t55;
+            const zhao2000_real t57 = t2 * t56;
+            const zhao2000_real t58 = t50 + t50;
+            const zhao2000_real t59 = t3 * t58;
+            const zhao2000_real t60 = t2 * t58;
+            const zhao2000_real t61 = t1 * t55;
+            const zhao2000_real t62 = t60 + t61;
+            const zhao2000_real t63 = -69.28203230275508 * t62;
+            const zhao2000_real t64 = t59 + t63;
+            const zhao2000_real t65 = t1 * t64;
+            const zhao2000_real t66 = t57 - t65;
+            const zhao2000_real t67 = 0.5 * t66;
+            const zhao2000_real t68 = 4.0 * t7;
+            const zhao2000_real t69 = t3 * t68;
+            const zhao2000_real t70 = t2 * t69;
+            const zhao2000_real t71 = 4.0 * t14;
+            const zhao2000_real t72 = t3 * t71;
+            const zhao2000_real t73 = t2 * t71;
+            const zhao2000_real t74 = t1 * t68;
+            const zhao2000_real t75 = t73 + t74;
+            const zhao2000_real t76 = -69.28203230275508 * t75;
+            const zhao2000_real t77 = t72 + t76;
+            const zhao2000_real t78 = t1 * t77;
+            const zhao2000_real t79 = t70 - t78;
+            const zhao2000_real t80 = 0.5 * t79;
+            const zhao2000_real t81 = t80 / t32;
+            const zhao2000_real t82 = t42 * t81;
+            const zhao2000_real t83 = t67 + t82;
+            rates[0] = t48;
+            rates[1] = t53;
+            rates[2] = 0.0;
+            rates[3] = t83;
+            status = ZHAO2000_OK;
+        } else {
+            rates[0] = 0.0;
+            rates[1] = 0.0;
+            rates[2] = 0.0;
+            rates[3] = 0.0;
+        }
     } else {
+        /* what is divided by vanishes */
+        status = ZHAO2000_SINGULAR;
         rates[0] = 0.0;
         rates[1] = 0.0;
         rates[2] = 0.0;
@@ -299,9 +345,11 @@ static zhao2000_status zhao2000_limb1_rates(const zhao2000_real c[4], zhao2000_r
 }
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
- * reference's branch. */
-static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_real x[3])
+ * reference's branch; its rows may be off by `within`. */
+static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_real x[3],
+    zhao2000_real within)
 {
+    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
     const zhao2000_real t0 = 0.5 * c[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -327,23 +375,73 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
     const zhao2000_real r1 = (d1 > 5.98e-26) ? sqrt(d1) : 1.0;
-    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
-    if (d1 > 5.98e-26) {
-        const zhao2000_real t25 = r1 * t20;
-        const zhao2000_real t26 = r1 * r1;
-        const zhao2000_real t27 = 1.0 / t26;
-        const zhao2000_real t28 = t25 * t27;
-        const zhao2000_real t29 = -t28;
-        const zhao2000_real t30 = r1 * t12;
-        const zhao2000_real t31 = t30 * t27;
-        const zhao2000_real t32 = -t31;
-        const zhao2000_real t33 = atan2(t29, t32);
-        const zhao2000_real t34 = t33 + 3.141592653589793;
-        x[0] = t34;
-        x[1] = r1;
-        x[2] = c[2];
-        status = ZHAO2000_OK;
+    const zhao2000_real t25 = r1 * r1;
+    if ((fabs(t25) > 1.68e-11)) {
+        if (d1 > 5.98e-26) {
+            const zhao2000_real t26 = r1 * t20;
+            const zhao2000_real t27 = 1.0 / t25;
+            const zhao2000_real t28 = t26 * t27;
+            const zhao2000_real t29 = -t28;
+            const zhao2000_real t30 = r1 * t12;
+            const zhao2000_real t31 = t30 * t27;
+            const zhao2000_real t32 = -t31;
+            const zhao2000_real t33 = atan2(t29, t32);
+            const zhao2000_real t34 = t33 + 3.141592653589793;
+            x[0] = t34;
+            x[1] = r1;
+            x[2] = c[2];
+            /* the rows that the formulas leave over */
+            const zhao2000_real e0 = 0.5 * c[3];
+            const zhao2000_real e1 = cos(e0);
+            const zhao2000_real e2 = sin(e0);
+            const zhao2000_real e3 = 34.64101615137754 * e2;
+            const zhao2000_real e4 = e1 * e3;
+            const zhao2000_real e5 = 60.0 * e2;
+            const zhao2000_real e6 = e2 * e5;
+            const zhao2000_real e7 = e4 + e6;
+            const zhao2000_real e8 = -e7;
+            const zhao2000_real e9 = e8 + e8;
+            const zhao2000_real e10 = e9 + 60.0;
+            const zhao2000_real e11 = c[0] + e10;
+            const zhao2000_real e12 = x[0] - 3.6651914291880923;
+            const zhao2000_real e13 = cos(e12);
+            const zhao2000_real e14 = x[1] - 69.28203230275508;
+            const zhao2000_real e15 = -0.8660254037844387 * e14;
+            const zhao2000_real e16 = e15 - 60.0;
+            const zhao2000_real e17 = e13 * e16;
+            const zhao2000_real e18 = sin(e12);
+            const zhao2000_real e19 = -0.5 * e14;
+            const zhao2000_real e20 = e19 - 34.64101615137754;
+            const zhao2000_real e21 = e18 * e20;
+            const zhao2000_real e22 = e17 - e21;
+            const zhao2000_real e23 = e22 + 120.0;
+            const zhao2000_real e24 = e11 - e23;
+            const zhao2000_real e25 = e1 * e5;
+            const zhao2000_real e26 = e2 * e3;
+            const zhao2000_real e27 = e25 - e26;
+            const zhao2000_real e28 = e27 + e27;
+            const zhao2000_real e29 = e28 + 34.64101615137754;
+            const zhao2000_real e30 = c[1] + e29;
+            const zhao2000_real e31 = e13 * e20;
+            const zhao2000_real e32 = e18 * e16;
+            const zhao2000_real e33 = e31 + e32;
+            const zhao2000_real e34 = e33 + 69.28203230275508;
+            const zhao2000_real e35 = e30 - e34;
+            const zhao2000_real e36 = e13 * x[2];
+            const zhao2000_real e37 = 1.0 - e13;
+            const zhao2000_real e38 = e37 * x[2];
+            const zhao2000_real e39 = e36 + e38;
+            const zhao2000_real e40 = c[2] - e39;
+            status = ((fabs(e24) <= within) && (fabs(e35) <= within)
+                && (fabs(e40) <= within)) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
+        } else {
+            x[0] = 0.0;
+            x[1] = 0.0;
+            x[2] = 0.0;
+        }
     } else {
+        /* what is divided by vanishes */
+        status = ZHAO2000_SINGULAR;
         x[0] = 0.0;
         x[1] = 0.0;
         x[2] = 0.0;
@@ -355,6 +453,7 @@ static zhao2000_status zhao2000_limb2_joints(const zhao2000_real c[4], zhao2000_
  * dead centre. */
 static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
+    zhao2000_status status = ZHAO2000_SINGULAR;
     const zhao2000_real t0 = 0.5 * c[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -380,97 +479,105 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial2 has two values */
     const zhao2000_real r1 = (d1 > 0.00473) ? sqrt(d1) : 1.0;
-    zhao2000_status status = ZHAO2000_SINGULAR;
-    if (d1 > 0.00473) {
-        const zhao2000_real t25 = r1 * t12;
-        const zhao2000_real t26 = r1 * r1;
-        const zhao2000_real t27 = 1.0 / t26;
-        const zhao2000_real t28 = t25 * t27;
-        const zhao2000_real t29 = r1 * t20;
-        const zhao2000_real t30 = t29 * t27;
-        const zhao2000_real t31 = t30 * t30;
-        const zhao2000_real t32 = t28 * t28;
-        const zhao2000_real t33 = t31 + t32;
-        const zhao2000_real t34 = 1.0 / t33;
-        const zhao2000_real t35 = t28 * t34;
-        const zhao2000_real t36 = t20 * t27;
-        const zhao2000_real t37 = t30 * t27;
-        const zhao2000_real t38 = r1 + r1;
-        const zhao2000_real t39 = t37 * t38;
-        const zhao2000_real t40 = t36 - t39;
-        const zhao2000_real t41 = t35 * t40;
-        const zhao2000_real t42 = t30 * t34;
-        const zhao2000_real t43 = t12 * t27;
-        const zhao2000_real t44 = t28 * t27;
-        const zhao2000_real t45 = t44 * t38;
-        const zhao2000_real t46 = t43 - t45;
-        const zhao2000_real t47 = t42 * t46;
-        const zhao2000_real t48 = t41 - t47;
-        const zhao2000_real t49 = 1.0 / r1;
-        const zhao2000_real t50 = t12 * t49;
-        const zhao2000_real t51 = t48 * t50;
-        const zhao2000_real t52 = t42 * t27;
-        const zhao2000_real t53 = r1 * t52;
-        const zhao2000_real t54 = t51 - t53;
-        const zhao2000_real t55 = t35 * t27;
-        const zhao2000_real t56 = r1 * t55;
-        const zhao2000_real t57 = t20 * t49;
-        const zhao2000_real t58 = t48 * t57;
-        const zhao2000_real t59 = t56 + t58;
-        const zhao2000_real t60 = t56 + t56;
-        const zhao2000_real t61 = t1 * t60;
-        const zhao2000_real t62 = -t53;
-        const zhao2000_real t63 = t62 + t62;
-        const zhao2000_real t64 = t2 * t63;
-        const zhao2000_real t65 = t61 - t64;
-        const zhao2000_real t66 = 60.0 * t65;
-        const zhao2000_real t67 = t5 * t63;
-        const zhao2000_real t68 = t3 * t60;
-        const zhao2000_real t69 = t67 + t68;
-        const zhao2000_real t70 = t1 * t63;
-        const zhao2000_real t71 = t2 * t60;
-        const zhao2000_real t72 = t70 + t71;
-        const zhao2000_real t73 = 34.64101615137754 * t72;
-        const zhao2000_real t74 = t69 + t73;
-        const zhao2000_real t75 = t66 - t74;
-        const zhao2000_real t76 = t1 * t75;
-        const zhao2000_real t77 = t5 * t60;
-        const zhao2000_real t78 = t3 * t63;
-        const zhao2000_real t79 = t77 - t78;
-        const zhao2000_real t80 = t2 * t79;
-        const zhao2000_real t81 = t76 - t80;
-        const zhao2000_real t82 = 0.5 * t81;
-        const zhao2000_real t83 = 4.0 * t20;
-        const zhao2000_real t84 = t1 * t83;
-        const zhao2000_real t85 = 4.0 * t12;
-        const zhao2000_real t86 = t2 * t85;
-        const zhao2000_real t87 = t84 - t86;
-        const zhao2000_real t88 = 60.0 * t87;
-        const zhao2000_real t89 = t3 * t83;
-        const zhao2000_real t90 = t5 * t85;
-        const zhao2000_real t91 = t89 + t90;
-        const zhao2000_real t92 = t88 - t91;
-        const zhao2000_real t93 = t2 * t83;
-        const zhao2000_real t94 = t1 * t85;
-        const zhao2000_real t95 = t93 + t94;
-        const zhao2000_real t96 = 34.64101615137754 * t95;
-        const zhao2000_real t97 = t92 - t96;
-        const zhao2000_real t98 = t1 * t97;
-        const zhao2000_real t99 = t5 * t83;
-        const zhao2000_real t100 = t3 * t85;
-        const zhao2000_real t101 = t99 - t100;
-        const zhao2000_real t102 = t2 * t101;
-        const zhao2000_real t103 = t98 - t102;
-        const zhao2000_real t104 = 0.5 * t103;
-        const zhao2000_real t105 = t104 / t38;
-        const zhao2000_real t106 = t48 * t105;
-        const zhao2000_real t107 = t82 + t106;
-        rates[0] = t54;
-        rates[1] = t59;
-        rates[2] = 0.0;
-        rates[3] = t107;
-        status = ZHAO2000_OK;
+    const zhao2000_real t25 = r1 * r1;
+    if ((fabs(t25) > 4.73)) {
+        if (d1 > 0.00473) {
+            const zhao2000_real t26 = r1 * t12;
+            const zhao2000_real t27 = 1.0 / t25;
+            const zhao2000_real t28 = t26 * t27;
+            const zhao2000_real t29 = r1 * t20;
+            const zhao2000_real t30 = t29 * t27;
+            const zhao2000_real t31 = t30 * t30;
+            const zhao2000_real t32 = t28 * t28;
+            const zhao2000_real t33 = t31 + t32;
+            const zhao2000_real t34 = 1.0 / t33;
+            const zhao2000_real t35 = t28 * t34;
+            const zhao2000_real t36 = t20 * t27;
+            const zhao2000_real t37 = t30 * t27;
+            const zhao2000_real t38 = r1 + r1;
+            const zhao2000_real t39 = t37 * t38;
+            const zhao2000_real t40 = t36 - t39;
+            const zhao2000_real t41 = t35 * t40;
+            const zhao2000_real t42 = t30 * t34;
+            const zhao2000_real t43 = t12 * t27;
+            const zhao2000_real t44 = t28 * t27;
+            const zhao2000_real t45 = t44 * t38;
+            const zhao2000_real t46 = t43 - t45;
+            const zhao2000_real t47 = t42 * t46;
+            const zhao2000_real t48 = t41 - t47;
+            const zhao2000_real t49 = 1.0 / r1;
+            const zhao2000_real t50 = t12 * t49;
+            const zhao2000_real t51 = t48 * t50;
+            const zhao2000_real t52 = t42 * t27;
+            const zhao2000_real t53 = r1 * t52;
+            const zhao2000_real t54 = t51 - t53;
+            const zhao2000_real t55 = t35 * t27;
+            const zhao2000_real t56 = r1 * t55;
+            const zhao2000_real t57 = t20 * t49;
+            const zhao2000_real t58 = t48 * t57;
+            const zhao2000_real t59 = t56 + t58;
+            const zhao2000_real t60 = t56 + t56;
+            const zhao2000_real t61 = t1 * t60;
+            const zhao2000_real t62 = -t53;
+            const zhao2000_real t63 = t62 + t62;
+            const zhao2000_real t64 = t2 * t63;
+            const zhao2000_real t65 = t61 - t64;
+            const zhao2000_real t66 = 60.0 * t65;
+            const zhao2000_real t67 = t5 * t63;
+            const zhao2000_real t68 = t3 * t60;
+            const zhao2000_real t69 = t67 + t68;
+            const zhao2000_real t70 = t1 * t63;
+            const zhao2000_real t71 = t2 * t60;
+            const zhao2000_real t72 = t70 + t71;
+            const zhao2000_real t73 = 34.64101615137754 * t72;
+            const zhao2000_real t74 = t69 + t73;
+            const zhao2000_real t75 = t66 - t74;
+            const zhao2000_real t76 = t1 * t75;
+            const zhao2000_real t77 = t5 * t60;
+            const zhao2000_real t78 = t3 * t63;
+            const zhao2000_real t79 = t77 - t78;
+            const zhao2000_real t80 = t2 * t79;
+            const zhao2000_real t81 = t76 - t80;
+            const zhao2000_real t82 = 0.5 * t81;
+            const zhao2000_real t83 = 4.0 * t20;
+            const zhao2000_real t84 = t1 * t83;
+            const zhao2000_real t85 = 4.0 * t12;
+            const zhao2000_real t86 = t2 * t85;
+            const zhao2000_real t87 = t84 - t86;
+            const zhao2000_real t88 = 60.0 * t87;
+            const zhao2000_real t89 = t3 * t83;
+            const zhao2000_real t90 = t5 * t85;
+            const zhao2000_real t91 = t89 + t90;
+            const zhao2000_real t92 = t88 - t91;
+            const zhao2000_real t93 = t2 * t83;
+            const zhao2000_real t94 = t1 * t85;
+            const zhao2000_real t95 = t93 + t94;
+            const zhao2000_real t96 = 34.64101615137754 * t95;
+            const zhao2000_real t97 = t92 - t96;
+            const zhao2000_real t98 = t1 * t97;
+            const zhao2000_real t99 = t5 * t83;
+            const zhao2000_real t100 = t3 * t85;
+            const zhao2000_real t101 = t99 - t100;
+            const zhao2000_real t102 = t2 * t101;
+            const zhao2000_real t103 = t98 - t102;
+            const zhao2000_real t104 = 0.5 * t103;
+            const zhao2000_real t105 = t104 / t38;
+            const zhao2000_real t106 = t48 * t105;
+            const zhao2000_real t107 = t82 + t106;
+            rates[0] = t54;
+            rates[1] = t59;
+            rates[2] = 0.0;
+            rates[3] = t107;
+            status = ZHAO2000_OK;
+        } else {
+            rates[0] = 0.0;
+            rates[1] = 0.0;
+            rates[2] = 0.0;
+            rates[3] = 0.0;
+        }
     } else {
+        /* what is divided by vanishes */
+        status = ZHAO2000_SINGULAR;
         rates[0] = 0.0;
         rates[1] = 0.0;
         rates[2] = 0.0;
@@ -480,9 +587,11 @@ static zhao2000_status zhao2000_limb2_rates(const zhao2000_real c[4], zhao2000_r
 }
 
 /* The limb's joints for pose coordinates c, in closed form (README.md): the values of the
- * reference's branch. */
-static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_real x[3])
+ * reference's branch; its rows may be off by `within`. */
+static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_real x[3],
+    zhao2000_real within)
 {
+    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
     const zhao2000_real t0 = 0.5 * c[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -508,21 +617,71 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
     const zhao2000_real r1 = (d1 > 6.39e-26) ? sqrt(d1) : 1.0;
-    zhao2000_status status = ZHAO2000_OUT_OF_RANGE;
-    if (d1 > 6.39e-26) {
-        const zhao2000_real t25 = r1 * t20;
-        const zhao2000_real t26 = r1 * r1;
-        const zhao2000_real t27 = 1.0 / t26;
-        const zhao2000_real t28 = t25 * t27;
-        const zhao2000_real t29 = r1 * t12;
-        const zhao2000_real t30 = t29 * t27;
-        const zhao2000_real t31 = atan2(t28, t30);
-        const zhao2000_real t32 = t31 + 6.283185307179586;
-        x[0] = t32;
-        x[1] = r1;
-        x[2] = c[2];
-        status = ZHAO2000_OK;
+    const zhao2000_real t25 = r1 * r1;
+    if ((fabs(t25) > 1.8e-11)) {
+        if (d1 > 6.39e-26) {
+            const zhao2000_real t26 = r1 * t20;
+            const zhao2000_real t27 = 1.0 / t25;
+            const zhao2000_real t28 = t26 * t27;
+            const zhao2000_real t29 = r1 * t12;
+            const zhao2000_real t30 = t29 * t27;
+            const zhao2000_real t31 = atan2(t28, t30);
+            const zhao2000_real t32 = t31 + 6.283185307179586;
+            x[0] = t32;
+            x[1] = r1;
+            x[2] = c[2];
+            /* the rows that the formulas leave over */
+            const zhao2000_real e0 = 0.5 * c[3];
+            const zhao2000_real e1 = cos(e0);
+            const zhao2000_real e2 = sin(e0);
+            const zhao2000_real e3 = 34.64101615137754 * e2;
+            const zhao2000_real e4 = e1 * e3;
+            const zhao2000_real e5 = -60.0 * e2;
+            const zhao2000_real e6 = e2 * e5;
+            const zhao2000_real e7 = e4 + e6;
+            const zhao2000_real e8 = -e7;
+            const zhao2000_real e9 = e8 + e8;
+            const zhao2000_real e10 = e9 - 60.0;
+            const zhao2000_real e11 = c[0] + e10;
+            const zhao2000_real e12 = x[0] - 5.759586531581287;
+            const zhao2000_real e13 = cos(e12);
+            const zhao2000_real e14 = x[1] - 69.28203230275508;
+            const zhao2000_real e15 = 0.8660254037844387 * e14;
+            const zhao2000_real e16 = e15 + 60.0;
+            const zhao2000_real e17 = e13 * e16;
+            const zhao2000_real e18 = sin(e12);
+            const zhao2000_real e19 = -0.5 * e14;
+            const zhao2000_real e20 = e19 - 34.64101615137754;
+            const zhao2000_real e21 = e18 * e20;
+            const zhao2000_real e22 = e17 - e21;
+            const zhao2000_real e23 = e22 - 120.0;
+            const zhao2000_real e24 = e11 - e23;
+            const zhao2000_real e25 = e1 * e5;
+            const zhao2000_real e26 = e2 * e3;
+            const zhao2000_real e27 = e25 - e26;
+            const zhao2000_real e28 = e27 + e27;
+            const zhao2000_real e29 = e28 + 34.64101615137754;
+            const zhao2000_real e30 = c[1] + e29;
+            const zhao2000_real e31 = e13 * e20;
+            const zhao2000_real e32 = e18 * e16;
+            const zhao2000_real e33 = e31 + e32;
+            const zhao2000_real e34 = e33 + 69.28203230275508;
+            const zhao2000_real e35 = e30 - e34;
+            const zhao2000_real e36 = e13 * x[2];
+            const zhao2000_real e37 = 1.0 - e13;
+            const zhao2000_real e38 = e37 * x[2];
+            const zhao2000_real e39 = e36 + e38;
+            const zhao2000_real e40 = c[2] - e39;
+            status = ((fabs(e24) <= within) && (fabs(e35) <= within)
+                && (fabs(e40) <= within)) ? ZHAO2000_OK : ZHAO2000_OUT_OF_RANGE;
+        } else {
+            x[0] = 0.0;
+            x[1] = 0.0;
+            x[2] = 0.0;
+        }
     } else {
+        /* what is divided by vanishes */
+        status = ZHAO2000_SINGULAR;
         x[0] = 0.0;
         x[1] = 0.0;
         x[2] = 0.0;
@@ -534,6 +693,7 @@ static zhao2000_status zhao2000_limb3_joints(const zhao2000_real c[4], zhao2000_
  * dead centre. */
 static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_real rates[4])
 {
+    zhao2000_status status = ZHAO2000_SINGULAR;
     const zhao2000_real t0 = 0.5 * c[3];
     const zhao2000_real t1 = cos(t0);
     const zhao2000_real t2 = sin(t0);
@@ -559,97 +719,105 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
     const zhao2000_real t22 = t13 + t21;
     const zhao2000_real d1 = t22; /* above 0 where radial3 has two values */
     const zhao2000_real r1 = (d1 > 0.00507) ? sqrt(d1) : 1.0;
-    zhao2000_status status = ZHAO2000_SINGULAR;
-    if (d1 > 0.00507) {
-        const zhao2000_real t25 = r1 * t12;
-        const zhao2000_real t26 = r1 * r1;
-        const zhao2000_real t27 = 1.0 / t26;
-        const zhao2000_real t28 = t25 * t27;
-        const zhao2000_real t29 = r1 * t20;
-        const zhao2000_real t30 = t29 * t27;
-        const zhao2000_real t31 = t30 * t30;
-        const zhao2000_real t32 = t28 * t28;
-        const zhao2000_real t33 = t31 + t32;
-        const zhao2000_real t34 = 1.0 / t33;
-        const zhao2000_real t35 = t28 * t34;
-        const zhao2000_real t36 = t20 * t27;
-        const zhao2000_real t37 = t30 * t27;
-        const zhao2000_real t38 = r1 + r1;
-        const zhao2000_real t39 = t37 * t38;
-        const zhao2000_real t40 = t36 - t39;
-        const zhao2000_real t41 = t35 * t40;
-        const zhao2000_real t42 = t30 * t34;
-        const zhao2000_real t43 = t12 * t27;
-        const zhao2000_real t44 = t28 * t27;
-        const zhao2000_real t45 = t44 * t38;
-        const zhao2000_real t46 = t43 - t45;
-        const zhao2000_real t47 = t42 * t46;
-        const zhao2000_real t48 = t41 - t47;
-        const zhao2000_real t49 = 1.0 / r1;
-        const zhao2000_real t50 = t12 * t49;
-        const zhao2000_real t51 = t48 * t50;
-        const zhao2000_real t52 = t42 * t27;
-        const zhao2000_real t53 = r1 * t52;
-        const zhao2000_real t54 = t51 - t53;
-        const zhao2000_real t55 = t35 * t27;
-        const zhao2000_real t56 = r1 * t55;
-        const zhao2000_real t57 = t20 * t49;
-        const zhao2000_real t58 = t48 * t57;
-        const zhao2000_real t59 = t56 + t58;
-        const zhao2000_real t60 = t56 + t56;
-        const zhao2000_real t61 = t1 * t60;
-        const zhao2000_real t62 = -t53;
-        const zhao2000_real t63 = t62 + t62;
-        const zhao2000_real t64 = t2 * t63;
-        const zhao2000_real t65 = t61 - t64;
-        const zhao2000_real t66 = -60.0 * t65;
-        const zhao2000_real t67 = t5 * t63;
-        const zhao2000_real t68 = t3 * t60;
-        const zhao2000_real t69 = t67 + t68;
-        const zhao2000_real t70 = t1 * t63;
-        const zhao2000_real t71 = t2 * t60;
-        const zhao2000_real t72 = t70 + t71;
-        const zhao2000_real t73 = 34.64101615137754 * t72;
-        const zhao2000_real t74 = t69 + t73;
-        const zhao2000_real t75 = t66 - t74;
-        const zhao2000_real t76 = t1 * t75;
-        const zhao2000_real t77 = t5 * t60;
-        const zhao2000_real t78 = t3 * t63;
-        const zhao2000_real t79 = t77 - t78;
-        const zhao2000_real t80 = t2 * t79;
-        const zhao2000_real t81 = t76 - t80;
-        const zhao2000_real t82 = 0.5 * t81;
-        const zhao2000_real t83 = 4.0 * t20;
-        const zhao2000_real t84 = t1 * t83;
-        const zhao2000_real t85 = 4.0 * t12;
-        const zhao2000_real t86 = t2 * t85;
-        const zhao2000_real t87 = t84 - t86;
-        const zhao2000_real t88 = -60.0 * t87;
-        const zhao2000_real t89 = t3 * t83;
-        const zhao2000_real t90 = t5 * t85;
-        const zhao2000_real t91 = t89 + t90;
-        const zhao2000_real t92 = t88 - t91;
-        const zhao2000_real t93 = t2 * t83;
-        const zhao2000_real t94 = t1 * t85;
-        const zhao2000_real t95 = t93 + t94;
-        const zhao2000_real t96 = 34.64101615137754 * t95;
-        const zhao2000_real t97 = t92 - t96;
-        const zhao2000_real t98 = t1 * t97;
-        const zhao2000_real t99 = t5 * t83;
-        const zhao2000_real t100 = t3 * t85;
-        const zhao2000_real t101 = t99 - t100;
-        const zhao2000_real t102 = t2 * t101;
-        const zhao2000_real t103 = t98 - t102;
-        const zhao2000_real t104 = 0.5 * t103;
-        const zhao2000_real t105 = t104 / t38;
-        const zhao2000_real t106 = t48 * t105;
-        const zhao2000_real t107 = t82 + t106;
-        rates[0] = t54;
-        rates[1] = t59;
-        rates[2] = 0.0;
-        rates[3] = t107;
-        status = ZHAO2000_OK;
+    const zhao2000_real t25 = r1 * r1;
+    if ((fabs(t25) > 5.07)) {
+        if (d1 > 0.00507) {
+            const zhao2000_real t26 = r1 * t12;
+            const zhao2000_real t27 = 1.0 / t25;
+            const zhao2000_real t28 = t26 * t27;
+            const zhao2000_real t29 = r1 * t20;
+            const zhao2000_real t30 = t29 * t27;
+            const zhao2000_real t31 = t30 * t30;
+            const zhao2000_real t32 = t28 * t28;
+            const zhao2000_real t33 = t31 + t32;
+            const zhao2000_real t34 = 1.0 / t33;
+            const zhao2000_real t35 = t28 * t34;
+            const zhao2000_real t36 = t20 * t27;
+            const zhao2000_real t37 = t30 * t27;
+            const zhao2000_real t38 = r1 + r1;
+            const zhao2000_real t39 = t37 * t38;
+            const zhao2000_real t40 = t36 - t39;
+            const zhao2000_real t41 = t35 * t40;
+            const zhao2000_real t42 = t30 * t34;
+            const zhao2000_real t43 = t12 * t27;
+            const zhao2000_real t44 = t28 * t27;
+            const zhao2000_real t45 = t44 * t38;
+            const zhao2000_real t46 = t43 - t45;
+            const zhao2000_real t47 = t42 * t46;
+            const zhao2000_real t48 = t41 - t47;
+            const zhao2000_real t49 = 1.0 / r1;
+            const zhao2000_real t50 = t12 * t49;
+            const zhao2000_real t51 = t48 * t50;
+            const zhao2000_real t52 = t42 * t27;
+            const zhao2000_real t53 = r1 * t52;
+            const zhao2000_real t54 = t51 - t53;
+            const zhao2000_real t55 = t35 * t27;
+            const zhao2000_real t56 = r1 * t55;
+            const zhao2000_real t57 = t20 * t49;
+            const zhao2000_real t58 = t48 * t57;
+            const zhao2000_real t59 = t56 + t58;
+            const zhao2000_real t60 = t56 + t56;
+            const zhao2000_real t61 = t1 * t60;
+            const zhao2000_real t62 = -t53;
+            const zhao2000_real t63 = t62 + t62;
+            const zhao2000_real t64 = t2 * t63;
+            const zhao2000_real t65 = t61 - t64;
+            const zhao2000_real t66 = -60.0 * t65;
+            const zhao2000_real t67 = t5 * t63;
+            const zhao2000_real t68 = t3 * t60;
+            const zhao2000_real t69 = t67 + t68;
+            const zhao2000_real t70 = t1 * t63;
+            const zhao2000_real t71 = t2 * t60;
+            const zhao2000_real t72 = t70 + t71;
+            const zhao2000_real t73 = 34.64101615137754 * t72;
+            const zhao2000_real t74 = t69 + t73;
+            const zhao2000_real t75 = t66 - t74;
+            const zhao2000_real t76 = t1 * t75;
+            const zhao2000_real t77 = t5 * t60;
+            const zhao2000_real t78 = t3 * t63;
+            const zhao2000_real t79 = t77 - t78;
+            const zhao2000_real t80 = t2 * t79;
+            const zhao2000_real t81 = t76 - t80;
+            const zhao2000_real t82 = 0.5 * t81;
+            const zhao2000_real t83 = 4.0 * t20;
+            const zhao2000_real t84 = t1 * t83;
+            const zhao2000_real t85 = 4.0 * t12;
+            const zhao2000_real t86 = t2 * t85;
+            const zhao2000_real t87 = t84 - t86;
+            const zhao2000_real t88 = -60.0 * t87;
+            const zhao2000_real t89 = t3 * t83;
+            const zhao2000_real t90 = t5 * t85;
+            const zhao2000_real t91 = t89 + t90;
+            const zhao2000_real t92 = t88 - t91;
+            const zhao2000_real t93 = t2 * t83;
+            const zhao2000_real t94 = t1 * t85;
+            const zhao2000_real t95 = t93 + t94;
+            const zhao2000_real t96 = 34.64101615137754 * t95;
+            const zhao2000_real t97 = t92 - t96;
+            const zhao2000_real t98 = t1 * t97;
+            const zhao2000_real t99 = t5 * t83;
+            const zhao2000_real t100 = t3 * t85;
+            const zhao2000_real t101 = t99 - t100;
+            const zhao2000_real t102 = t2 * t101;
+            const zhao2000_real t103 = t98 - t102;
+            const zhao2000_real t104 = 0.5 * t103;
+            const zhao2000_real t105 = t104 / t38;
+            const zhao2000_real t106 = t48 * t105;
+            const zhao2000_real t107 = t82 + t106;
+            rates[0] = t54;
+            rates[1] = t59;
+            rates[2] = 0.0;
+            rates[3] = t107;
+            status = ZHAO2000_OK;
+        } else {
+            rates[0] = 0.0;
+            rates[1] = 0.0;
+            rates[2] = 0.0;
+            rates[3] = 0.0;
+        }
     } else {
+        /* what is divided by vanishes */
+        status = ZHAO2000_SINGULAR;
         rates[0] = 0.0;
         rates[1] = 0.0;
         rates[2] = 0.0;
@@ -661,14 +829,14 @@ static zhao2000_status zhao2000_limb3_rates(const zhao2000_real c[4], zhao2000_r
 /* Solves the limbs for pose coordinates: actuated and passive joints, on the branches of the
  * reference configuration. */
 static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_real q[4],
-    zhao2000_real passive[6])
+    zhao2000_real passive[6], zhao2000_real within)
 {
     zhao2000_status status = ZHAO2000_OK;
     (void)passive;
     /* theta1, radial1, height1 */
     if (status == ZHAO2000_OK) {
         zhao2000_real x[3];
-        status = zhao2000_limb1_joints(c, x);
+        status = zhao2000_limb1_joints(c, x, within);
         q[0] = x[0];
         passive[0] = x[1];
         passive[1] = x[2];
@@ -676,7 +844,7 @@ static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_r
     /* theta2, radial2, height2 */
     if (status == ZHAO2000_OK) {
         zhao2000_real x[3];
-        status = zhao2000_limb2_joints(c, x);
+        status = zhao2000_limb2_joints(c, x, within);
         q[1] = x[0];
         passive[2] = x[1];
         passive[3] = x[2];
@@ -684,7 +852,7 @@ static zhao2000_status zhao2000_solve_limbs(const zhao2000_real c[4], zhao2000_r
     /* theta3, radial3, height3 */
     if (status == ZHAO2000_OK) {
         zhao2000_real x[3];
-        status = zhao2000_limb3_joints(c, x);
+        status = zhao2000_limb3_joints(c, x, within);
         q[2] = x[0];
         passive[4] = x[1];
         passive[5] = x[2];
@@ -1200,7 +1368,7 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
         for (int i = 0; i < 4; ++i) {
             const zhao2000_real way = given[i] - at[i];
             change[i] = ((end - done) * way) * ((end - done) * way);
-            at_end[i] = (end < 1.0) ? (at[i] + end * way) : given[i];
+            at_end[i] = (end < 1.0) ? (at[i] + end * way) : joints[i];
         }
         zhao2000_direct_set(w, at_end);
         zhao2000_direct_formulas(w);
@@ -1234,10 +1402,85 @@ static ZHAO2000_COLD zhao2000_status zhao2000_direct_walk(zhao2000_direct_work *
     return status;
 }
 
+/* Follows the line from the guess that was read to joint values: the formulas there with the
+ * guess's signs, where the line keeps them. */
+static ZHAO2000_SHARED zhao2000_status zhao2000_direct_line(zhao2000_direct_work *w,
+    const zhao2000_real joints[4], unsigned int most, unsigned int *count)
+{
+    zhao2000_status status = ZHAO2000_OK;
+    w->share = 0.0;
+    w->over = 4.0;
+    w->reach = 0U;
+    if (status == ZHAO2000_OK) {
+        /* which part of the slides' ranges holds both ends of the line */
+        zhao2000_real excursion = 0.0020833333333332743 * fabs(w->at[6] - 100.0);
+        {
+            const zhao2000_real other = 0.0020833333333333333 * fabs(joints[3] - 100.0);
+            excursion = (other > excursion) ? other : excursion;
+        }
+        w->reach += (excursion > 0.0625) ? 1U : 0U;
+        w->reach += (excursion > 0.25) ? 1U : 0U;
+        if (!(excursion <= 1.0)) {
+            status = ZHAO2000_WRONG_BRANCH;
+        }
+    }
+    if (status == ZHAO2000_OK) {
+        zhao2000_real change[4];
+        bool kept = false;
+        if (most > 0U) {
+            zhao2000_direct_set(w, joints);
+            zhao2000_direct_formulas(w);
+            *count = 1U;
+            /* squares of changes, of an angle by its chord's, up to a right angle */
+            kept = true;
+            const zhao2000_real move0 = w->u[0] - w->at[0];
+            const zhao2000_real move1 = w->u[1] - w->at[1];
+            const zhao2000_real chord0 = move0 * move0 + move1 * move1;
+            kept = kept && (chord0 <= 2.0);
+            change[0] = chord0 + 0.117 * chord0 * chord0;
+            const zhao2000_real move2 = w->u[2] - w->at[2];
+            const zhao2000_real move3 = w->u[3] - w->at[3];
+            const zhao2000_real chord1 = move2 * move2 + move3 * move3;
+            kept = kept && (chord1 <= 2.0);
+            change[1] = chord1 + 0.117 * chord1 * chord1;
+            const zhao2000_real move4 = w->u[4] - w->at[4];
+            const zhao2000_real move5 = w->u[5] - w->at[5];
+            const zhao2000_real chord2 = move4 * move4 + move5 * move5;
+            kept = kept && (chord2 <= 2.0);
+            change[2] = chord2 + 0.117 * chord2 * chord2;
+            const zhao2000_real move6 = w->u[6] - w->at[6];
+            change[3] = move6 * move6;
+            kept = kept && zhao2000_line_keeps(w, change);
+        }
+        if (!kept) {
+            status = zhao2000_direct_walk(w, joints, most, count);
+        }
+    }
+    return status;
+}
+
+/* Whether an answer, read as a guess, stands still: so near to a fold or a dead centre rounding may
+ * put it on the other side, or where no guess is read. */
+static ZHAO2000_COLD zhao2000_status zhao2000_direct_stays(const zhao2000_direct_work *w,
+    const zhao2000_real joints[4], const zhao2000_pose *answer)
+{
+    zhao2000_direct_work again;
+    unsigned int count = 0U;
+    zhao2000_status status = zhao2000_read_guess(&again, answer);
+    if (status == ZHAO2000_OK) {
+        status = zhao2000_direct_line(&again, joints, 2U, &count);
+    }
+    for (int k = 0; (k < 2) && (status == ZHAO2000_OK); ++k) {
+        status = (again.sign[k] * w->sign[k] > 0.0) ? ZHAO2000_OK : ZHAO2000_WRONG_BRANCH;
+    }
+    return (status == ZHAO2000_OK) ? ZHAO2000_OK : ZHAO2000_WRONG_BRANCH;
+}
+
 /* Checks the answer in w->y, residual of all rows and sides of the limbs' dead centres, and writes
- * its pose. */
+ * its pose. *is_firm: whether it is so far from folds and dead centres that rounding does not reach
+ * them. */
 static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w,
-    zhao2000_real tolerance, zhao2000_pose *pose, zhao2000_real *residual)
+    zhao2000_real tolerance, zhao2000_pose *pose, zhao2000_real *residual, bool *is_firm)
 {
     zhao2000_status status = ZHAO2000_OK;
     zhao2000_real h[2];
@@ -1305,15 +1548,21 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w,
     if (!(*residual <= tolerance + 1.71e-12)) {
         status = ZHAO2000_SINGULAR;
     }
-    if (!(w->y[0] >= -0.000304)) { /* radial1 */
+    bool firm = (w->share > 0.015625) && (w->guard[0] > 4.42e-08) && (w->guard[1] > 173.0)
+        && (w->guard[2] > 1.47e-08) && (w->guard[3] > 1.36e-12);
+    if (!(w->y[0] >= 0.0)) { /* radial1 */
         status = ZHAO2000_WRONG_BRANCH;
     }
-    if (!(w->y[2] >= -0.00029)) { /* radial2 */
+    firm = firm && (w->y[0] > 0.00243);
+    if (!(w->y[2] >= 0.0)) { /* radial2 */
         status = ZHAO2000_WRONG_BRANCH;
     }
-    if (!(w->y[4] >= -0.0003)) { /* radial3 */
+    firm = firm && (w->y[2] > 0.00232);
+    if (!(w->y[4] >= 0.0)) { /* radial3 */
         status = ZHAO2000_WRONG_BRANCH;
     }
+    firm = firm && (w->y[4] > 0.0024);
+    *is_firm = firm;
     if (status == ZHAO2000_OK) {
         pose->position[0] = w->y[6];
         pose->position[1] = w->y[7];
@@ -1326,8 +1575,7 @@ static zhao2000_status zhao2000_direct_answer(const zhao2000_direct_work *w,
     return status;
 }
 
-/* The answer at joint values: the formulas there with the guess's signs, where the line keeps
- * them. */
+/* The answer at joint values. */
 static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
     const zhao2000_pose *guess, zhao2000_pose *pose, const zhao2000_config *config,
     zhao2000_info *info)
@@ -1340,8 +1588,6 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
     zhao2000_status status = zhao2000_read_guess(&w, guess);
     const zhao2000_status limits = zhao2000_check_limits(joints);
     w.share = 0.0;
-    w.over = 4.0;
-    w.reach = 0U;
     /* NaN or infinity anywhere comes first */
     if ((status == ZHAO2000_OK) || (limits == ZHAO2000_NONFINITE)) {
         status = limits;
@@ -1352,52 +1598,18 @@ static zhao2000_status zhao2000_direct_reach(const zhao2000_real joints[4],
         status = zhao2000_check_config(config, status);
     }
     if (status == ZHAO2000_OK) {
-        /* which part of the slides' ranges holds both ends of the line */
-        zhao2000_real excursion = 0.0020833333333333333 * fabs(w.at[6] - 100.0);
-        {
-            const zhao2000_real other = 0.0020833333333333333 * fabs(joints[3] - 100.0);
-            excursion = (other > excursion) ? other : excursion;
-        }
-        w.reach += (excursion > 0.0625) ? 1U : 0U;
-        w.reach += (excursion > 0.25) ? 1U : 0U;
-        if (!(excursion <= 1.0)) {
-            status = ZHAO2000_WRONG_BRANCH;
-        }
+        const unsigned int most = config->max_iterations;
+        status = zhao2000_direct_line(&w, joints, most, &count);
     }
     if (status == ZHAO2000_OK) {
-        const unsigned int most = config->max_iterations;
-        zhao2000_real change[4];
-        bool kept = false;
-        if (most > 0U) {
-            zhao2000_direct_set(&w, joints);
-            zhao2000_direct_formulas(&w);
-            count = 1U;
-            /* squares of changes, of an angle by its chord's, up to a right angle */
-            kept = true;
-            const zhao2000_real move0 = w.u[0] - w.at[0];
-            const zhao2000_real move1 = w.u[1] - w.at[1];
-            const zhao2000_real chord0 = move0 * move0 + move1 * move1;
-            kept = kept && (chord0 <= 2.0);
-            change[0] = chord0 + 0.117 * chord0 * chord0;
-            const zhao2000_real move2 = w.u[2] - w.at[2];
-            const zhao2000_real move3 = w.u[3] - w.at[3];
-            const zhao2000_real chord1 = move2 * move2 + move3 * move3;
-            kept = kept && (chord1 <= 2.0);
-            change[1] = chord1 + 0.117 * chord1 * chord1;
-            const zhao2000_real move4 = w.u[4] - w.at[4];
-            const zhao2000_real move5 = w.u[5] - w.at[5];
-            const zhao2000_real chord2 = move4 * move4 + move5 * move5;
-            kept = kept && (chord2 <= 2.0);
-            change[2] = chord2 + 0.117 * chord2 * chord2;
-            const zhao2000_real move6 = w.u[6] - w.at[6];
-            change[3] = move6 * move6;
-            kept = kept && zhao2000_line_keeps(&w, change);
-        }
-        if (!kept) {
-            status = zhao2000_direct_walk(&w, joints, most, &count);
+        zhao2000_pose answer;
+        bool firm = true;
+        status = zhao2000_direct_answer(&w, config->tolerance, &answer, &residual, &firm);
+        if ((status == ZHAO2000_OK) && !firm) {
+            status = zhao2000_direct_stays(&w, joints, &answer);
         }
         if (status == ZHAO2000_OK) {
-            status = zhao2000_direct_answer(&w, config->tolerance, pose, &residual);
+            *pose = answer;
         }
     }
     if (count > 0U) {
@@ -1437,7 +1649,7 @@ zhao2000_status zhao2000_inverse(const zhao2000_pose *pose, zhao2000_real joints
     zhao2000_real passive[6] = { 0.0 };
     zhao2000_status status = zhao2000_pose_coordinates(pose, c);
     if (status == ZHAO2000_OK) {
-        status = zhao2000_solve_limbs(c, q, passive);
+        status = zhao2000_solve_limbs(c, q, passive, 0.00024);
         if (status != ZHAO2000_OK) {
             status = ZHAO2000_OUT_OF_RANGE;
         } else {

@@ -22,22 +22,13 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 100 iterations, 10414 add, 12153 mul, 813 div, 412 sqrt, 303 sin, 303 cos, 3 atan2
- *   track: 1 iterations, 316 add, 372 mul, 21 div, 16 sqrt, 6 sin, 6 cos, 3 atan2
- *   inverse: 51 add, 52 mul, 4 div, 5 sqrt, 3 sin, 3 cos, 4 atan2
+ *   direct: 100 iterations, 10787 add, 12611 mul, 840 div, 428 sqrt, 312 sin, 312 cos, 6 atan2
+ *   track: 1 iterations, 689 add, 830 mul, 48 div, 32 sqrt, 15 sin, 15 cos, 6 atan2
+ *   inverse: 105 add, 90 mul, 4 div, 5 sqrt, 9 sin, 9 cos, 4 atan2
  *   jacobian: 132 add, 218 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 166 add, 246 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   twist: 192 add, 314 mul, 34 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
- *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 114330 instructions, 1480 stack, 5848 code
- *   track: 2185 instructions, 1496 stack, 5888 code
- *   inverse: 1055 instructions, 912 stack, 1400 code
- *   jacobian: 1270 instructions, 1096 stack, 2144 code
- *   rates: 1595 instructions, 1344 stack, 2320 code
- *   feed: 1710 instructions, 1392 stack, 2420 code
- *   twist: 2410 instructions, 1496 stack, 2772 code
  *
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */
