@@ -30,11 +30,11 @@
  *   rates: 910 add, 1101 mul, 47 div, 5 sqrt
  *   feed: 916 add, 1107 mul, 53 div, 5 sqrt
  *   track: 1484 add, 1923 mul, 49 div, 10 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 15818 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 14808 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   inverse_all: 81425 instructions, 704 stack, 5940 code
- *   inverse_branch: 11280 instructions, 728 stack, 6012 code
- *   inverse_nearest: 11420 instructions, 776 stack, 6208 code
+ *   inverse_all: 86940 instructions, 704 stack, 5940 code
+ *   inverse_branch: 11390 instructions, 728 stack, 6012 code
+ *   inverse_nearest: 11540 instructions, 776 stack, 6208 code
  *   direct: 625 instructions, 112 stack, 1304 code
  *   inverse: 98355 instructions, 936 stack, 8224 code
  *   jacobian: 690 instructions, 112 stack, 1564 code
