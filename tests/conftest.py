@@ -2,13 +2,14 @@
 
 import os
 import signal
+from functools import partial
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before NumPy is loaded: tests run side by side, a process a core
 
 import pytest
 from hypothesis import HealthCheck, settings
 
-from helpers import inside
+from helpers import inside, warm_child
 
 settings.register_profile(
     "symkin", derandomize=True, deadline=None, max_examples=60, suppress_health_check=[HealthCheck.too_slow]
@@ -48,3 +49,20 @@ def heard_interrupts():
 def no_lines_on_slow_machines(monkeypatch):
     """Commands say what they do after some seconds, which tests that want an empty stderr need not wait for."""
     monkeypatch.setattr(inside.progress, "_FIRST", 600.0)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def one_mujoco():
+    """MJCF files are compiled by forks of one process, which has loaded MuJoCo: a process for each file takes 0.3 s."""
+    if not hasattr(os, "fork"):
+        yield
+        return
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(inside.mjcf, "answer_of", partial(warm_child.answer_of, inside.child.answer_of))
+        yield
+
+
+@pytest.fixture
+def own_mujoco(monkeypatch):
+    """Each MJCF file is compiled by a process of its own, as outside the tests."""
+    monkeypatch.setattr(inside.mjcf, "answer_of", inside.child.answer_of)

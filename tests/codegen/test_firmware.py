@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 
 import numpy as np
 import pytest
@@ -30,8 +31,13 @@ def test_committed_folders_are_what_the_generator_writes(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cc", ["gcc", "clang"])
-@pytest.mark.parametrize("folder", in_gate(tools.FOLDERS, tools.KINDS))
+@pytest.mark.parametrize(
+    ("folder", "cc"),
+    in_gate(
+        product(tools.FOLDERS, ["gcc", "clang"]),
+        [(name, ("gcc", "clang")[k % 2]) for k, name in enumerate(tools.KINDS)],
+    ),
+)
 def test_folders_compile_and_pass(folder, cc, tmp_path):
     """Strict C99 without a warning; every vector and every failure status."""
     source, name = tools.folder(folder), tools.manifest(folder)["mechanism"]
@@ -53,7 +59,7 @@ SAMPLES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(["float", "double"], ["double"]))
-@pytest.mark.parametrize("sample", in_gate_but(list(SAMPLES), ["delta", "five_bar"]))
+@pytest.mark.parametrize("sample", in_gate(list(SAMPLES), ["pieper", "four_bar"]))
 def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
     """Overconstrained, planar, translational and serial mechanisms alike."""
     mechanism = SAMPLES[sample]()
@@ -66,7 +72,7 @@ def test_other_mechanisms_compile_and_pass(sample, real, tmp_path):
     "file",
     in_gate_but(
         sorted(MACHINES.glob("*.toml")),
-        [MACHINES / f"{name}.toml" for name in ("three_rpr", "hexaglide", "three_rrr", "orthoglide")],
+        [p for p in MACHINES.glob("*.toml") if p.stem not in ("six_rss", "tricept", "linear_delta")],
     ),
     ids=lambda path: path.stem,
 )

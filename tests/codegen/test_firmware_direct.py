@@ -40,7 +40,7 @@ MACHINES = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize("name", in_gate(MACHINES, ["3-TRT + SPS", "delta"]))
 def test_lines_from_all_over_the_workspace(name, real):
     """A quarter of the guesses beside a fold: what is OK is what a walk in many points reaches, and nearly all regular lines are."""
     tools.compiler("gcc")

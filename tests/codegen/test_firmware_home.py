@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from helpers import firmware_tools as tools
+from helpers.gate import in_gate
 from helpers.inside import Options, build_program, build_vectors, home_pose, main, mechanism_to_toml, write_folder
 from symkin import Example, InputError, Mechanism, RodLimb, load, solve
 
@@ -114,7 +115,7 @@ def test_cases_are_distinct_and_within_limits(limits):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["ren2008", "zhao2000", "gluon_6l3"])
+@pytest.mark.parametrize("name", in_gate(["ren2008", "zhao2000", "gluon_6l3"], ["zhao2000"]))
 def test_shipped_cases_are_distinct(name):
     """With limits, without, and of an arm."""
     kind = build_program(load(name), Options("float")).kind

@@ -44,7 +44,7 @@ def units(mechanism):
     return np.array([180 / np.pi if c.is_angular else scale for c in mechanism.actuated]), scale
 
 
-@pytest.mark.parametrize("name", ["zhang2009", "ren2008"])
+@pytest.mark.parametrize("name", in_gate(["zhang2009", "ren2008"], ["ren2008"]))
 def test_a_hexapod_as_python_solves_it(name, tmp_path):
     """World coordinates in mm and degrees, R = Rz(C) Ry(B) Rx(A), joints in mm; forward undoes inverse, from other poses too."""
     mechanism = symkin.load(name)
@@ -66,7 +66,7 @@ def test_a_hexapod_as_python_solves_it(name, tmp_path):
         assert np.allclose(forward[1:], world, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", in_gate(["delta", "zhao2000", "scara", "ur5e", "five_bar"], ["zhao2000", "scara", "five_bar"]))
+@pytest.mark.parametrize("name", in_gate(["delta", "zhao2000", "scara", "ur5e", "five_bar"], ["scara", "five_bar"]))
 def test_forward_undoes_inverse(name, tmp_path):
     """At the reference and beside it; world coordinates that a platform does not have are as at home, whatever is asked."""
     mechanism = readme_five_bar("planar") if name == "five_bar" else symkin.load(name)

@@ -33,8 +33,12 @@ def _called(folder: Path, tmp_path: Path, *flags: str) -> str:
     return tools.passed(tools.built("gcc", tmp_path, sources, "calls", *macros, *flags, *SANITIZED, f"-I{folder}"))
 
 
+FEW = ["ankle_float", "delta_double", "scara_float", "zhang2009_float_home_relative"]
+"""A map, a platform, an arm with a closed form, rods: what the gate feeds with what is not finite."""
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", in_gate(tools.POSES, tools.KINDS))
+@pytest.mark.parametrize("folder", in_gate(tools.POSES, FEW))
 def test_one_status_for_what_is_not_finite(folder, tmp_path):
     """NaN or an infinity in any number of joints, pose or guess is NONFINITE in every function that reads it, whatever else is
     wrong; a number whose square overflows is never OK."""
@@ -50,7 +54,7 @@ def _fuzzed(folder: Path, count: int) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", in_gate(tools.FOLDERS, tools.KINDS))
+@pytest.mark.parametrize("folder", in_gate(tools.FOLDERS, FEW))
 def test_fuzz_under_sanitizers_and_traps(folder):
     """NaN, infinity, zero, huge, tiny, singular and ordinary inputs: a status, finite results when it is OK, no undefined behaviour, no
     division by zero, and of finite inputs no invalid operation. SYMKIN_FUZZ sets the count of inputs."""

@@ -28,7 +28,7 @@ MECHANISMS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("real", in_gate(["double", "float"], ["float"]))
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", in_gate(MECHANISMS, ["five-bar", "3-RRR"]))
 def test_walks_keep_their_branch(name, real):
     """Three lines after each other from home: what is OK is what fine continuation reaches."""
     tools.compiler("gcc")
@@ -100,7 +100,7 @@ def _short_coupler():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("degrees", in_gate([3.9, 4.0, 4.1, 4.2, 4.3, 6.0], [3.9, 4.1, 4.2, 6.0]))
+@pytest.mark.parametrize("degrees", in_gate([3.9, 4.0, 4.1, 4.2, 4.3, 6.0], [3.9, 4.1]))
 def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
     """A crank that passes the line of its coupler: the pose of an OK answer gives the crank's own angle back."""
     # rates of a slide by motions across it are not defined, and the folder's own test asks for them
@@ -113,21 +113,24 @@ def test_no_answer_lies_beyond_a_dead_centre_however_near(degrees, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("limits", [(0.0, 2 * math.pi), (-7.0, 7.0), (-math.pi, math.pi)])
-def test_limited_cranks_that_turn_over_half_a_turn(limits, tmp_path):
+@pytest.mark.parametrize(
+    ("low", "high"),
+    in_gate([(0.0, 2 * math.pi), (-7.0, 7.0), (-math.pi, math.pi)], [(-7.0, 7.0)]),
+)
+def test_limited_cranks_that_turn_over_half_a_turn(low, high, tmp_path):
     """A crank-rocker whose crank has limits: every angle within them is reached in steps of ten degrees, and the inverse gives it
     back, by whole turns within the limits."""
-    mechanism = bars(100.0, 30.0, 90.0, 60.0, limits=limits)
+    mechanism = bars(100.0, 30.0, 90.0, 60.0, limits=(low, high))
     library = _library(mechanism, tmp_path)
     start = symkin.solve(mechanism, joints=[1.0]).solution
     pose, back = _numbers([*start.position, *start.quaternion]), _numbers([0.0])
     answered = 0
-    for angle in np.arange(1.0, limits[1], math.radians(10)):
+    for angle in np.arange(1.0, high, math.radians(10)):
         if library.bars_direct(None, _numbers([angle]), pose, pose, None) != 0:
             break
         answered += 1
         assert library.bars_inverse(pose, back) == 0
-        assert limits[0] <= back[0] <= limits[1]
+        assert low <= back[0] <= high
         assert math.isclose(math.remainder(back[0] - angle, 2 * math.pi), 0.0, abs_tol=1e-6)
     assert answered > 10
 

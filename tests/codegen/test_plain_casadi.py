@@ -21,7 +21,7 @@ def table_rows() -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("| ")]
 
 
-@pytest.fixture(scope="module", params=in_gate(["zhang2009", "zhao2000", "gluon_6l3"], ["zhang2009", "zhao2000"]))
+@pytest.fixture(scope="module", params=in_gate(["zhang2009", "zhao2000", "gluon_6l3"], ["zhang2009"]))
 def both(request):
     tools.compiler("gcc")
     answers, plain = tools.bench_module("plain_answers"), tools.bench_module("plain_casadi")

@@ -23,7 +23,7 @@ def build(folder: Path, *options: str) -> None:
     assert done.returncode == 0, done.stderr[-4000:]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_site_is_built_without_a_warning(tmp_path: Path) -> None:
     """With a gallery of three; help, tolerances and verdicts are there."""
     build(tmp_path, "-t", "short")

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import in_gate
 from helpers.inside import Meeting, _labels, shown_numbers
 from helpers.samples import rus
 
 
-@pytest.mark.parametrize("limbs", [2, 4])
+@pytest.mark.parametrize("limbs", in_gate([2, 4], [2]))
 def test_modes_are_listed_by_sets_of_motors(limbs):
     """4^n modes of 2^n sets of motors: each set is printed before another mode of it, by its number in the list, and the U joints in
     which others differ are named."""

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import symkin
-from helpers.gate import in_gate
+from helpers.gate import each_once, in_gate
 from helpers.inside import as_graph, main
 from helpers.same_mechanism import assert_same
 
@@ -25,8 +25,10 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
     return int(stop.value.code or 0), out, err
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
-@pytest.mark.parametrize("name", ["four_bar", "ankle", "slider_crank", "excavator_bucket", "parallel_gripper"])
+FEW = ["four_bar", "ankle", "slider_crank", "excavator_bucket", "parallel_gripper"]
+
+
+@pytest.mark.parametrize(("name", "suffix"), each_once(FEW, FORMATS))
 def test_as_many_modes(name: str, suffix: str, tmp_path: Path) -> None:
     """At values of the actuated joints near the reference; angles are in radians and lengths in metres in the file."""
     mechanism = symkin.load(name)
@@ -43,7 +45,7 @@ def test_as_many_modes(name: str, suffix: str, tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    in_gate(["spherical_wrist", "zhang2009", "zhao2000", "delta_parallelograms"], ["zhang2009", "zhao2000", "spherical_wrist"]),
+    in_gate(["spherical_wrist", "zhang2009", "zhao2000", "delta_parallelograms"], ["zhao2000"]),
 )
 def test_as_many_modes_of_limbs(name: str, tmp_path: Path, kept_starts: None) -> None:
     """Limbs are joints and rods between links in the file, a restricted platform hangs on joints of its own."""
@@ -149,8 +151,7 @@ def test_without_the_text_parts_are_joints_of_their_own(tmp_path: Path) -> None:
     assert not plain.link_rods
 
 
-@pytest.mark.parametrize("suffix", FORMATS)
-@pytest.mark.parametrize("name", ["bricard", "zhang2009", "ankle"])
+@pytest.mark.parametrize(("name", "suffix"), each_once(["bricard", "zhang2009", "ankle"], FORMATS))
 def test_motors_are_those_of_the_mechanism(name: str, suffix: str, tmp_path: Path) -> None:
     """What moves and no motor drives is not taken for driven, though nothing else tells motors; and motors may be told beside it."""
     mechanism = symkin.load(name)

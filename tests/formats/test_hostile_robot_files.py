@@ -16,6 +16,8 @@ import pytest
 from helpers.command_line import run
 from helpers.inside import child, loops_beside, shown
 
+pytestmark = pytest.mark.usefixtures("own_mujoco")
+
 MJCF = "<mujoco model='r'>{0}<worldbody><body name='b'><joint name='j' axis='0 0 1'/>{1}</body></worldbody></mujoco>"
 URDF = "<robot name='r'><link name='l0'/>{}</robot>"
 XACRO = "<robot name='r' xmlns:xacro='http://www.ros.org/wiki/xacro'>{}</robot>"

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import each_once
 from helpers.inside import Robot, Tree, rank_at, read_robot
 from helpers.made_robots import MACHINES, Machine, humanoid, opened
 from helpers.robot_texts import write
@@ -102,11 +103,7 @@ def values_of(one: Read, solution: symkin.Solution) -> dict[str, Any]:
     return {**scalars, **ball_values(one.machine, part_poses(one, solution))}
 
 
-CASES = [
-    pytest.param(name, suffix, marks=[pytest.mark.slow] if name in LARGE and suffix != ("xml", "urdf")[name == "delta"] else [])
-    for name in MACHINES
-    for suffix in FORMATS
-]
+CASES = each_once(MACHINES, FORMATS)
 
 
 @pytest.mark.parametrize(("name", "suffix"), CASES)
@@ -145,14 +142,7 @@ def test_rank_and_mobility(name: str, suffix: str, read_one: Any) -> None:
     assert symkin.mobility(one.mechanism).mobility == theirs
 
 
-RATES = [
-    pytest.param(name, suffix, marks=[pytest.mark.slow] if suffix != FORMATS[k % 3] else [])
-    for k, name in enumerate(MACHINES)
-    for suffix in FORMATS
-]
-
-
-@pytest.mark.parametrize(("name", "suffix"), RATES)
+@pytest.mark.parametrize(("name", "suffix"), CASES)
 def test_rates_are_central_differences_of_mujocos_poses(name: str, suffix: str, read_one: Any) -> None:
     """Each given joint is moved a step and back, the loops closed by Newton's method on MuJoCo's constraints: joint values change as the
     Jacobian of the other joints by the given ones tells, and so does the pose of the last link."""
@@ -200,8 +190,10 @@ def pose_numbers(pose: np.ndarray) -> np.ndarray:
     return np.array([*pose[:3, 3], azimuth, tilt, np.arctan2(turn[2, 1], -turn[2, 0]) + azimuth])
 
 
-@pytest.mark.parametrize("suffix", ["xml", "urdf"])
-@pytest.mark.parametrize("name", [name for name in MACHINES if name not in (*LARGE, "universal_loop", "leg")])
+PLANAR = [name for name in MACHINES if name not in (*LARGE, "universal_loop", "leg")]
+
+
+@pytest.mark.parametrize(("name", "suffix"), each_once(PLANAR, ["xml", "urdf"]))
 def test_files_that_are_open(name: str, suffix: str, tmp_path: Path) -> None:
     """Joints told from other zeros: closed by `close` where MuJoCo's constraints are closed, with MuJoCo's poses; and so beside it."""
     machine = opened(MACHINES[name](), 0.3, seed=len(name))
@@ -219,8 +211,10 @@ def test_files_that_are_open(name: str, suffix: str, tmp_path: Path) -> None:
             np.testing.assert_allclose(pose, poses[part], atol=POSE)
 
 
-@pytest.mark.parametrize("form", range(5))
-@pytest.mark.parametrize("name", ["four_bar", "five_bar", "gripper", "screw_drive"])
+WRITTEN = ["four_bar", "five_bar", "gripper", "screw_drive"]
+
+
+@pytest.mark.parametrize(("name", "form"), each_once(WRITTEN, range(5)))
 def test_every_way_of_writing_a_loop_in_urdf_is_the_same_machine(name: str, form: int, read_one: Any) -> None:
     """The same mobility, and MuJoCo's poses, whichever element or file tells the closures."""
     one = read_one(name, "urdf", form)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
+from itertools import product
 
 import pytest
 
@@ -24,3 +25,13 @@ def in_gate_but(values: Iterable[object], others: Collection[object]) -> list[ob
     if unknown:
         raise ValueError(f"no parameters of this test: {unknown}")
     return in_gate(every, [value for value in every if value not in others])
+
+
+def each_once(*lists: Collection[object], kept: Collection[object] = ()) -> list[object]:
+    """Parameters of a test over several lists: all combinations, of which the gate runs as few as hold each value of each list.
+
+    `kept` are combinations that the gate runs besides.
+    """
+    values = [list(one) for one in lists]
+    few = {tuple(one[k % len(one)] for one in values) for k in range(max(map(len, values)))}
+    return in_gate(product(*values), few | set(kept))

@@ -540,6 +540,7 @@ MODULES = {
     "progress": "symkin.cli.progress",
     "block_follower": "symkin.following.block_follower",
     "child": "symkin.formats.child",
+    "mjcf": "symkin.formats.mjcf",
     "closing": "symkin.formats.closing",
     "load_file": "symkin.formats.load",
     "compiled": "symkin.homotopy.compiled",

@@ -83,6 +83,8 @@ CLASSICAL = {
     **{made.__name__: made for made in joint_types.MADE},
 }  # fmt: skip
 NAMES = [*LIMBS, *CLASSICAL, *FAMILIES]
+FEW = [*LIMBS[::3], *list(CLASSICAL)[::3], *list(FAMILIES)[::2]]
+"""Those on which the gate tries laws that take long."""
 
 
 @dataclass(frozen=True, eq=False)

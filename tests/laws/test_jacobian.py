@@ -11,6 +11,7 @@ import pytest
 import symkin
 from helpers import jacobian_cases as cases
 from helpers import samples
+from helpers.gate import in_gate
 from helpers.inside import KINDS, velocity_equations
 from symkin import InputError, jacobian
 
@@ -20,7 +21,7 @@ def _kinds(case):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", cases.NAMES)
+@pytest.mark.parametrize("name", in_gate(cases.NAMES, cases.FEW))
 def test_symbolic_equals_numeric(name):
     """Direct, inverse and passive Jacobians are those of the velocity equations, to 1e-12 of the largest entry; where the
     condition is large to twenty roundings of it, since the loops close to two or three, as the processor has it, and both eliminations

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import symkin
+from helpers.gate import each_once, in_gate
 from helpers.inside import build_problem, group_paths, group_solver, is_linear, structure_groups
 from helpers.moved_mechanisms import displaced, reordered, scaled, scaled_values
 from helpers.samples import delta
@@ -55,9 +56,13 @@ def at_home(name: str) -> tuple[symkin.Mechanism, dict[str, float]]:
     return mechanism, {name: value + 0.01 for name, value in at.items()}
 
 
-@pytest.mark.parametrize("name", [*NAMES, "spherical"])
-@pytest.mark.parametrize(("factor", "turned"), [(1.0, True), (1e-8, False), (1e-8, True), (1e6, True)])
-def test_a_twin_has_the_modes_at_home(name: str, factor: float, turned: bool) -> None:
+TWINS = [(1.0, True), (1e-8, False), (1e-8, True), (1e6, True)]
+"""Factors of size, and whether the machine is turned in space."""
+
+
+@pytest.mark.parametrize(("name", "twin"), each_once([*NAMES, "spherical"], TWINS))
+def test_a_twin_has_the_modes_at_home(name: str, twin: tuple[float, bool]) -> None:
+    factor, turned = twin
     mechanism, values = at_home(name)
     home = symkin.modes(mechanism, given=values)
     twin = reordered(scaled(displaced(mechanism, TURN) if turned else mechanism, factor), 1)
@@ -69,7 +74,7 @@ def test_a_twin_has_the_modes_at_home(name: str, factor: float, turned: bool) ->
     assert np.all(np.min(apart, axis=1) < 1e-6)
 
 
-@pytest.mark.parametrize("factor", [1e-8, 1e6])
+@pytest.mark.parametrize("factor", in_gate([1e-8, 1e6], [1e-8]))
 def test_a_delta_of_any_size_has_its_modes(factor: float) -> None:
     home, twin = delta(), scaled(delta(), factor)
     motors = [0.1, 0.2, 0.3]
@@ -88,7 +93,7 @@ def test_both_values_of_a_choice_are_looked_at(value: float) -> None:
     assert len(formulas) == len(paths) == (2 if abs(value) < 50.0 else 4)
 
 
-@pytest.mark.parametrize("factor", [1e-6, 1e-5, 1.0, 1e5])
+@pytest.mark.parametrize("factor", in_gate([1e-6, 1e-5, 1.0, 1e5], [1e-6, 1e5]))
 def test_lengths_do_not_decide_how_far_angles_are_sampled(factor: float) -> None:
     found = symkin.modes(scaled(one_point(), factor), given={"p0": 0.0})
     assert (len(found), found.completeness) == (4, "probability one")

@@ -21,7 +21,7 @@ from studies.others import hexapod_classes as hexapods
 from studies.others.hexapod_classes import IncidenceClass, all_classes, canonical, from_list
 from studies.others.solvers import never
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.long]
 
 DATA = json.loads((Path(__file__).parents[1] / "data" / "dietmaier1998.json").read_text())
 

@@ -16,6 +16,7 @@ FEWER = {
 """Options with which a study takes seconds and has the rows of a whole run."""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FEWER)
 def test_a_papers_table_is_its_studys(name: str, tmp_path: Path) -> None:
