@@ -246,3 +246,11 @@ def test_random_robots(seed: int, tmp_path: Path) -> None:
         return
     if closed:
         check_against_mujoco(path, 0)
+
+
+def test_a_process_of_its_own_says_the_same(request: pytest.FixtureRequest) -> None:
+    """The tests compile by forks of one process, users by a process for each file."""
+    path = sorted(MODELS.glob("*.xml"))[0]
+    by_fork = repr(read_mjcf(path))
+    request.getfixturevalue("own_mujoco")
+    assert repr(read_mjcf(path)) == by_fork

@@ -1,8 +1,8 @@
 """Answer what MuJoCo's compiler says of a file from a process that has loaded it, in place of one that is started for each file.
 
-This file is both ends. `answer_of` has the signature of that of `symkin.formats.child` and asks a process that forks for each
-question, so that what a file does to the compiler harms no other question. Where a fork gives no answer, the question goes to the
-child of symkin itself, and its words are what the caller hears.
+This file is both ends. `answer_of` asks a process that forks for each question, so that what a file
+does to the compiler harms no other question. Where a fork gives no answer, the question goes to the
+child of the package itself (`formats/child.py`), and its words are what the caller hears.
 """
 
 from __future__ import annotations
