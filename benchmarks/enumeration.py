@@ -7,14 +7,16 @@ cases take turns, so that a busy machine slows all alike; multiples of T are med
 processor, so that other programs do not count, but for first answers. Each engine runs in a process of its own with one thread
 and an empty cache. The columns:
 
-  first s    the first answer of a mechanism never seen, at most 3 s for platforms on six rods and 30 s for others; "kept":
-             the package carries its start
-  all        one call of `symkin.modes` once the start is kept, certified, medians over random inputs that are drawn before the
-             clock starts; `most`: what it may take, in T (! above); of it `paths T` for the paths and `proofs T` for certificates
+  first s    the first answer of a mechanism never seen, at most 3 s for platforms on six rods and
+             30 s for others; "kept": the package carries its start
+  all        one call of `symkin.modes` once the start is kept, certified, medians over random
+             inputs that are drawn before the clock starts; `most`: what it may take, in T
+             (! above); of it `paths T` for the paths and `proofs T` for certificates
   each       the same inputs in one call of `symkin.modes` with arrays, of each input
   limit      most that the paths may take, in T
   table      a prototype of one generic engine in NumPy, in T: many instances at once / one instance
-  unresolved, miscounted: inputs with an unresolved path, or with another number of complex solutions than the generic one
+  unresolved, miscounted   inputs with an unresolved path, or with another number of complex
+             solutions than the generic one
 """
 
 from __future__ import annotations
@@ -193,7 +195,8 @@ def print_table(engine: str, done: list[Measured]) -> None:
     print(f"\nengine {engine}: T = {1e6 * kernel:.1f} us (median)")
     head = (
         f"{'case':18}{'first s':>9} {'':6}{'all ms':>8}{'all T':>7} {'most':>5}{'paths T':>9}{'limit':>7} {'':6}{'proofs T':>9}"
-        f"{'each T':>8}  {'table':>15}{'complex':>9}{'real':>6}{'certified':>11}{'unresolved':>12}{'miscounted':>12}  tracked by"
+        f"{'each T':>8}  {'table':>15}{'complex':>9}{'real':>6}"
+        f"{'certified':>11}{'unresolved':>12}{'miscounted':>12}  tracked by"
     )
     print(head)
     for m in done:
@@ -212,9 +215,11 @@ def print_row(engine: str, m: Measured) -> None:
     most = MOST_WHOLE[case.name == "dietmaier1998"]
     slow = "" if m.in_kernels(m.whole) <= most else "!"
     print(
-        f"{case.name:18}{m.first:9.2f} {first:6}{whole:8.1f}{m.in_kernels(m.whole):7.0f}{slow:1}{most:5.0f}{paths:9.0f}{bound:>7} {within:6}"
+        f"{case.name:18}{m.first:9.2f} {first:6}{whole:8.1f}{m.in_kernels(m.whole):7.0f}{slow:1}"
+        f"{most:5.0f}{paths:9.0f}{bound:>7} {within:6}"
         f"{m.in_kernels(m.proofs):9.1f}{m.together:8.1f}  {figures:>15}{case.complex_count:9d}{statistics.mean(m.real):6.1f}"
-        f"{sum(m.certified):6d}/{sum(m.real):<5d}{m.unresolved:6d}/{inputs:<5d}{m.miscounted:6d}/{inputs:<5d}  {m.engine}"
+        f"{sum(m.certified):6d}/{sum(m.real):<5d}{m.unresolved:6d}/{inputs:<5d}"
+        f"{m.miscounted:6d}/{inputs:<5d}  {m.engine}"
     )
 
 
@@ -248,7 +253,7 @@ def run_peer(options: argparse.Namespace) -> None:
         return
     platforms = [c for c in all_cases(options.seed) if c.six_distances and any(p in c.name for p in options.cases.split(","))]
     rng, kernel = np.random.default_rng(options.seed), ReferenceKernel()
-    print("\npeer: PHCpack, blackbox (phc -b), one run each in a process of its own, first input of each platform")
+    print("\npeer: PHCpack (phc -b), one run each in a process of its own, first input of each platform")
     for case in platforms:
         legs = np.asarray(case.draw(rng)["joints"])
         unit, answer = kernel.seconds(300), phcpack.solve(case.mechanism, legs, options.seed, options.peer_timeout)

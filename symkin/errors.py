@@ -34,7 +34,7 @@ class InputError(SymkinError):
     >>> import symkin
     >>> symkin.solve(symkin.load("zhao2000"), joints={"theta1": 80.0})
     Traceback (most recent call last):
-    symkin.errors.InputError: joints: no value is given for theta2, theta3, op; the actuated joints of zhao2000 are theta1, ...
+    symkin.errors.InputError: joints: no value is given for theta2, theta3, op; the actuated ...
     """
 
 

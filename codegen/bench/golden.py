@@ -49,7 +49,8 @@ _MAPS = {
 }
 """Maps between joints: given and found coordinates."""
 MACHINES = (*_SHIPPED, *_BENCH, *_MAPS)
-_HEAD = f"""# What `python codegen/bench/golden.py --write` found of the generated C, for comparison.
+_HEAD = f"""\
+# What `python codegen/bench/golden.py --write` found of the generated C, for comparison.
 #
 # [operations.MACHINE.TYPE]: of each function the most that a call without a config takes:
 #   {", ".join(COLUMNS)}; "-": no bound
@@ -120,7 +121,7 @@ def _operation_differences(old: Figures, new: Figures) -> Iterator[str]:
             yield f"{function}: there is no such function any more"
         elif before is None or now is None:
             if before != now:
-                yield f"{function}: {'its operations are bounded now' if before is None else 'its operations have no bound any more'}"
+                yield f"{function}: its operations {'are bounded now' if before is None else 'have no bound any more'}"
         else:
             changed = [f"{b} -> {n} {name}" for name, b, n in zip(COLUMNS, before, now, strict=True) if b != n]
             if changed:

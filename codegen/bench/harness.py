@@ -148,7 +148,8 @@ def _map_text(program: Program) -> str:
     tables += [
         table("double", f"expected_{key}", cases[of], Real("double")) for key, of in (("found", "found"), ("joints", "inverse"))
     ]
-    prepare = f"""const bool back = (kind == 2) || (kind == 3) || (kind == 5), cold = (kind == 0) || (kind == 2);
+    prepare = f"""const bool back = (kind == 2) || (kind == 3) || (kind == 5);
+        const bool cold = (kind == 0) || (kind == 2);
         const {real.type} *const start = back ? (cold ? cold_joint_guesses[0] : joint_guesses[k]) : (cold ? cold_guesses[0] : guesses[k]);
         const double (*const expected)[{n}] = back ? expected_joints : expected_found;
         {real.type} result[{n}]; {name}_info info; int status;
@@ -167,7 +168,8 @@ def _serial_text(program: Program) -> str:
     tables = [table(real.type, key, cases[key], real) for key in ("guesses", "poses")]
     tables.append(table("double", "expected", cases["expected"], Real("double")))
     first, nominal = _nominal(program)
-    prepare = f"""{name}_pose pose; {name}_info info; {real.type} result[{n}]; int status; (void)kind;
+    prepare = f"""{name}_pose pose; {name}_info info; {real.type} result[{n}]; int status;
+        (void)kind;
         for (int i = 0; i < 3; ++i) {{ pose.position[i] = poses[k][i]; }}
         for (int i = 0; i < 4; ++i) {{ pose.quaternion[i] = poses[k][3 + i]; }}"""
     call = f"status = (int){name}_inverse({first}0, &pose, guesses[k], result, &info);"

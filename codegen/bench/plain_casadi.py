@@ -4,9 +4,11 @@
 
 Writes NAME_casadi.c and NAME_casadi.h for each of the five systems, about 1,000 lines each; they are not committed. Functions:
 
-    NAME_newton    unknowns z from a start z0 and the known values: the rootfinder `fast_newton` on F(z, known) = 0
+    NAME_newton    unknowns z from a start z0 and the known values: the rootfinder `fast_newton` on
+                   F(z, known) = 0
     NAME_rows      F(z, known), with which a caller can judge an answer
-    NAME_matrix    joint rates = matrix * twist of a platform, twist = matrix * joint rates of an arm, as symkin's NAME_jacobian
+    NAME_matrix    joint rates = matrix * twist of a platform, twist = matrix * joint rates of an
+                   arm, as symkin's NAME_jacobian
 
 F is the closure that symkin solves (rows in the length unit, quaternions' norms included), z the passive joints and the pose
 of a platform, the joints of an arm. `fast_newton` needs as many rows as unknowns: not so for `zhao2000_links`.

@@ -77,7 +77,8 @@ def _casadi(
     function = called.function
     folder = Path(tempfile.mkdtemp())
     plain.generate(folder)
-    work = f"""static {plain.real} w[{function.sz_w() + 1}]; static casadi_int iw[{function.sz_iw() + 1}];
+    work = f"""static {plain.real} w[{function.sz_w() + 1}];
+        static casadi_int iw[{function.sz_iw() + 1}];
         const {plain.real} *arg[{function.sz_arg() + 1}] = {{ {", ".join(called.arguments)} }}; {plain.real} *res[{function.sz_res() + 1}] = {{ {called.output} }};"""
     call = f"status = {function.name()}(arg, res, iw, w, 0);"
     text = filled(f'#include "{plain.source}.h"', tables, f"{prepare} {work}", call, checked, len(kinds), count)

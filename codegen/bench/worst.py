@@ -4,7 +4,7 @@
 
 float folders run on the Cortex-M4F, double ones on the M7, at -O2. Instructions are the most of any call without a config over random
 inputs of all kinds (inputs.h: own vectors, goals up to the widest range, lines beyond it, NaN and numbers of any size) and over changes of the dearest ones.
---write keeps the figures in codegen/measured.json, from which generate.py writes them into the folders, and the table of codegen/README.md.
+With --write the figures are kept in codegen/measured.json, from which generate.py writes them into the folders, and the table of codegen/README.md.
 """
 
 from __future__ import annotations

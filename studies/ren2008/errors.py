@@ -5,7 +5,8 @@ position (x, y, z) and angles (alpha, beta, gamma), each in the infinity norm as
 
     joint    the paper's frames: those of the fit and of the truth each stand in their own joints
     fitted   frames fitted best to the nominal joints, for the fit and for the truth
-    aligned  after the one constant base frame and tool frame that bring the computed poses nearest to the true ones
+    aligned  after the one constant base frame and tool frame that bring the computed poses nearest
+             to the true ones
 
 Units: m, rad inside; mm, deg in errors. Arrays as in `model`. Rows: the simulated machine's tables, what is assumed,
 and the errors before calibration in each kind of frames. Source: Ren, Feng, Su 2008, 2 (see `study`).

@@ -1,6 +1,7 @@
 """The paper's own identification: residuals (4), cost (6), Levenberg-Marquardt; what it tells apart; equation (8).
 
-    C = [C_alpha^1 ... C_alpha^s, C_beta^1 ... C_beta^s],   C_alpha^i = (alpha_i2 - alpha_i1, ..., alpha_it - alpha_i,t-1)
+    C = [C_alpha^1 ... C_alpha^s, C_beta^1 ... C_beta^s],
+    C_alpha^i = (alpha_i2 - alpha_i1, ..., alpha_it - alpha_i,t-1)
     cost(eta) = |C|^2,   dC/deta by the implicit function (`model.slopes`)
 
 This is written here beside `symkin.calibration`, which has the same residuals as "differences", so that each checks the other.

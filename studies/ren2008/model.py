@@ -10,10 +10,13 @@ the base's, z 1.15 to 1.45 m, angles within 20 deg, extensions 0 to 0.55 m.
 
 The closure of the direct problem, its derivatives, and equations (1), (2) and (8):
 
-    F_i(X; q, eta) = |t + R m_i - b_i| - dl_i - q_i = 0,   i = 1 ... 6,   X = (x, y, z, alpha, beta, gamma)
-    R = Rz(gamma) Ry(beta) Rx(alpha),   eta = (m_1 ... m_6, b_1 ... b_6, dl_1 ... dl_6), 42 parameters
+    F_i(X; q, eta) = |t + R m_i - b_i| - dl_i - q_i = 0,   i = 1 ... 6,
+    X = (x, y, z, alpha, beta, gamma)
+    R = Rz(gamma) Ry(beta) Rx(alpha),
+    eta = (m_1 ... m_6, b_1 ... b_6, dl_1 ... dl_6), 42 parameters
     (1) X = F(q, eta) is the root, near a start, by Newton's method on all postures at once
-    dX/dl = F_X^-1,   dX/deta = -F_X^-1 F_eta          (the derivatives that (8) wants; the paper takes them numerically)
+    dX/dl = F_X^-1,   dX/deta = -F_X^-1 F_eta
+        (the derivatives that (8) wants; the paper takes them numerically)
 
 The extensions, l in the paper, are q here; equations are in m and rad. Arrays have one row a posture: X (n, 6), q (n, 6).
 """

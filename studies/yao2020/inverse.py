@@ -7,7 +7,8 @@ plane II holds O, D1, E1, with normal n = OE1 x OD1. The angle of AD with n give
 
 The shorter way: with u, v, w the columns of R, e = R^T E0, and h the distance of O from axis 5,
 
-    theta5 = atan2(s e_y, -s (e_x - L6)),   |OF2|^2 = (h - s a2)^2 + e_z^2,   h^2 = (e_x - L6)^2 + e_y^2,
+    theta5 = atan2(s e_y, -s (e_x - L6)),
+    |OF2|^2 = (h - s a2)^2 + e_z^2,   h^2 = (e_x - L6)^2 + e_y^2,
 
 s = 1 where F lies between axis 5 and O, -1 where it lies beyond. So f falls until L6 = e_x and rises after it where h > s a2;
 its roots are L6 = e_x +- sqrt(h^2 - e_y^2), h = s a2 +- sqrt(a1^2 - e_z^2) > |e_y|: closed form.

@@ -4,7 +4,8 @@ Notation (global frame, initial position): axes 1, 2, 3 through O along z, y, x;
 E = (-a1-a2, 0, 0) on axis 5 (along z); D = E + (0, 0, d1); tool tip A = D - (a3, 0, 0); B = A + (0, 0, t), C = A + (0, t, 0);
 joint 6 slides along +x by L6. A point passes joint 6 first and joint 1 last, so that
 
-    A = R123 (F + Ry(theta4) (E - F + Rz(theta5) (A - E + (L6, 0, 0)))),   R123 = Rz(theta1) Ry(theta2) Rx(theta3).
+    A = R123 (F + Ry(theta4) (E - F + Rz(theta5) (A - E + (L6, 0, 0)))),
+    R123 = Rz(theta1) Ry(theta2) Rx(theta3).
 
 Units: mm; degrees where printed. Source: Yao Haifeng et al. 2020 (see `study`). The paper prints none of its lengths; they
 follow from the points D0, E0, F0 and the answer of its worked example.

@@ -2,7 +2,8 @@
 
     model      sections 1 and 2.1: axes, points, equations (1) to (3), pose by three points
     inverse    section 2.2: planes, search, return of the axes, closed form, closures
-    search     section 2.2.1 and conclusions: steps and times of the ways to L6 over many poses, with their rows
+    search     section 2.2.1 and conclusions: steps and times of the ways to L6 over many poses,
+               with their rows
     example    sections 2.2.2 and 3.2: rows of the worked example
     holes      section 3.3: reach of the wrist, 86 holes by `track`, joint errors; with its rows
     pictures, sketches   drawings

@@ -139,7 +139,8 @@ def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarra
         "solver", "fast_newton", problem, {"abstol": CLOSED_SCALED, "abstolStep": CLOSED_SCALED, "max_iter": MOST}
     )
     n, sizes = int(closure.X.shape[0]), [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()]
-    prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}]; static double result[{n}]; int status;
+    prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}]; 
+        static double result[{n}]; int status;
         const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }}; double *res[{sizes[1] + 1}] = {{ result }};"""
     tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)
     bench = _folder("solver_c", "solver_c", tables, prepare, "status = solver(arg, res, iw, w, 0);", "solver")
@@ -153,7 +154,8 @@ def symkin_harness(expected: np.ndarray) -> Any:
     """symkin's C of this platform, its branch check included, from the same start."""
     first = quaternion_pose(START)
     tables = _tables(np.array([*first.position, *first.quaternion]), TABLE_1, expected)
-    prepare = """zhang2009_pose pose; zhang2009_info info; int status; const double *const result = pose.position;
+    prepare = """zhang2009_pose pose; zhang2009_info info; int status;
+        const double *const result = pose.position;
         for (int i = 0; i < 3; ++i) { pose.position[i] = begin[k][i]; }
         for (int i = 0; i < 4; ++i) { pose.quaternion[i] = begin[k][3 + i]; }"""
     call = "status = (int)zhang2009_direct(0, known[k], &pose, &pose, &info);"

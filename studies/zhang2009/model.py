@@ -10,7 +10,9 @@ says of them only that they solve quadratic equations in 24 unknowns, and its li
 the copy at hand. The system here is a natural one of that size: the 18 coordinates of the platform joint centres C_i and the
 platform's first two axes n, o, with m = (C_1 + ... + C_6) / 6, the platform's origin since the A_i sum to zero:
 
-    |B_i - C_i|^2 = L_i^2,  i = 1..6      C_i - m = a_ix n + a_iy o,  i = 1..5      n.n = o.o = 1,  n.o = 0
+    |B_i - C_i|^2 = L_i^2,  i = 1..6
+    C_i - m = a_ix n + a_iy o,  i = 1..5
+    n.n = o.o = 1,  n.o = 0
 
 6 + 15 + 3 = 24 equations of degree 2 at most. In the three angles alone: f_i - f_1 = 0 are linear in p. Lengths in radii of the
 base.

@@ -3,7 +3,8 @@
 Notation: A_i platform joint centres on a circle of 250 mm at 240, 330, 0, 90, 120, 210 degrees, B_i base joint centres on
 275 mm at 270, 300, 30, 60, 150, 180 degrees (both z = 0), L_i the length of limb i, X = (x, y, z, alpha, beta, gamma):
 
-    f_i(X) = |B_i - (p + R A_i)|^2 - L_i^2 = 0,   p = (x, y, z),   R = Rx(alpha) Ry(beta) Rz(gamma)   ('XYZ', moving axes)
+    f_i(X) = |B_i - (p + R A_i)|^2 - L_i^2 = 0,   p = (x, y, z),
+    R = Rx(alpha) Ry(beta) Rz(gamma)   ('XYZ', moving axes)
 
     X <- X - C F,   C = D^-1 by Gauss and Jordan,   D = dF/dX.
 

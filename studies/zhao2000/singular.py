@@ -7,7 +7,9 @@ limb directions e_i = C_i - a_i seen from above, n_i = J e_i (J the quarter turn
 
 and for equilateral triangles with corners at the same directions their determinant is
 
-    det A = (3 sqrt(3) / 2) c (a cos gamma - c) (Xp^2 + Yp^2 - a^2 - c^2 + 2 a c cos gamma) Zp          (found here)
+    det A = (3 sqrt(3) / 2) c (a cos gamma - c) (Xp^2 + Yp^2 - a^2 - c^2 + 2 a c cos gamma) Zp
+
+(found here)
 
 so that type 2 singularities are: Zp = 0, the circle Xp^2 + Yp^2 = a^2 + c^2 - 2 a c cos gamma, and
 gamma = +-arccos(c / a) at every position. Type 1: |e_i| = 0 or l_op = 0. In the inputs, A sin(gamma) + B cos(gamma) + C = 0 has

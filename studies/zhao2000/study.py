@@ -4,11 +4,13 @@ Notation: a_i, c_i corners of the base (side 240 mm) and platform (120 mm) trian
 stays level, X = (Xp, Yp, Zp, gamma); theta_i direction of limb i seen from above, l_op = |OP|; limb = links 70 + 70 mm.
 
     inverse:  C_i = P + Rz(gamma) c_i,   theta_i = atan2(Y_Ci - Y_ai, X_Ci - X_ai),   l_op = |P|
-    direct:   n_i . (P + Rz(gamma) c_i - a_i) = 0,   n_i = (-sin theta_i, cos theta_i),   i = 1, 2, 3
+    direct:   n_i . (P + Rz(gamma) c_i - a_i) = 0,
+              n_i = (-sin theta_i, cos theta_i),   i = 1, 2, 3
 
 With w_1 = n_2 x n_3 and so on in turn, sum w_i n_i = 0, so that P drops out of sum w_i (equation i):
 
-    A sin(gamma) + B cos(gamma) + C = 0,   A = sum w_i n_i . J c_i,   B = sum w_i n_i . c_i,   C = -sum w_i n_i . a_i,
+    A sin(gamma) + B cos(gamma) + C = 0,
+    A = sum w_i n_i . J c_i,   B = sum w_i n_i . c_i,   C = -sum w_i n_i . a_i,
 
 J the quarter turn. The paper writes tan(theta_i) in place of n_i. Units: mm; degrees where printed, radians inside.
 Source: Zhao Tieshi et al., A novel four-DOF mixed platform mechanism and its position analysis, Optics and Precision

@@ -1,12 +1,14 @@
 """Calibration: identify a mechanism's geometry from joint readings and measurements of its platform.
 
 The way of the data, by modules:
-  data       `files` and `columns` read a file, `measurements` hold it, `parameters` name what it may determine
-  estimate   `problem` states what is fitted; `workspace`, `configurations`, `starting` and `first_guess` find where to begin;
-             `model`, `residuals` and `state` evaluate and linearise; `solver`, `descent`, `lifted` and `robust` minimise
-  judge      `assessment` builds the `result`: `statistics`, `identifiability`, `fit_notes`; `outliers` and
-             `outlier_removal` find bad readings, `diagnoses` and `plausibility` wrong files, `holdout` and `pose_accuracy`
-             predict
+  data       `files` and `columns` read a file, `measurements` hold it, `parameters` name what it
+             may determine
+  estimate   `problem` states what is fitted; `workspace`, `configurations`, `starting` and
+             `first_guess` find where to begin; `model`, `residuals` and `state` evaluate and
+             linearise; `solver`, `descent`, `lifted` and `robust` minimise
+  judge      `assessment` builds the `result`: `statistics`, `identifiability`, `fit_notes`;
+             `outliers` and `outlier_removal` find bad readings, `diagnoses` and `plausibility`
+             wrong files, `holdout` and `pose_accuracy` predict
   design     `simulation` makes readings, `planning` chooses configurations worth measuring
 `calibrate` runs this for measurements, `fit_file` for a file, and `report` says what came of it.
 """

@@ -135,7 +135,9 @@ def calibrate(
     >>> arm = symkin.load("gluon_6l3")
     >>> joints = np.random.default_rng(1).uniform(-90.0, 90.0, (12, 6))
     >>> tips = [symkin.solve(arm, joints=q).solution.position + [0.0, 0.0, 0.5] for q in joints]
-    >>> readings = symkin.Measurements(np.radians(joints), position=np.array(tips), position_sigma=0.01)
+    >>> readings = symkin.Measurements(
+    ...     np.radians(joints), position=np.array(tips), position_sigma=0.01
+    ... )
     >>> found = symkin.calibrate(arm, readings, parameters=["dh.1.d"])
     >>> found.status, round(found.values["dh.1.d"], 3)
     ('ok', 105.53)

@@ -61,8 +61,9 @@ def write_firmware(
     code that fails its own test, and a folder that holds files of somebody else.
 
     >>> import symkin, tempfile
+    >>> arm = symkin.load("gluon_6l3")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in symkin.write_firmware(symkin.load("gluon_6l3"), folder, real="float")][:3]
+    ...     [path.name for path in symkin.write_firmware(arm, folder, real="float")][:3]
     ['gluon_6l3.h', 'gluon_6l3.c', 'gluon_6l3_test.c']
     """
     require_mechanism(mechanism)

@@ -24,7 +24,8 @@ def c_source(jacobian: AnyJacobian) -> str:
     entries = [emitter.value(0, i + rows * j) for i in range(rows) for j in range(columns)]
     arrays = [f"const {real.type} variables[{len(jacobian.inputs) or ''}]"]
     arrays += [f"const {real.type} geometry[{len(jacobian.parameters)}]"] if jacobian.parameters else []
-    head = f"void {name}_{jacobian.kind}_jacobian({', '.join([*arrays, f'{real.type} jacobian[{rows * columns}]'])})"
+    result = f"{real.type} jacobian[{rows * columns}]"
+    head = f"void {name}_{jacobian.kind}_jacobian({', '.join([*arrays, result])})"
     body = [*emitter.lines, *(f"jacobian[{k}] = {text};" for k, text in enumerate(entries))]
     passed = ["variables", *(["geometry"] if jacobian.parameters else [])]
     unread = [array for array in passed if not any(f"{array}[" in line for line in body)]

@@ -299,8 +299,11 @@ class JointMap:
             ranks = [Rank.of(j[:, kept]).value for j in jacobians]
             names = ", ".join(c.name for c in direction.known)
             if max(ranks) < len(kept):
-                raise InputError(f"{name}: {known} {names} does not determine {others} {', '.join(self.options.find if known == '--given' else self.options.given)}: "
-                                 "some of them decide each other, and others are left free")  # fmt: skip
+                asked = ", ".join(self.options.find if known == "--given" else self.options.given)
+                raise InputError(
+                    f"{name}: {known} {names} does not determine {others} {asked}: some of them decide each other, "
+                    "and others are left free"
+                )
             if ranks[0] < len(kept):
                 raise InputError(
                     f"{name}: the reference configuration is singular for {known} {names}; give the file another reference"

@@ -329,8 +329,9 @@ class JointMapSource:
         wanted = self._wanted(direction)
         known, n, literal = direction.known, len(direction.known), self.real.literal
         begin = [
-            f"w.at[{i}] = {self.numbers.turned(c, f'at[{i}]', f'{values}[{i}]') if c.kind == 'angle' else f'at[{i}]'};"
+            f"w.at[{i}] = {self.numbers.turned(c, at, near) if c.kind == 'angle' else at};"
             for i, c in enumerate(known)
+            for at, near in [(f"at[{i}]", f"{values}[{i}]")]
         ]
         copies = self.numbers.copies("w.x", direction.unknown)
         closed = self._closed.get(direction.name)

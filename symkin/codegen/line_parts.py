@@ -60,7 +60,8 @@ class LineParts:
         return {
             "turn": indent(start), "check_middle": indent(check, 2), "still": f"((taken > 0U) && {floor})",
             "next_part": self._longer(f"part * part * turn2 <= {longest}", two),
-            "first_try": f"A part in which known values turn by at most {first:g} rad is tried first",
+            "first_try": "A part in which known values turn by at most "
+            f"{first:g} rad is tried first",
         }  # fmt: skip
 
     def _longer(self, fits: str, two: str) -> str:

@@ -33,7 +33,8 @@ def linuxcnc_text(program: Program, home: np.ndarray) -> str:
     """NAME_kins.c, which includes NAME.c; `home` is the pose (7,) from which a platform's direct problem begins. Raises InputError for
     a geometry whose names are too long for HAL."""
     name = program.mechanism.name
-    mm, units = _MM[program.mechanism.length_unit], [c.is_angular for c in program.mechanism.actuated]
+    unit = program.mechanism.length_unit
+    mm, units = _MM[unit], [c.is_angular for c in program.mechanism.actuated]
     pins, serial = _pins(program), isinstance(program.kind, SerialArm)
     motion = "spatial" if serial else program.mechanism.motion
     moved = {"planar": (0, 1), "spherical": ()}.get(motion, (0, 1, 2))
@@ -41,7 +42,7 @@ def linuxcnc_text(program: Program, home: np.ndarray) -> str:
         "mm": repr(mm), "joint_units": ", ".join(repr(float(_DEGREES)) if angular else repr(mm) for angular in units),
         "units": "degrees" if all(units) else "mm" if not any(units) else "mm and degrees", "turns_told": _TURNS[motion],
         "memory": "" if serial else _memory(program, home), "pins": _pins_text(name, pins), "new_pins": indent(_new_pins(name, pins)),
-        "pins_told": f"\n * HAL pins {name}_kins.* hold the geometry ({program.mechanism.length_unit}, radians)." if pins else "",
+        "pins_told": f"\n * HAL pins {name}_kins.* hold the geometry ({unit}, radians)." if pins else "",
         "geometry": f"    const {name}_geometry now = {name}_geometry_now();\n    const {name}_geometry *const geometry = &now;" if pins else "",
         "positions": indent([f"pose.position[{i}] = world->tran.{'xyz'[i]} / {name.upper()}_MM;" for i in moved]),
         "from_home": indent([f"pose.position[{i}] = {name}_home.position[{i}];" for i in range(3) if i not in moved]),

@@ -2,7 +2,8 @@
 
 The rows of a limb hold a platform point w by the joints, w + f(q, x) = 0. A combination of them in which no passive joint x stands is
 
-    |w - A(q)|^2 = c(q)     the point lies on a sphere (or with a plane, on a circle) that the actuated joints q move, or
+    |w - A(q)|^2 = c(q)     the point lies on a sphere (or with a plane, on a circle) that the
+                            actuated joints q move, or
     n(q) . w = c(q)         it lies in a plane.
 
 A(q), n(q) and c(q) are polynomials of lengths, cosines and sines; their coefficients solve linear equations: all terms with a passive joint

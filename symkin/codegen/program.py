@@ -210,7 +210,8 @@ def _guess_precision(kind: Kind) -> str:
     if kind.mechanism.motion == "spatial":
         return f"{words}."
     off = _short(feasible_error(kind.real.epsilon, kind.mechanism.characteristic_length))
-    return f"{words},\n * its pose off the platform's motion ({kind.mechanism.motion}) by {off} {kind.mechanism.length_unit} (angles times the size)."
+    motion, unit = kind.mechanism.motion, kind.mechanism.length_unit
+    return f"{words},\n * its pose off the platform's motion ({motion}) by {off} {unit} (angles times the size)."
 
 
 def _result(kind: Kind) -> str:

@@ -279,6 +279,7 @@ def readme(program: Program) -> str:
     closure = equations(mechanism)
     chapters = "\n\n".join([kind, *_over_the_pose(program), *_formulas(program), _branch(program), *_closed_form(program)])
     counts = "; ".join(f"{what}: {count}" for what, count in program.main.operations.items())
+    step = "One evaluation of formulas for each part of the line" if is_closed(program.kind) else f"One step: {counts}"
     question = degrees_question(mechanism)
     asked = "" if question is None else f"\n\n**Note**: {markdown(question)}"
     return f"""# {name}: {markdown(mechanism.title) or "generated kinematics"}
@@ -292,7 +293,7 @@ project needs; they use `{"sin and cos, " if program.main.operations.get("sin") 
 Compile with `-fno-math-errno` (square roots become one instruction) and `-ffp-contract=off` where the same bits are wanted
 on every machine{_LIBM if program.main.operations.get("sin") else ""}. Source: {markdown(mechanism.source) or "not given"}.
 
-{"One evaluation of formulas for each part of the line" if is_closed(program.kind) else f"One step: {counts}"}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.length_unit}.
+{step}. Tolerance {program.main.tuning.tolerance:.2g} {mechanism.length_unit}.
 
 {program.worst.chapter()}
 

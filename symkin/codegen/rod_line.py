@@ -4,7 +4,8 @@ With the unit quaternions q0, q1 of both ends and c = q0 . q1 the turn on the wa
 n has the Bernstein coefficients 1, c, 1. The vector n d of a rod, d = p + R(q) a - b, is a cubic in t: R(q) |q|^2 is quadratic in q and p is
 linear. Its coefficients follow from d at both ends and at the middle pose (the rotation of q0 + q1):
 
-    d0,    (2 (1 + c) dm - d1 + (1 - c) v) / 3,    (2 (1 + c) dm - d0 - (1 - c) v) / 3,    d1,        v = p1 - p0.
+    d0,  (2 (1 + c) dm - d1 + (1 - c) v) / 3,  (2 (1 + c) dm - d0 - (1 - c) v) / 3,  d1,
+    v = p1 - p0.
 
 So n^2 (|d|^2 - L^2) is a polynomial of degree 6. It is at least 0 where its Bernstein coefficients are; parts decide it else.
 """

@@ -2,7 +2,8 @@
 
 a x + b = 0                       x = -b / a
 x^2 + 2 h x + e = 0               x = -h +- sqrt(h^2 - e)
-A cos t + B sin t + C = 0         (cos t, sin t) = (-A C -+ B r, -B C +- A r) / N,  N = A^2 + B^2,  r = sqrt(N - C^2)
+A cos t + B sin t + C = 0         (cos t, sin t) = (-A C -+ B r, -B C +- A r) / N,
+                                  N = A^2 + B^2,  r = sqrt(N - C^2)
 two such rows                     cos t and sin t by Cramer's rule
 """
 

@@ -2,8 +2,9 @@
 
 With control points P_0 ... P_3 and s = t / length, in Bernstein's polynomials B (Farin, Curves and Surfaces for CAGD, 2002):
 
-    p = sum B_k^3(s) P_k,    p' = (3 / length) sum B_k^2(s) (P_k+1 - P_k),    p'' = (6 / length^2) sum B_k^1(s) (P_k+2 - 2 P_k+1 +
-    P_k).
+    p = sum B_k^3(s) P_k,
+    p' = (3 / length) sum B_k^2(s) (P_k+1 - P_k),
+    p'' = (6 / length^2) sum B_k^1(s) (P_k+2 - 2 P_k+1 + P_k).
 
 The polynomials are not negative and sum to 1, so that each lies in the box of its coefficients.
 """

@@ -71,10 +71,10 @@ def track(
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
         >>> found = symkin.track(arm, joints=[[0, 0, 0, 0, 0, 0], [10, 20, 30, 0, 0, 0]], samples=3)
-        >>> found.reached, len(found.samples), [round(value, 9) for value in found.end.actuated_values]
+        >>> found.reached, len(found.samples), [round(v, 9) for v in found.end.actuated_values]
         (True, 3, [10.0, 20.0, 30.0, 0.0, 0.0, 0.0])
         >>> linkage = symkin.load("four_bar")
-        >>> symkin.track(linkage, given={"follower": [0.0, -60.0]}).stop.kind         # the crank is at a dead point
+        >>> symkin.track(linkage, given={"follower": [0.0, -60.0]}).stop.kind   # a dead point
         'turning point'
     """
     begin = time.perf_counter()

@@ -160,8 +160,8 @@ def _trusted(terms: np.ndarray, aim: float) -> np.ndarray:
 
 
 def _sum(terms: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """The series at h over its common denominator q(t) = 1 + q_1 t + ..., which makes the term of the last order of q x,
-    |sum_j q_j x_{p-j}| with p = _ORDER, least. Then x = sum_p x_p h^p Q_{min(_POLES, _ORDER - p)} / Q_{_POLES}, where Q_m
+    """The series at h over its common denominator q(t) = 1 + q_1 t + ..., which makes the last term of q x, of order
+    p = _ORDER, the least: |sum_j q_j x_{p-j}|. Then x = sum_p x_p h^p Q_{min(_POLES, _ORDER - p)} / Q_{_POLES}, where Q_m
     are the partial sums of q(h)."""
     powers = np.ones((len(h), _ORDER + 1))
     np.cumprod(np.repeat(h[:, None], _ORDER, axis=1), axis=1, out=powers[:, _ORDER - 1 :: -1])

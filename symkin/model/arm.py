@@ -46,8 +46,9 @@ def arm_of(graph: Mechanism) -> Mechanism | None:
     >>> import symkin
     >>> pan = symkin.Joint("pan", "R", [0, 0, 0], [0, 0, 1], actuated=True)
     >>> tilt = symkin.Joint("tilt", "R", [0, 0, 200], [1, 0, 0], actuated=True)
-    >>> chain = [symkin.LinkJoint(tilt, ["head", "camera"]), symkin.LinkJoint(pan, ["base", "head"])]
-    >>> neck = symkin.Mechanism("neck", link_joints=chain, platform_link="camera")
+    >>> links = [symkin.LinkJoint(tilt, ["head", "camera"])]
+    >>> links += [symkin.LinkJoint(pan, ["base", "head"])]
+    >>> neck = symkin.Mechanism("neck", link_joints=links, platform_link="camera")
     >>> [joint.name for _, joint in arm_of(neck).joints]
     ['pan', 'tilt']
     """

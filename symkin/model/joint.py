@@ -83,12 +83,13 @@ class Joint:
     unit. Raises MechanismError for a type, a number or a combination that means nothing, with what is allowed.
 
     >>> import math, symkin
-    >>> motor = symkin.Joint("q1", "R", point=[0, 0, 100], axis=[0, 0, 2], actuated=True, limits=[-math.pi, math.pi])
+    >>> turn = [-math.pi, math.pi]
+    >>> motor = symkin.Joint("q1", "R", [0, 0, 100], axis=[0, 0, 2], actuated=True, limits=turn)
     >>> motor.axis, motor.freedom
     ((0.0, 0.0, 1.0), 1)
     >>> symkin.Joint("u", "U", [0, 0, 0], [0, 0, 1], [0, 0, 1])
     Traceback (most recent call last):
-    symkin.errors.MechanismError: joint 'u': axis2 = [0.0, 0.0, 1.0] is parallel to axis; a U joint needs two directions
+    symkin.errors.MechanismError: joint 'u': axis2 = [0.0, 0.0, 1.0] is parallel to axis; ...
 
     Source: R. M. Murray, Z. Li, S. S. Sastry, A Mathematical Introduction to Robotic Manipulation, 1994, section 3.2.
     """

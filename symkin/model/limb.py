@@ -32,7 +32,7 @@ class RodLimb:
     finite, an empty range and another type.
 
     >>> import symkin
-    >>> leg = symkin.RodLimb("leg1", base=[0, -275, 0], platform=[-125, -216.5, 0], limits=[100, 400])
+    >>> leg = symkin.RodLimb("leg1", [0, -275, 0], platform=[-125, -216.5, 0], limits=[100, 400])
     >>> leg.type, leg.base
     ('SPS', (0.0, -275.0, 0.0))
 
@@ -117,8 +117,8 @@ class Limb:
 
     >>> import symkin
     >>> z = [0, 0, 1]
-    >>> joints = [symkin.Joint("shoulder", "R", [0, 0, 0], z, actuated=True), symkin.Joint("elbow", "R", [120, 0, 0], z)]
-    >>> symkin.Limb("arm", joints).type
+    >>> shoulder = symkin.Joint("shoulder", "R", [0, 0, 0], z, actuated=True)
+    >>> symkin.Limb("arm", [shoulder, symkin.Joint("elbow", "R", [120, 0, 0], z)]).type
     'RR'
 
     Source: R. W. Brockett, Robotic manipulators and the product of exponentials formula, 1984.

@@ -68,7 +68,7 @@ class Mechanism:
     passive joints x, pose X, geometry p. Raises MechanismError for a description that cannot be right, with what is allowed.
 
     >>> import symkin
-    >>> legs = [symkin.RodLimb(f"leg{k}", [x, 0, 0], [u, 0, 0]) for k, (x, u) in enumerate([(-300, -100), (300, 100)])]
+    >>> legs = [symkin.RodLimb(f"leg{k}", [3 * x, 0, 0], [x, 0, 0]) for k, x in enumerate([-100, 100])]
     >>> bench = symkin.Mechanism("bench", legs, platform_position=[0, 0, 400])
     >>> [c.name for c in bench.actuated], round(bench.characteristic_length, 3)
     (['leg0', 'leg1'], 600.0)
@@ -275,7 +275,8 @@ def serial_arm_from_dh(name: str, table: DHTable, **options: object) -> Mechanis
 
     >>> import symkin
     >>> rows = [symkin.DHRow("q1", a=120.0), symkin.DHRow("q2", a=80.0)]
-    >>> arm = symkin.serial_arm_from_dh("two_links", symkin.DHTable("standard", rows), angle_unit="deg")
+    >>> table = symkin.DHTable("standard", rows)
+    >>> arm = symkin.serial_arm_from_dh("two_links", table, angle_unit="deg")
     >>> symkin.solve(arm, joints=[0.0, 90.0]).solution.position.round(6).tolist()
     [120.0, 80.0, 0.0]
     """

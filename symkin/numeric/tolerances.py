@@ -3,12 +3,16 @@
 What is singular depends on what is asked of a matrix, so that there is no single threshold. With s_1 >= ... >= s_r the singular
 values of a Jacobian whose generic rank is r, lengths in rows and columns alike (angles times the size):
 
-    s_r / s_1 < 1e-15, or s_r < NO_MOTION   its entries are rounding: the condition is called infinite
+    s_r / s_1 < 1e-15, or s_r < NO_MOTION   its entries are rounding: the condition is infinite
     s_r / s_1 < RANK_TOLERANCE (1e-8)       the rank is less: rank, mobility, null spaces
-    s_1 / s_r > SINGULAR_CONDITION (1e8)    the same number, said of a solution: half of its digits are lost
-    s_r < SINGULAR_VALUE (1e-6)             a configuration at which a rank that generic ones have is lost: singularities, loci
-    s_1 / s_r > SUSPECT_CONDITION (1e6)     the same, said of a root or a start: it may be one of a continuum, or several in one
-    s_r / s_1 < MULTIPLE_ROOT_SHARE (1e-5)  at a root of several paths, known to half of the digits only: the rank there is less
+    s_1 / s_r > SINGULAR_CONDITION (1e8)    the same number, said of a solution: half of its digits
+                                            are lost
+    s_r < SINGULAR_VALUE (1e-6)             a configuration at which a rank that generic ones have
+                                            is lost: singularities, loci
+    s_1 / s_r > SUSPECT_CONDITION (1e6)     the same, said of a root or a start: it may be one of a
+                                            continuum, or several in one
+    s_r / s_1 < MULTIPLE_ROOT_SHARE (1e-5)  at a root of several paths, known to half of the digits
+                                            only: the rank there is less
 
 Elsewhere the question is another one, and its constant stands beside it: whether a Newton step from a start is worth taking
 (`position.moved_starts`), which joints follow a pose (`position.feasible_pose`), which parameters data tell (`calibration`).

@@ -75,7 +75,8 @@ def solve(
 
     >>> import symkin
     >>> platform = symkin.load("zhao2000")
-    >>> found = symkin.solve(platform, joints={"theta1": 81.6, "theta2": 202.8, "theta3": 330.6, "op": 105.2})
+    >>> joints = {"theta1": 81.6, "theta2": 202.8, "theta3": 330.6, "op": 105.2}
+    >>> found = symkin.solve(platform, joints=joints)
     >>> back = symkin.solve(platform, pose=found.solution.pose)
     >>> found.status, [round(v, 6) for v in back.solution.actuated_values]
     ('ok', [81.6, -157.2, -29.4, 105.2])

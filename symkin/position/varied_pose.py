@@ -2,7 +2,8 @@
 
     x, y, z       position of the platform origin
     gamma         angle about z from the reference orientation, q = Rz(gamma) q_reference
-    rx, ry, rz    components of one rotation vector in the base frame, before the orientation held, q = exp(rx, ry, rz) q_held
+    rx, ry, rz    components of one rotation vector in the base frame, before the orientation held,
+                  q = exp(rx, ry, rz) q_held
 
 rz alone may stand for gamma, from the orientation held on.
 """

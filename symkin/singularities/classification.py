@@ -2,9 +2,9 @@
 
 With the limbs' velocity equations A t + B q' = 0 (passive joints eliminated, rows orthonormal limb by limb, see
 `limb_equations`) the feasible motions are the pairs (t, q') of their null space. Compared with a generic configuration
-of the same mechanism nearby, a configuration is singular when (Zlatanov, Fenton and Benhabib 1995)
+of the same mechanism nearby, a configuration is singular when (Zlatanov, Fenton and Benhabib 1995; types 1 and 2 by Gosselin and Angeles 1990)
 
-    RI   redundant input: q' != 0 with t = 0                      type 1 (Gosselin and Angeles 1990; B loses rank)
+    RI   redundant input: q' != 0 with t = 0                      type 1 (B loses rank)
     RO   redundant output: t != 0 with q' = 0                     type 2 (A loses rank)
     II   impossible input: some q' belong to no motion
     IO   impossible output: some t belong to no motion
@@ -77,15 +77,15 @@ def singularity(
 
         >>> import symkin
         >>> arm = symkin.load("gluon_6l3")
-        >>> found = symkin.singularity(arm, joints=[10, 20, 30, 40, 0, 50])      # the wrist is straight
+        >>> found = symkin.singularity(arm, joints=[10, 20, 30, 40, 0, 50])   # straight wrist
         >>> found.kinds, sorted(found.inputs[0])
         (('type 1',), ['q2', 'q3', 'q4', 'q6'])
         >>> symkin.singularity(arm, joints=[10, 20, 30, 40, 50, 60]).is_singular
         False
         >>> slider = symkin.load("slider_crank")
         >>> stretched = symkin.solve(slider, given={"crank": 0.0}).solution
-        >>> symkin.singularity(stretched, given=["crank"]).kinds, symkin.singularity(stretched, given=["piston"]).kinds
-        ((), ('type 2',))
+        >>> [symkin.singularity(stretched, given=[by]).kinds for by in ("crank", "piston")]
+        [(), ('type 2',)]
     """
     described = mechanism.mechanism if isinstance(mechanism, Solution) else mechanism
     names = coordinate_names(described, output) if isinstance(described, Mechanism) else None

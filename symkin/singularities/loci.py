@@ -37,7 +37,8 @@ class Loci(Result):
 
     >>> import symkin
     >>> here = symkin.solve(symkin.load("zhao2000")).solution
-    >>> found = symkin.singular_loci(here, ("theta1", "op"), ranges=[(20.0, 150.0), (1.0, 200.0)], starts=10)
+    >>> window = [(20.0, 150.0), (1.0, 200.0)]
+    >>> found = symkin.singular_loci(here, ("theta1", "op"), ranges=window, starts=10)
     >>> found.units, found.starts
     (('deg', 'mm'), 10)
     """

@@ -65,7 +65,9 @@ def singular_loci(
         >>> symkin.singularity(platform, **corner).kinds
         ('type 2',)
         >>> slider = symkin.solve(symkin.load("slider_crank")).solution
-        >>> dead = symkin.singular_loci(slider, ["piston"], given=["piston"], ranges=[(0.0, 200.0)], starts=50)
+        >>> dead = symkin.singular_loci(
+        ...     slider, ["piston"], given=["piston"], ranges=[(0.0, 200.0)], starts=50
+        ... )
         >>> [round(float(point.points[0, 0]), 6) for point in dead.curves]
         [45.0, 125.0]
     """

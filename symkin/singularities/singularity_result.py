@@ -74,7 +74,8 @@ class Singularity(Result):
     other configurations do not have.
 
     >>> import symkin
-    >>> found = symkin.singularity(symkin.load("zhang2009"), pose=[0, 0, 300, 0.5**0.5, 0, 0, 0.5**0.5])
+    >>> quarter_turn = [0.5**0.5, 0, 0, 0.5**0.5]
+    >>> found = symkin.singularity(symkin.load("zhang2009"), pose=[0, 0, 300, *quarter_turn])
     >>> found.kinds, found.conditions
     (('type 2',), ('RO', 'II'))
     """

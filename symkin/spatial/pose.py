@@ -62,7 +62,8 @@ class Pose:
         by more than 1e-3, or R is a reflection (det R = -1); the quaternion has w >= 0.
 
         >>> import symkin
-        >>> symkin.Pose.from_matrix([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [1.0, 2.0, 3.0]).quaternion.round(6)
+        >>> quarter_turn = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+        >>> symkin.Pose.from_matrix(quarter_turn, [1.0, 2.0, 3.0]).quaternion.round(6)
         array([0.707107, 0.      , 0.      , 0.707107])
         """
         if is_casadi(transform):
@@ -86,7 +87,8 @@ class Pose:
         for another sequence or unit, and for numbers that are not finite.
 
         >>> import symkin
-        >>> symkin.Pose.from_euler([0, 0, 0], [90, 0, 0], "xyz", angle_unit="deg").quaternion.round(6)
+        >>> pose = symkin.Pose.from_euler([0, 0, 0], [90, 0, 0], "xyz", angle_unit="deg")
+        >>> pose.quaternion.round(6)
         array([0.707107, 0.707107, 0.      , 0.      ])
         """
         if is_casadi(angles):
@@ -104,7 +106,8 @@ class Pose:
         `angle_unit` is "rad" or "deg". Raises InputError for another unit, and for numbers that are not finite.
 
         >>> import symkin
-        >>> symkin.Pose.from_rotation_vector([0, 0, 0], [0, 0, 180], angle_unit="deg").quaternion.round(6)
+        >>> pose = symkin.Pose.from_rotation_vector([0, 0, 0], [0, 0, 180], angle_unit="deg")
+        >>> pose.quaternion.round(6)
         array([0., 0., 0., 1.])
         """
         if is_casadi(rotation_vector):

@@ -128,12 +128,14 @@ def sweep(
     `pip install 'symkin[sweep]'`.
 
     >>> import symkin, tempfile
+    >>> platform, ankle = symkin.load("zhao2000"), symkin.load("ankle")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     found = symkin.sweep(symkin.load("zhao2000"), {"theta1": [80.0, 81.0]}, folder, workers=0)
+    ...     found = symkin.sweep(platform, {"theta1": [80.0, 81.0]}, folder, workers=0)
     >>> found.points, found.points_by_count
     (2, {4: 2})
+    >>> angles = {"ankle.1": [0.0, 5.0], "ankle.2": 3.0}
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     found = symkin.sweep(symkin.load("ankle"), directory=folder, given={"ankle.1": [0.0, 5.0], "ankle.2": 3.0}, workers=0)
+    ...     found = symkin.sweep(ankle, directory=folder, given=angles, workers=0)
     >>> found.points_by_count
     {4: 2}
     """

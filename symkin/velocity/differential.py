@@ -1,7 +1,7 @@
 """Differentiate the closure's rows by twist and joint rates, in the form in which one writes them by hand.
 
-A platform direction s = R v turns with the platform, s' = w x s, so that a row F(s) has the moment s x dF/ds; a distance
-|t + s - b| gives (d; s x d). Automatic differentiation by the quaternion would give the same numbers in many more terms.
+A platform direction s = R v turns with the platform, s' = w x s, so that a row F(s) has the moment s x dF/ds; the distance
+d = |t + s - b| gives (u; s x u), u = (t + s - b) / d. Automatic differentiation by the quaternion would give the same numbers in many more terms.
 """
 
 from __future__ import annotations

@@ -13,7 +13,8 @@ from helpers.tracker import ARM, NOISE, REFLECTOR, WORLD_POSITION, WORLD_ROTATIO
 
 POSTURES = 70
 TRACKER = "all,world.*,target.position.*"
-HEXAPOD_FRAMES = "leg1.base.*,leg2.base.y,leg2.base.z,leg3.base.z,leg1.platform.*,leg2.platform.y,leg2.platform.z,leg3.platform.z"
+_BASE_FRAME = "leg1.base.*,leg2.base.y,leg2.base.z,leg3.base.z"
+HEXAPOD_FRAMES = f"{_BASE_FRAME},{_BASE_FRAME.replace('base', 'platform')}"
 ARM_FRAMES = "dh.1.theta,dh.1.d,dh.6.*"
 
 

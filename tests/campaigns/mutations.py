@@ -92,7 +92,7 @@ def _unfit(faults: Sequence[Fault]) -> Iterator[str]:
         path = ROOT / fault.file
         count = path.read_text(encoding="utf-8").count(fault.old) if path.is_file() else 0
         if count != 1:
-            yield f"{fault.name}: {fault.old!r} stands {count} times in {fault.file}; once is needed"
+            yield f"{fault.name}: {fault.old!r} stands {count} times in {fault.file}, not once"
         if fault.name in {other.name for other in faults[:number]}:
             yield f"{fault.name}: two faults have this name"
 

@@ -251,7 +251,8 @@ int main(void)
             bad = bad || !isfinite(out[0]) || !isfinite(out[1]);
         }
         if (ankle_jacobian(a, b, matrix) == ANKLE_OK) {
-            bad = bad || !isfinite(matrix[0]) || !isfinite(matrix[1]) || !isfinite(matrix[2]) || !isfinite(matrix[3]);
+            bad = bad || !isfinite(matrix[0]) || !isfinite(matrix[1]);
+            bad = bad || !isfinite(matrix[2]) || !isfinite(matrix[3]);
         }
         if (ankle_torques(a, b, c, out) == ANKLE_OK) {
             bad = bad || !isfinite(out[0]) || !isfinite(out[1]);

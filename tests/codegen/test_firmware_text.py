@@ -36,24 +36,33 @@ def test_rows_are_named_as_in_the_model(folder):
 def test_narrow_text_is_the_same_program(tmp_path):
     """Long calls, conditions, strings, macros and comments: the compiler prints the same, the words stay in their order."""
     text = """#include <stdio.h>
-/* A comment of very many words that goes on and on over more than a hundred characters, so that it must be broken somewhere in it
+/* A comment of very many words that goes on and on over more than a \
+hundred characters, so that it must be broken somewhere in it
  * and continues on a next line of its own with few words.
  *
  * joints[0] begins a line of its own. */
-#define NUMBERS { 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0, 19.0, 20.0, 21.0, 22.0 }
-#define LIMIT (12) /* a comment behind a definition, long enough that both together are too long for one line of a hundred */
-static double sum_of_many_numbers(const double numbers_with_a_long_name[22], int count_of_the_numbers, double what_is_added_first, int unused)
+#define NUMBERS { 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, \
+11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0, 18.0, 19.0, 20.0, 21.0, 22.0 }
+#define LIMIT (12) /* a comment behind a definition, \
+long enough that both together are too long for one line of a hundred */
+static double sum_of_many_numbers(const double numbers_with_a_long_name[22], \
+int count_of_the_numbers, double what_is_added_first, int unused)
 {
-    double sum = what_is_added_first; /* what a comment at the end of a line of code says, which makes the line too long for the page */
-    for (int i = 0; (i < count_of_the_numbers) && (i < LIMIT) && (numbers_with_a_long_name[i] > 0.0) && (unused == 0) && (sum < 1e30); ++i) {
-        sum += numbers_with_a_long_name[i] * numbers_with_a_long_name[i] + numbers_with_a_long_name[i] - 0.5 * numbers_with_a_long_name[i];
+    double sum = what_is_added_first; /* what a comment at the end of a line of code \
+says, which makes the line too long for the page */
+    for (int i = 0; (i < count_of_the_numbers) && (i < LIMIT) && \
+(numbers_with_a_long_name[i] > 0.0) && (unused == 0) && (sum < 1e30); ++i) {
+        sum += numbers_with_a_long_name[i] * numbers_with_a_long_name[i] \
++ numbers_with_a_long_name[i] - 0.5 * numbers_with_a_long_name[i];
     }
     return sum;
 }
 int main(void)
 {
     static const double numbers[22] = NUMBERS;
-    (void)printf("%s %g\\n", "a string, with a comma, that must not be broken: && || = + - * however long it may be, and it is long", sum_of_many_numbers(numbers, 22, 1.0, 0));
+    (void)printf("%s %g\\n", "a string, with a comma, that must not be \
+broken: && || = + - * however long it may be, and it is long", \
+sum_of_many_numbers(numbers, 22, 1.0, 0));
     return 0;
 }
 """

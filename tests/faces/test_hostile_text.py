@@ -46,9 +46,12 @@ from symkin import Joint, Limb, Mechanism, MechanismError, RodLimb, jacobian
 
 Z = (0.0, 0.0, 1.0)
 TITLE = (
-    r"""*/ __attribute__((constructor)) static void injected(void) { __builtin_abort(); } /* ??/ */ // \ """
-    r'''""" + injected() + """ \N{BULLET} \x \u12 #{x} $(shell injected) `injected` ${injected} $x^$ \input{injected} % & ~ ^ _ '''
-    r"""<script>injected()</script> <!-- -- --> [injected](http://x) ![i](x) | **b** __i__ [red]injected[/red] @{p} %s {0} &amp; é θ 中 ??/"""
+    r"""*/ __attribute__((constructor)) static void """
+    r"""injected(void) { __builtin_abort(); } /* ??/ */ // \ """
+    r'''""" + injected() + """ \N{BULLET} \x \u12 #{x} $(shell injected) '''
+    r'''`injected` ${injected} $x^$ \input{injected} % & ~ ^ _ '''
+    r"""<script>injected()</script> <!-- -- --> [injected](http://x) ![i](x) | """
+    r"""**b** __i__ [red]injected[/red] @{p} %s {0} &amp; é θ 中 ??/"""
 )
 """A title that attacks every output by its own means, and ends in what joins lines of C."""
 SOURCE = TITLE + "\\"

@@ -70,10 +70,14 @@ def test_sums_and_products_are_pythons(text):
     assert evaluate(text, "deg") == eval(text)
 
 
-REFUSED = """x|e|inf|nan|abs(1)|sqrt|sqrt()|sqrt(1, 2)|sqrt(x=4)|__import__('os')|().__class__|pi.real|(1).real|[1]|1, 2|
-1 if 1 else 2|1 < 2|not 1|~1|1 % 2|7 // 2|1 << 2|1 @ 2|2**3|2 ** 3|1_000|True|False|None|'1'|"1"|1j|lambda: 1|x := 1|
-(x := 1)|1 +|(|)|1 2||   |sin|sin 30|cos[0]|*[1]|f'{1}'|1;2|print(1)|exp(1)|sqrt(*[4])|π|1e|0x|0x10|0b1|
-1e1_0|PI|Sqrt(4)|sqrt(2,)|(1,)|007|1.2.3|1 .5|1. 5|1#2|2^|2^*3|infinity|-inf|+nan|2pi|pi2|2(3)|(2)(3)|sqrt4|1if 1else 2""".replace(
+REFUSED = """x|e|inf|nan|abs(1)|sqrt|sqrt()|
+sqrt(1, 2)|sqrt(x=4)|__import__('os')|().__class__|pi.real|(1).real|[1]|1, 2|
+1 if 1 else 2|1 < 2|not 1|~1|1 % 2|7 // 2|1 << 2|1 @ 2|2**3|
+2 ** 3|1_000|True|False|None|'1'|"1"|1j|lambda: 1|x := 1|
+(x := 1)|1 +|(|)|1 2||   |sin|sin 30|cos[0]|*[1]|f'{1}'|1;2|
+print(1)|exp(1)|sqrt(*[4])|π|1e|0x|0x10|0b1|
+1e1_0|PI|Sqrt(4)|sqrt(2,)|(1,)|007|1.2.3|1 .5|1. 5|1#2|2^|2^*3|
+infinity|-inf|+nan|2pi|pi2|2(3)|(2)(3)|sqrt4|1if 1else 2""".replace(
     "\n", ""
 ).split("|")
 

@@ -25,7 +25,8 @@ SDF = """<sdf version='1.9'><model name='r'><link name='a'/><frame name='f' atta
 <link name='b'><pose>1 0 0 0 0 0</pose><visual name='v'><pose relative_to='f'>0 0 0 0 0 1.5707963267948966</pose><geometry>
 <mesh><uri>{file}</uri>{scale}</mesh></geometry></visual></link>
 <joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz></axis></joint></model></sdf>"""
-MJCF = """<mujoco><asset><mesh name='m' file='{file}' {scale}/></asset><worldbody><body name='b' pos='1 0 0'><joint name='j' axis='0 1 0'/>
+MJCF = """<mujoco><asset><mesh name='m' file='{file}' {scale}/></asset>
+<worldbody><body name='b' pos='1 0 0'><joint name='j' axis='0 1 0'/>
 <geom type='mesh' mesh='m' pos='0.1 0.2 0.3' euler='0 0 90'/></body></worldbody></mujoco>"""
 FORMATS = {
     "urdf": (URDF, "scale='{}'"),

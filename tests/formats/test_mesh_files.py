@@ -14,7 +14,8 @@ import symkin
 from helpers import inside
 from helpers.inside import LinkMesh, UnreadMeshError, mesh_item, read_triangles
 
-COLLADA = """<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+COLLADA = """<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><created>2026-01-01</created><modified>2026-01-01</modified><unit name="millimeter" meter="0.001"/><up_axis>Y_UP</up_axis></asset>
 <library_geometries><geometry id="g"><mesh>
 <source id="p"><float_array id="a" count="12">0 0 0 3 0 0 3 2 0 0 2 0</float_array><technique_common>

@@ -188,7 +188,8 @@ def test_gearboxes_and_mimics_are_couplings(tmp_path: Path) -> None:
             ("z", "g", "z", "<mimic joint='jx'><multiplier>2</multiplier><offset>1</offset><reference>3</reference></mimic>"),
         )
     )
-    box = """<joint name='box' type='gearbox'><parent>x</parent><child>y</child><gearbox_ratio>4</gearbox_ratio>
+    box = """<joint name='box' type='gearbox'><parent>x</parent><child>y</child>
+      <gearbox_ratio>4</gearbox_ratio>
       <gearbox_reference_body>g</gearbox_reference_body><axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 0 1</xyz></axis2></joint>"""
     mimic, gear = read(tmp_path, gears + box, "1.11").couplings
     assert (mimic.joint, mimic.terms, mimic.offset) == ("jz", (("jx", 2.0),), -5.0)

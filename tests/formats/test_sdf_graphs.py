@@ -64,9 +64,8 @@ def _direction(rng: np.random.Generator) -> np.ndarray:
 def text(machine: Made) -> str:
     """The machine in SDF: joints in their child's frame, axes in the joint's."""
     links = "".join(f"<link name='l{k}'><pose>{_pose(pose)}</pose></link>" for k, pose in enumerate(machine.links))
-    return (
-        f"<sdf version='1.7'><model name='m'>{links}{''.join(_joint(machine, *entry) for entry in machine.joints)}</model></sdf>"
-    )
+    joints = "".join(_joint(machine, *entry) for entry in machine.joints)
+    return f"<sdf version='1.7'><model name='m'>{links}{joints}</model></sdf>"
 
 
 def _joint(machine: Made, joint: Joint, parent: int, child: int) -> str:

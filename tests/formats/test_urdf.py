@@ -20,23 +20,30 @@ TREE = """
     <axis xyz="0 0 1"/></joint>
 """
 """A four-bar: crank of 1 and rod of 2 along x, rocker of 3 along y from (0, 2); a point at its end."""
-FIXED = """<link name="{name}"/><joint name="{name}_frame" type="fixed"><parent link="{parent}"/><child link="{name}"/>
-  <origin xyz="{at}"/></joint>"""
+FIXED = """<link name="{name}"/><joint name="{name}_frame" type="fixed"><parent link="{parent}"/>
+  <child link="{name}"/><origin xyz="{at}"/></joint>"""
 FORMS = {
-    "loop_joint": """<loop_joint name="d" type="revolute"><axis xyz="0 0 1"/><link1 link="rod" xyz="2 0 0" rpy="0 0 0"/>
+    "loop_joint": """<loop_joint name="d" type="revolute"><axis xyz="0 0 1"/>
+      <link1 link="rod" xyz="2 0 0" rpy="0 0 0"/>
       <link2 link="rocker" xyz="3 0 0"/></loop_joint>""",
-    "link1 twice": """<loop_joint name="d" type="continuous"><axis xyz="0 0 1"/><link1 link="rod" xyz="2 0 0"/>
+    "link1 twice": """<loop_joint name="d" type="continuous"><axis xyz="0 0 1"/>
+      <link1 link="rod" xyz="2 0 0"/>
       <link1 link="rocker" xyz="3 0 0"/></loop_joint>""",
-    "loop": """<loop name="d" type="revolute"><predecessor link="rod"><origin xyz="2 0 0"/></predecessor>
+    "loop": """<loop name="d" type="revolute">
+      <predecessor link="rod"><origin xyz="2 0 0"/></predecessor>
       <successor link="rocker"><origin xyz="3 0 0"/></successor><axis xyz="0 0 1"/></loop>""",
-    "constraint": """<constraint name="d" type="revolute"><parent link="rod"/><parent_origin xyz="2 0 0"/><child link="rocker"/>
+    "constraint": """<constraint name="d" type="revolute">
+      <parent link="rod"/><parent_origin xyz="2 0 0"/><child link="rocker"/>
       <child_origin xyz="3 0 0"/><parent_axis xyz="0 0 1"/><child_axis xyz="0 0 1"/></constraint>""",
-    "spherical_joint": """<constraint name="d" type="spherical_joint"><parent link="rod"/><parent_origin xyz="2 0 0"/>
+    "spherical_joint": """<constraint name="d" type="spherical_joint">
+      <parent link="rod"/><parent_origin xyz="2 0 0"/>
       <child link="rocker"/><child_origin xyz="3 0 0"/></constraint>""",
     "closing": FIXED.format(name="closing_d_1", parent="rod", at="2 0 0")
     + FIXED.format(name="closing_d_2", parent="rocker", at="3 0 0"),
-    "drake": """<drake:ball_constraint><drake:ball_constraint_body_A name="rod"/><drake:ball_constraint_p_AP value="2 0 0"/>
-      <drake:ball_constraint_body_B name="rocker"/><drake:ball_constraint_p_BQ value="3 0 0"/></drake:ball_constraint>""",
+    "drake": """<drake:ball_constraint><drake:ball_constraint_body_A name="rod"/>
+      <drake:ball_constraint_p_AP value="2 0 0"/>
+      <drake:ball_constraint_body_B name="rocker"/>
+      <drake:ball_constraint_p_BQ value="3 0 0"/></drake:ball_constraint>""",
 }
 POINTS = ("spherical_joint", "closing", "drake")
 """Forms that hold a point and no axis."""

@@ -12,7 +12,9 @@ from helpers.inside import DEEPEST, LARGEST_FILE, allowed_names, name_fault, par
 from symkin import InputError, MechanismError
 
 BOMB = b"""<?xml version="1.0"?>
-<!DOCTYPE robot [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;"><!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;">]>
+<!DOCTYPE robot [<!ENTITY a "ha">
+<!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">
+<!ENTITY c "&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;">]>
 <robot name="&c;"/>"""
 
 

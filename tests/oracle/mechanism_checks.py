@@ -466,7 +466,8 @@ class Checks:
         width = 0.1 * self.plain.size if number.kind == "length" else 0.2
         low, high = (self._out(i, value + d) for d in (-width, width))
         with tempfile.TemporaryDirectory() as folder:
-            grid = f"--grid={number.name}={max(low, 0.0) if number.name.startswith('leg') else low!r}:{high!r}:3"
+            low = max(low, 0.0) if number.name.startswith("leg") else low
+            grid = f"--grid={number.name}={low!r}:{high!r}:3"
             starts = [] if self.plain.serial else ["--starts", "100"]
             at = [] if len(self.actuated) == 1 else [f"--at={self.joints_text(x)}"]
             self.run("sweep", grid, *at, "-o", f"{folder}/map", "--workers", "0", *starts)

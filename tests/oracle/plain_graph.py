@@ -3,8 +3,10 @@
 An oracle that shares nothing with symkin: it reads a mechanism file by itself, gives every link a position p and a unit
 quaternion Q, every joint its coordinates v, and writes each joint between links A and B as (frames of links: the base frame at
 the reference)
+
     A(from) + sum of slides R_A a - B(to) = 0        3 rows
     vector part of Q_A Q(turns) (Q_B Q_home)^-1 = 0  3 rows, none for S
+
 each rod as one distance, each coupling as one row. Lengths are over the size (largest distance between joint points),
 angles in radians. Configurations are told apart by all joint coordinates, the platform's pose, the centres of spherical joints
 and rods' ends: the spin of a rod is none.

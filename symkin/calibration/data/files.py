@@ -1,22 +1,25 @@
 """Read and write measurements as CSV: names and units in the header, one row a configuration, empty cells for no reading.
 
-group                               configurations with the same text have equal inclination; empty: none
-leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name; every cell is needed
+group                               configurations of the same text have equal inclination; empty: none
+leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name; no cell is empty
 alpha[deg], beta[deg]               inclination, R = Rz(gamma) Ry(beta) Rx(alpha)
-x[mm], y[mm], z[mm]                 position of the platform frame in the base frame, any of the three
+x[mm], y[mm], z[mm]                 position of the platform frame in the base frame, any of them
 qw, qx, qy, qz                      its orientation, a unit quaternion; or
-euler_ZYX_1[deg], ..._2, ..._3      Euler angles, the sequence in the header: capitals about moving axes, small letters about
-                                    fixed ones; euler_1[deg], ... where the sequence is not known; roll[deg], pitch[deg], yaw[deg]
-                                    are euler_xyz_1[deg], ...
+euler_ZYX_1[deg], ..._2, ..._3      Euler angles, the sequence in the header: capitals about moving
+                                    axes, small letters about fixed ones; euler_1[deg], ... where
+                                    the sequence is not known; roll[deg], pitch[deg], yaw[deg] are
+                                    euler_xyz_1[deg], ...
 NAME[deg], NAME[mm]                 an encoder on a passive joint, by its name
 point.NAME.x[mm], ...               a named point in the base frame, any of the three
 distance.A.B[mm]                    distance between two named points
-LINK.x[mm], ..., LINK.qw, ...       displacement of another link than the platform's from the reference, and its orientation
+LINK.x[mm], ..., LINK.qw, ...       displacement of another link than the platform's from the
+                                    reference, and its orientation
 LINK.alpha[deg], LINK.beta[deg]     its inclination
-distance_NAME[mm]                   distance between a point of the platform and one of the base, which are given beside the
-                                    file (`DistancePoints`)
-sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg], sigma_x[mm]; besides
-                                    sigma_group[deg] and sigma_orientation[deg] (each component of a rotation vector)
+distance_NAME[mm]                   distance between a point of the platform and one of the base,
+                                    which are given beside the file (`DistancePoints`)
+sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg],
+                                    sigma_x[mm]; besides sigma_group[deg] and
+                                    sigma_orientation[deg] (each component of a rotation vector)
 Where a joint has the name of a reading, the reading is written platform.NAME.
 """
 

@@ -4,7 +4,8 @@ follower                     a passive joint coordinate, by an encoder
 point.toe                    a named point, in the base frame
 distance.toe.hip             the distance of two named points
 coupler.position|orientation|inclination
-                             the pose of a link other than the platform's: its displacement from the reference configuration
+                             the pose of a link other than the platform's: its displacement from the
+                             reference configuration
 """
 
 from __future__ import annotations

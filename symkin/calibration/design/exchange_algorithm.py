@@ -4,8 +4,10 @@ Each candidate adds K whitened rows a = (A_i, -B_i at its wedge's columns) in th
 for each wedge): M = M_0 + sum a^T a, C = M^-1, M_0 a weak prior. Adding one candidate changes C by a matrix of rank
 K (Woodbury), so that a criterion for all candidates is a few small products. (Where one is removed C is made anew: of one that alone
 tells something, a difference would be rounding.) What is made least:
+
   I, A    trace(Q C)        Q the mean of squared pose slopes, or 1 for the parameters
   D       log det of C's part for the parameters
+
 Source: Fedorov, Theory of optimal experiments, 1972; Atkinson, Donev, Optimum experimental designs, 1992.
 """
 

@@ -178,7 +178,8 @@ def plan_measurements(
     >>> import symkin
     >>> noise = {"angles": 1e-4, "position": 0.05}
     >>> plan = symkin.plan_measurements(
-    ...     symkin.load("gluon_6l3"), 6, noise, groups=0, readings=["position"], parameters=["dh.1.d", "dh.2.a"]
+    ...     symkin.load("gluon_6l3"), 6, noise, groups=0, readings=["position"],
+    ...     parameters=["dh.1.d", "dh.2.a"]
     ... )
     >>> len(plan.groups), plan.accuracy.rank
     (6, 2)

@@ -1,10 +1,13 @@
 """Form the residuals of readings, r = W (h - m), with the unknown inclination of each group eliminated.
 
 In a group only equality is known. Three forms of it:
-  differences          of neighbours in the group, taken as if they were independent means                deviations from the
-  group's weighted mean: least squares with the inclination as an unknown maximum likelihood   the same with the covariance of
-  each configuration's readings, S = diag(sigma^2) + H_q diag(sigma_q^2) H_q^T,
-                       H_q = -h_z F_z^-1 F_q the effect of joint noise (errors in variables, linearised)
+
+  differences          of neighbours in the group, taken as if they were independent
+  means                deviations from the group's weighted mean: least squares with the
+                       inclination as an unknown
+  maximum likelihood   the same with the covariance of each configuration's readings,
+                       S = diag(sigma^2) + H_q diag(sigma_q^2) H_q^T, H_q = -h_z F_z^-1 F_q the
+                       effect of joint noise (errors in variables, linearised)
 """
 
 from __future__ import annotations

@@ -40,7 +40,8 @@ def fit_notes(fit: Calibration, *, removed: bool) -> Iterator[str]:
             f"wrong as a whole; the first was {fit.given_up[0].reason}"
         )
     if fit.unchecked:
-        yield f"nothing else checks {first_of([f'{kind} of posture {fit.measurements.labels[k]}' for k, kind in fit.unchecked])}"
+        alone = [f"{kind} of posture {fit.measurements.labels[k]}" for k, kind in fit.unchecked]
+        yield f"nothing else checks {first_of(alone)}"
 
 
 def is_exact(fit: Calibration) -> bool:

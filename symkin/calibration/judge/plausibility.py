@@ -9,9 +9,9 @@ parallel axes move by hundreds of metres, and a small change of one parameter ma
 counts is the map from joint readings to poses: the poses of both geometries at the joint readings measured, after the best
 constant frames W and T of base and tool,
 
-    departure = rms |X_fit - W X_file T| / rms |X_fit - mean|,    angles times the lever of the platform's joint points,
+    departure = rms |X_fit - W X_file T| / rms |X_fit - mean|,
 
-over the better four fifths of the configurations: near a singularity of either geometry poses are far apart for nothing. A
+angles times the lever of the platform's joint points, over the better four fifths of the configurations: near a singularity of either geometry poses are far apart for nothing. A
 machine as it is built differs from its drawing by some per mille, and its poses by about that share of their spread. With columns
 exchanged, a sign turned, or the file of another machine it is a share that can be seen.
 """

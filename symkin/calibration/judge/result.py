@@ -73,7 +73,8 @@ class Calibration(Result):
     >>> arm = symkin.load("gluon_6l3")
     >>> joints = np.radians(np.random.default_rng(1).uniform(-90.0, 90.0, (12, 6)))
     >>> tips = [symkin.solve(arm, joints=np.degrees(q)).solution.position for q in joints]
-    >>> readings = symkin.Measurements(joints, position=np.array(tips) + [0.0, 0.0, 0.5], position_sigma=0.01)
+    >>> higher = np.array(tips) + [0.0, 0.0, 0.5]
+    >>> readings = symkin.Measurements(joints, position=higher, position_sigma=0.01)
     >>> found = symkin.calibrate(arm, readings, parameters=["dh.1.d"])
     >>> round(found.values["dh.1.d"] - 105.03, 3)
     0.5
