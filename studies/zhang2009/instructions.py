@@ -139,7 +139,7 @@ def fast_newton_harness(closure: Closure, start: np.ndarray, expected: np.ndarra
         "solver", "fast_newton", problem, {"abstol": CLOSED_SCALED, "abstolStep": CLOSED_SCALED, "max_iter": MOST}
     )
     n, sizes = int(closure.X.shape[0]), [solver.sz_arg(), solver.sz_res(), solver.sz_iw(), solver.sz_w()]
-    prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}]; 
+    prepare = f"""static double w[{sizes[3] + 1}]; static casadi_int iw[{sizes[2] + 1}];
         static double result[{n}]; int status;
         const double *arg[{sizes[0] + 1}] = {{ begin[k], known[k] }}; double *res[{sizes[1] + 1}] = {{ result }};"""
     tables = _tables(start, TABLE_1 / BASE_RADIUS, expected)

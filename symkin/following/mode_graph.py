@@ -146,8 +146,8 @@ def mode_graph(
         >>> from symkin import Joint, Limb, Mechanism, mode_graph
         >>> z = (0, 0, 1)
         >>> left = [Joint("q1", "R", (0, 0, 0), z, actuated=True), Joint("a", "R", (0, 60, 0), z)]
-        >>> right = [Joint("q2", "R", (90, 0, 0), z, actuated=True), Joint("b", "R", (90, 60, 0), z)]
-        >>> right += [Joint("c", "R", (45, 120, 0), z)]
+        >>> right = [Joint("q2", "R", (90, 0, 0), z, actuated=True)]
+        >>> right += [Joint("b", "R", (90, 60, 0), z), Joint("c", "R", (45, 120, 0), z)]
         >>> limbs, tip = [Limb("left", left), Limb("right", right)], (45, 120, 0)
         >>> five_bar = Mechanism("five_bar", limbs, tip, motion="planar", angle_unit="deg")
         >>> graph = mode_graph(five_bar, [("q1", -10, 10), ("q2", -10, 10)], 2)

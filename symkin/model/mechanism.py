@@ -68,7 +68,8 @@ class Mechanism:
     passive joints x, pose X, geometry p. Raises MechanismError for a description that cannot be right, with what is allowed.
 
     >>> import symkin
-    >>> legs = [symkin.RodLimb(f"leg{k}", [3 * x, 0, 0], [x, 0, 0]) for k, x in enumerate([-100, 100])]
+    >>> feet = [(-300, -100), (300, 100)]
+    >>> legs = [symkin.RodLimb(f"leg{k}", [x, 0, 0], [u, 0, 0]) for k, (x, u) in enumerate(feet)]
     >>> bench = symkin.Mechanism("bench", legs, platform_position=[0, 0, 400])
     >>> [c.name for c in bench.actuated], round(bench.characteristic_length, 3)
     (['leg0', 'leg1'], 600.0)

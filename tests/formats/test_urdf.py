@@ -34,7 +34,8 @@ FORMS = {
       <successor link="rocker"><origin xyz="3 0 0"/></successor><axis xyz="0 0 1"/></loop>""",
     "constraint": """<constraint name="d" type="revolute">
       <parent link="rod"/><parent_origin xyz="2 0 0"/><child link="rocker"/>
-      <child_origin xyz="3 0 0"/><parent_axis xyz="0 0 1"/><child_axis xyz="0 0 1"/></constraint>""",
+      <child_origin xyz="3 0 0"/>
+      <parent_axis xyz="0 0 1"/><child_axis xyz="0 0 1"/></constraint>""",
     "spherical_joint": """<constraint name="d" type="spherical_joint">
       <parent link="rod"/><parent_origin xyz="2 0 0"/>
       <child link="rocker"/><child_origin xyz="3 0 0"/></constraint>""",

@@ -1,7 +1,7 @@
 """Read and write measurements as CSV: names and units in the header, one row a configuration, empty cells for no reading.
 
-group                               configurations of the same text have equal inclination; empty: none
-leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name; no cell is empty
+group                               configurations of one text have equal inclination; empty: none
+leg1[mm], theta1[deg], ...          one column for each actuated joint, by its name, no cell empty
 alpha[deg], beta[deg]               inclination, R = Rz(gamma) Ry(beta) Rx(alpha)
 x[mm], y[mm], z[mm]                 position of the platform frame in the base frame, any of them
 qw, qx, qy, qz                      its orientation, a unit quaternion; or
@@ -19,7 +19,8 @@ distance_NAME[mm]                   distance between a point of the platform and
                                     which are given beside the file (`DistancePoints`)
 sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg],
                                     sigma_x[mm]; besides sigma_group[deg] and
-                                    sigma_orientation[deg] (each component of a rotation vector)
+                                    sigma_orientation[deg] (each component of a rotation
+                                    vector)
 Where a joint has the name of a reading, the reading is written platform.NAME.
 """
 

@@ -91,18 +91,18 @@ class Measurements:
     """Readings of n configurations.
 
     joints (n, actuated)     joint readings in file order
-    groups (n,)              integers; configurations of one group have equal inclination, unknown;
-                             -1: no group
+    groups (n,)              integers; configurations of one group have equal inclination,
+                             unknown; -1: no group
     inclination (n, 2)       alpha, beta
     position (n, 3)          platform origin in the base frame, any of its components
     orientation (n, 4)       unit quaternion w, x, y, z (all four or NaN)
     distances                see `Distance`
     readings                 of passive joints, named points, other links: see `Reading`
-    *_sigma                  standard deviations: a number or an array that broadcasts to the readings
-                             (orientation: of the rotation vector's components, (n, 3)); None:
+    *_sigma                  standard deviations: a number or an array that broadcasts to the
+                             readings (orientation: of the rotation vector's components, (n, 3)); None:
                              unknown, and then estimated from the fit
-    starts (n, 7)            poses from which the direct problems begin; NaN rows: the measured pose,
-                             else the reference
+    starts (n, 7)            poses from which the direct problems begin; NaN rows: the measured
+                             pose, else the reference
     labels                   names of the configurations for messages (default: 1, 2, ...)
 
     Lengths are in the mechanism's unit, angles in radians; NaN stands for what was not read. Raises InputError for shapes, values
