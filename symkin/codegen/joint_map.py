@@ -114,7 +114,7 @@ def _with_continuous_couplings(problem: Problem) -> System:
     closure, rows = problem.closure, ca.vertsplit(problem.system.rows)
     kinds = {c.name: c.kind for c in closure.coordinates}
     couplings = {f"coupling of {c.joint}": c for c in problem.mechanism.couplings if c.advance_reason(kinds) is None}
-    for k, place in enumerate(problem.row_places or ()):
+    for k, place in enumerate(problem.places_of_rows):
         coupling = couplings.get(closure.row_sources[place].limb)
         if coupling is None or coupling.whole_numbers is None:
             continue
@@ -137,7 +137,7 @@ def _part(group: Problem) -> Part:
             return Part(group, None, total, is_linear=False)
     if is_linear(group) and int(system.rows.shape[0]) == system.freedom:
         return Part(group, None, None, is_linear=True)
-    sources = [group.closure.row_sources[place].relation for place in group.row_places or ()]
+    sources = [group.closure.row_sources[place].relation for place in group.places_of_rows]
     if periodic and "coupling" in sources:
         # its row is of half an angle and changes its sign with every turn, and the choice of a formula with it
         return Part(group, None, None, is_linear=False)

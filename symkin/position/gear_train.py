@@ -38,7 +38,7 @@ class GearTrain:
 def gear_train(group: Problem) -> GearTrain | None:
     """The gear train that a structure group is; None where it is anything else, or has more places than are listed."""
     unknowns, known = group.system.unknowns, group.known_coordinates
-    sources = [group.closure.row_sources[place] for place in group.row_places or ()]
+    sources = [group.closure.row_sources[place] for place in group.places_of_rows]
     angles = all(c.kind == "angle" for c in (*unknowns, *known))
     if not sources or not angles or len(sources) != len(unknowns) or any(row.relation != "coupling" for row in sources):
         return None

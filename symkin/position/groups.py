@@ -71,7 +71,8 @@ def _part(
         closure.characteristic_length,
         closure.mechanism.farthest,
     )
-    return replace(problem, kind="given", system=system, known_coordinates=known, row_places=tuple(places))
+    rows_in_closure = tuple(problem.places_of_rows[k] for k in places)
+    return replace(problem, kind="given", system=system, known_coordinates=known, row_places=rows_in_closure)
 
 
 @lru_cache(maxsize=256)
@@ -168,7 +169,7 @@ def _closed_jacobian(problem: Problem) -> np.ndarray:
 
 def _independent_rows(problem: Problem, jacobian: np.ndarray) -> np.ndarray:
     """Rows that span all of them, taken branch by branch, those of few unknowns first."""
-    sources = [f"{row.limb}" for row in problem.closure.row_sources]
+    sources = [problem.closure.row_sources[place].limb for place in problem.places_of_rows]
     groups: dict[str, list[int]] = {}
     for k, name in enumerate(sources):
         groups.setdefault(name, []).append(k)

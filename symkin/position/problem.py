@@ -41,6 +41,11 @@ class Problem:
         return self.closure.mechanism
 
     @property
+    def places_of_rows(self) -> tuple[int, ...]:
+        """The place in the closure of each row of the system."""
+        return tuple(range(int(self.system.rows.shape[0]))) if self.row_places is None else self.row_places
+
+    @property
     def name(self) -> Kind:
         """The kind as users read it: a problem whose coordinates are told by name is direct where these are all actuated joints,
         inverse where they are the whole pose."""

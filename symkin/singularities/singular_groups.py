@@ -97,5 +97,5 @@ def _edges(group: Problem) -> set[str]:
     closure = group.closure
     coupled = {name for c in closure.mechanism.couplings for name in (c.joint, *c.names)}
     layout = layout_of(closure.mechanism, closure.partition.kept | coupled, pose=closure.partition.pose)
-    sources = {closure.row_sources[k].limb for k in group.row_places or range(len(closure.row_sources))}
+    sources = {closure.row_sources[k].limb for k in group.places_of_rows}
     return {element.name for branch in layout.branches if branch.name in sources for element in branch.elements}

@@ -14,7 +14,20 @@ from typer.testing import CliRunner
 import symkin
 from helpers import firmware_tools as tools
 from helpers.gate import in_gate
-from helpers.inside import JointMap, Options, Real, app, build_program, followed, home_sheet, map_configurations, write_folder
+from helpers.inside import (
+    JointMap,
+    Options,
+    Real,
+    app,
+    build_program,
+    can_run,
+    folder_files,
+    followed,
+    home_sheet,
+    map_configurations,
+    run_own_test,
+    write_folder,
+)
 from symkin import InputError
 
 ANKLE = ("ankle", ("upper_motor", "lower_motor"), ("ankle.1", "ankle.2"))
@@ -370,3 +383,22 @@ def test_wheels_follow_their_drivers_over_whole_turns(tmp_path, coupling):
             status, answer = code.solve(name, [value], answer)
             assert status == 0
             assert answer == pytest.approx([ratio * value], abs=1e-9)
+
+
+@pytest.mark.skipif(not can_run(), reason="no C compiler")
+@pytest.mark.parametrize(
+    ("given", "find"), [("bucket_cylinder", "bucket"), ("boom", "boom_cylinder"), ("stick_cylinder,boom_cylinder", "boom,stick")]
+)
+def test_a_map_of_some_loops_of_a_machine_is_of_the_rows_of_these(given, find):
+    """The groups of each way hold rows of the loops of their joints, each of the closure's row of that number."""
+    options = Options("double", given=tuple(given.split(",")), find=tuple(find.split(",")))
+    made = build_program(symkin.load("excavator_bucket"), options).kind
+    for direction in (made.direct, made.inverse):
+        for group in (part.problem for part in direction.parts):
+            closure, values = group.closure, made.reference + 0.1
+            rows = ca.Function(
+                "rows", [closure.variables], [closure.bound(closure.rows)[list(group.row_places), 0], group.system.rows]
+            )
+            ours, its = rows(ca.DM(values))
+            np.testing.assert_allclose(its.full(), ours.full(), rtol=1e-9, atol=1e-9 * made.size)
+    run_own_test(made.name, folder_files(made.mechanism, options))
