@@ -69,15 +69,15 @@ def condition_bend(
 def _proved(condition: ca.Function, known: Sequence[Coordinate], scales: np.ndarray) -> float | None:
     """The bound of a condition that is a sum of waves in bounded known values; None of another one."""
     spans = []
-    for c in known:
+    for c, scale in zip(known, scales, strict=True):
         if not c.is_angular and c.limits is None:
             return None
         low, high = c.limits or (0.0, 0.0)
-        spans.append(Span(True) if c.is_angular else Span(False, 0.5 * (low + high), 0.5 * (high - low)))
+        spans.append(Span(True) if c.is_angular else Span(False, 0.5 * (low + high), 0.5 * (high - low), float(scale)))
     if len(spans) > _MOST_GIVEN:
         return None
     bend = bend_of(lambda given: np.asarray(condition(given.T)).ravel(), spans)
-    return None if bend is None else float(np.max(bend.weights * scales**2))
+    return None if bend is None else float(np.max(bend.weights))
 
 
 def _largest(hessian: ca.Function, points: np.ndarray, scales: np.ndarray) -> float:

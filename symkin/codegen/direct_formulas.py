@@ -7,7 +7,7 @@ moves continuously and is regular.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import factorial, prod
@@ -122,13 +122,13 @@ def direct_formulas(
 
 
 def _span(coordinate: Coordinate, size: float) -> Span:
-    """All angles; a slide's limits, or some sizes about the reference."""
+    """All angles; a slide's limits, or some sizes about the reference; its changes are told in sizes."""
     if coordinate.is_angular:
         return Span(True)
     if coordinate.limits is not None:
         low, high = coordinate.limits
-        return Span(False, 0.5 * (low + high), 0.5 * (high - low))
-    return Span(False, float(coordinate.reference[0]), _FREE_RANGE * size)
+        return Span(False, 0.5 * (low + high), 0.5 * (high - low), size)
+    return Span(False, float(coordinate.reference[0]), _FREE_RANGE * size, size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +168,9 @@ class _Guarding:
             powers = tuple(int(i == j) for i in range(len(divisors)))
             kept.append(divisor)
             sign = float(np.sign(np.median(self._values(divisor)(self.given))))
-            guards.append(Guard(f"divisor {j + 1}", None, None, powers, sign, None, bends[-1].size, tuple(map(_plain, bends))))
+            guards.append(
+                Guard(f"divisor {j + 1}", None, None, powers, sign, None, bends[-1].size, self._in_units(map(_plain, bends)))
+            )
         return tuple(guards)
 
     def _values_above_zero(self, discriminants: ca.SX) -> list[tuple[str, tuple[int | None, int | None], ca.SX]]:
@@ -199,11 +201,11 @@ class _Guarding:
                 continue
             plain = [bend for bend in bends if bend is not None]
             if root is None:
-                return Guard(name, *place, powers, 1.0, None, plain[0][-1].size, tuple(map(_plain, plain[0])))
+                return Guard(name, *place, powers, 1.0, None, plain[0][-1].size, self._in_units(map(_plain, plain[0])))
             inner = self._bends(discriminants[root])
             if inner is None:
                 continue
-            weights = tuple(_with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True))
+            weights = self._in_units(_with_root(p, q, d) for p, q, d in zip(plain[0], plain[1], inner, strict=True))
             size = plain[0][-1].size + plain[1][-1].size * float(np.sqrt(inner[-1].size))
             return Guard(name, *place, powers, 1.0, root, size, weights)
         return None
@@ -241,11 +243,16 @@ class _Guarding:
         ones = ca.SX.ones(*self.found.roots.shape)
         return float(np.max(np.abs(self._values(ca.substitute(discriminant, self.found.roots, ones))(self.given))))
 
+    def _in_units(self, weights: Iterable[Weights]) -> tuple[Weights, ...]:
+        """Weights of changes as the given values are told, of those of changes in the spans' units."""
+        squares = np.array([span.unit**2 for span in self.spans])
+        return tuple(Weights(w.plain / squares, w.by_root / squares, w.by_cube / squares) for w in weights)
+
     def _bends(self, expression: ca.SX) -> list[Bend] | None:
         """Bounds of an expression over each part of the slides' ranges; None where it is no polynomial."""
         values, found = self._values(expression), list[Bend]()
         for part in reversed(self.parts):
-            spans = [span if span.angular else Span(False, span.middle, part * span.half) for span in self.spans]
+            spans = [span if span.angular else replace(span, half=part * span.half) for span in self.spans]
             bend = bend_of(values, spans)
             if bend is None:
                 return None

@@ -184,6 +184,7 @@ def _test_values(program: Program) -> dict[str, object]:
     return _redundant_values(program) | _map_values(program) | {
         "far": real.literal(1e4 * max(mechanism.characteristic_length, 1.0)),
         "angle_bound": _angle_bound(program),
+        "jacobian_unit": f"{max(mechanism.characteristic_length, 1.0, 1.0 / mechanism.characteristic_length)!r}",
         "jacobian_bound": "1e-4" if real.name == "float" else "1e-8",
         "nominal": nominal,
         **_one_step_values(program),

@@ -2,7 +2,7 @@
 
 A function g that is a polynomial in lengths and in cosines and sines of angles is a finite sum of products of Chebyshev polynomials
 of lengths over their ranges and of waves of angles. Its coefficients bound its second derivatives by each pair of given values, for
-all values at once, so that along a line, t from 0 to 1 with changes d of the given values,
+all values at once, so that along a line, t from 0 to 1 with changes d of the given values, each in a unit of its own,
 
     |g''| <= sum of weights_i d_i^2,
 
@@ -31,17 +31,18 @@ _CHECKED = 64
 
 @dataclass(frozen=True)
 class Span:
-    """What a given value runs over: all angles, or lengths `middle` +- `half`."""
+    """What a given value runs over: all angles, or lengths `middle` +- `half`; `unit` is what its changes are told in."""
 
     angular: bool
     middle: float = 0.0
     half: float = 1.0
+    unit: float = 1.0
 
 
 @dataclass(frozen=True)
 class Bend:
     """Bounds of a function: `size` of itself, `slopes` (given values) of first derivatives, `weights` (given values) of the second one
-    along a line as above; `least` and `most` are values among its samples."""
+    along a line as above, for changes in units of the spans; `least` and `most` are values among its samples."""
 
     size: float
     slopes: np.ndarray
@@ -109,9 +110,9 @@ def _reproduces(
 
 def _slope(span: Span, order: float) -> float:
     """Largest first derivative of a wave."""
-    return float(order if span.angular else order**2 / span.half)
+    return float(span.unit * (order if span.angular else order**2 / span.half))
 
 
 def _curvature(span: Span, order: float) -> float:
     """Largest second derivative of a wave."""
-    return float(order**2 if span.angular else order**2 * (order**2 - 1) / 3 / span.half**2)
+    return float(span.unit**2 * (order**2 if span.angular else order**2 * (order**2 - 1) / 3 / span.half**2))

@@ -18,6 +18,7 @@ CASES = {
     "five_bar": (lambda: symkin.load(MACHINES / "five_bar.toml"), {}),
     "five_bar in space": (readme_five_bar, {}),
     "three_rrr": (lambda: three_rrr("planar"), {}),
+    "links": (lambda: symkin.load("zhao2000_links"), {}),
     "delta": (lambda: symkin.load("delta"), {}),
     "six rods": (lambda: symkin.load("zhang2009"), {"home": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}),
     "scara": (lambda: symkin.load("scara"), {}),
@@ -26,7 +27,7 @@ CASES = {
 }
 """Machine and options of the code, by name."""
 SIZES = [1e-8, 1e-4, 1e3, 1e6]
-KEPT = [("five_bar", 1e-8), ("three_rrr", 1e-8), ("three_rrr", 1e6), ("scara", 1e-8)]
+KEPT = [("five_bar", 1e-8), ("three_rrr", 1e-8), ("three_rrr", 1e6), ("scara", 1e-8), ("links", 1e-8)]
 """Pairs that the gate runs: those of which each was refused once by a scale that was absolute."""
 
 

@@ -30,6 +30,16 @@ def test_second_differences_keep_to_the_bound():
     assert np.max(np.abs(quotient) / bound) > 0.2
 
 
+@pytest.mark.parametrize("factor", [1e-8, 1e-3, 1e3, 1e6])
+def test_bounds_are_the_same_in_any_unit_of_length(factor):
+    """Of a function of an angle and a length, told in units of the length, no bound depends on what the length is measured in."""
+    bend = bend_of(wave, SPANS)
+    long = Span(False, 2.0 * factor, 3.0 * factor, factor)
+    other = bend_of(lambda given: wave(given / [1.0, 1.0, factor]), (Span(True), Span(True), long))
+    np.testing.assert_allclose(other.weights, bend.weights, rtol=1e-9)
+    np.testing.assert_allclose(other.slopes, bend.slopes, rtol=1e-9)
+
+
 def test_slopes_and_size_are_bounds_too():
     bend = bend_of(wave, SPANS)
     rng = np.random.default_rng(2)

@@ -105,7 +105,7 @@ static void solve_all(void)
             expect(@{p}_jacobian(@{ga}&pose, jacobian) == @{P}_OK, "jacobian", k);
             for (int i = 0; i < @{P}_JOINTS * 6; ++i) {
                 const double wanted = (double)@{p}_vector_jacobians[k][i];
-                const double scale = fmax((double)@{P}_SIZE, 1.0) * (1.0 + fabs(wanted));
+                const double scale = @{jacobian_unit} * (1.0 + fabs(wanted));
                 expect(fabs((double)jacobian[i] - wanted) <= @{jacobian_bound} * scale, "jacobian's entry", i);
             }
         }
