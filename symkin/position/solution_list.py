@@ -24,8 +24,8 @@ from symkin.spatial.pose import Pose
 class SolutionList(Sequence[Solution]):
     """Solutions (m,) of one closure in their standard writing: `values` (m, variables), `position` (m, 3), `quaternion` (m, 4),
     `residual`, `condition`, `within_limits` and `certified` (1, 0, or -1 where there are no limits or nothing was tried),
-     `radius` (m,), `ground` (m,) the partial proofs of those that are not certified, `double` (m,) which of them two or more meet
-     in, `hits` (m,) of random starts (-1: none were counted); `notes` are those of all."""
+    `radius` (m,), `ground` (m,) the partial proofs of those that are not certified, `double` (m,) which of them two or more meet
+    in, `hits` (m,) of random starts (-1: none were counted); `notes` are those of all."""
 
     closure: Closure
     values: np.ndarray

@@ -17,10 +17,9 @@ LINK.x[mm], ..., LINK.qw, ...       displacement of another link than the platfo
 LINK.alpha[deg], LINK.beta[deg]     its inclination
 distance_NAME[mm]                   distance between a point of the platform and one of the base,
                                     which are given beside the file (`DistancePoints`)
-sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm], sigma_alpha[deg],
-                                    sigma_x[mm]; besides sigma_group[deg] and
-                                    sigma_orientation[deg] (each component of a rotation
-                                    vector)
+sigma_COLUMN                        standard deviations, by column: sigma_leg1[mm],
+                                    sigma_alpha[deg], sigma_x[mm]; besides sigma_group[deg] and
+                                    sigma_orientation[deg] (each component of a rotation vector)
 Where a joint has the name of a reading, the reading is written platform.NAME.
 """
 

@@ -99,8 +99,8 @@ class Measurements:
     distances                see `Distance`
     readings                 of passive joints, named points, other links: see `Reading`
     *_sigma                  standard deviations: a number or an array that broadcasts to the
-                             readings (orientation: of the rotation vector's components, (n, 3)); None:
-                             unknown, and then estimated from the fit
+                             readings (orientation: of the rotation vector's components,
+                             (n, 3)); None: unknown, and then estimated from the fit
     starts (n, 7)            poses from which the direct problems begin; NaN rows: the measured
                              pose, else the reference
     labels                   names of the configurations for messages (default: 1, 2, ...)
