@@ -35,6 +35,7 @@ from symkin.model.joint import Coordinate
 from symkin.model.mechanism import Mechanism
 from symkin.numeric.rank import Rank
 from symkin.numeric.system import System, constant_rows, split_blocks
+from symkin.numeric.tolerances import CLOSURE_TOLERANCE
 from symkin.position.mobility import mobility
 from symkin.position.problem import Problem, build_problem
 from symkin.spatial.pose import Pose
@@ -43,6 +44,8 @@ _COMPARED = 4
 """Configurations at which the coefficients of a limb's rows are compared, to find its closed form."""
 _CHECKED = 5
 """Configurations at which it is checked that a solver can work."""
+_SINGULAR = 1e-9
+"""Smallest singular value, over the largest, below which a solver's matrix is singular."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,18 +274,31 @@ class LimbPlatform:
         if not self.actuated:
             raise InputError(f"{self.name} has no actuated joint; nothing to generate")
         self._check_independent_joints()
+        self._check_reference()
         if not self.samples:
             raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
         for sample in self.samples[:_CHECKED]:
             matrix = self.direct_kernel.matrix(*self.direct_state(sample.values), self.geometry.values)
             singular = np.linalg.svd(matrix, compute_uv=False)
-            if matrix.shape[0] < matrix.shape[1] or singular[-1] < 1e-9 * singular[0]:
+            if matrix.shape[0] < matrix.shape[1] or singular[-1] < _SINGULAR * singular[0]:
                 raise InputError(
                     f"{self.name}: locking the actuated joints does not fix the platform near the reference "
                     "(`symkin show` prints mobility and rank); nothing to generate"
                 )
         for block in self.blocks:
             self._check_block(block)
+
+    def _check_reference(self) -> None:
+        """Raises InputError where the direct problem is singular at the reference, from which vectors and home begin."""
+        values, problem = self.closure.reference, self.direct
+        gap = problem.system.residual(*(values[places] for places in (problem.unknown_places, problem.known_places)))
+        matrix = self.direct_kernel.matrix(*self.direct_state(values), self.geometry.values)
+        singular = np.linalg.svd(matrix, compute_uv=False)
+        if gap <= CLOSURE_TOLERANCE * self.closure.characteristic_length and singular[-1] < _SINGULAR * singular[0]:
+            raise InputError(
+                f"{self.name}: the reference configuration is singular for the joints {', '.join(c.name for c in self.actuated)}: "
+                "locked there, they do not hold the platform; give the file another reference"
+            )
 
     def _check_independent_joints(self) -> None:
         """Raises InputError where actuated joints are more than the freedoms that they move."""

@@ -2,12 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import symkin
-from helpers.inside import Options, app, write_folder
-from symkin import InputError
+from helpers.inside import Options, app, folder_files, write_folder
+from symkin import InputError, Joint, Limb, Mechanism
 
 PLATFORM = symkin.load("ren2008")
 
@@ -52,3 +53,17 @@ def test_another_mechanisms_folder_is_kept(tmp_path):
     assert isinstance(found.exception, InputError)
     assert "holds the code of 'ren2008'" in str(found.exception)
     assert _contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("motion", ["planar", "spatial"])
+def test_a_reference_at_which_the_joints_hold_nothing_is_told(motion):
+    """Three slides of a plane whose lines meet in the middle leave the platform's turn free there, and nowhere beside it."""
+    limbs = []
+    for k, turn in enumerate(np.radians([90.0, 210.0, 330.0])):
+        out, z = np.array([np.cos(turn), np.sin(turn), 0.0]), (0.0, 0.0, 1.0)
+        slide = Joint(f"slide{k}", "P", 60.0 * out, axis=out, actuated=True)
+        limbs.append(Limb(f"limb{k}", [Joint(f"a{k}", "R", 100.0 * out, z), slide, Joint(f"b{k}", "R", 30.0 * out, z)]))
+    made = Mechanism("meeting", limbs, platform_position=(0.0, 0.0, 0.0), motion=motion)
+    told = "the reference configuration is singular for the joints slide0, slide1, slide2: .* another reference"
+    with pytest.raises(InputError, match=told):
+        folder_files(made, Options("double"))
