@@ -67,6 +67,7 @@ NAMES = {
     "singular_values": "symkin.numeric.linear_algebra",
     "Mapped": "symkin.numeric.mapped",
     "Rank": "symkin.numeric.rank",
+    "generic": "symkin.numeric.rank",
     "are_double": "symkin.numeric.root_checks",
     "System": "symkin.numeric.system",
     "SINGULAR_VALUE": "symkin.numeric.tolerances",

@@ -14,6 +14,7 @@ from helpers.inside import (
     build_closure,
     describe,
     fewer_rows,
+    generic,
     loops_at,
     prismatic_screw,
     reciprocal_product,
@@ -247,6 +248,23 @@ def test_rank_counts_singular_values() -> None:
     assert Rank.of(np.diag([1.0, 0.5, 1e-12])) == Rank(2, 0.5 / 1e-12, least=0.5)
     assert Rank.of(np.zeros((0, 3))).value == 0
     assert Rank.of(np.diag([1.0, 1e-7, 1e-9])).gap == pytest.approx(100.0)
+
+
+def test_the_generic_rank_is_met_off_singular_places() -> None:
+    """A planar arm of two revolutes has rank 2 but where it is straight, in whatever order the places come; where a place that
+    should be singular is found to the root of rounding only, its rank is too large and not the generic one."""
+
+    def arm(first: float, elbow: float) -> Rank:
+        slopes = [np.array([-math.sin(a), math.cos(a)]) for a in (first, first + elbow)]
+        return Rank.of(np.column_stack([slopes[0] + slopes[1], slopes[1]]))
+
+    straight, bent = [arm(0.3, 0.0), arm(1.1, math.pi)], [arm(0.3, 1.0), arm(2.0, -0.7)]
+    assert ([rank.value for rank in straight], [rank.value for rank in bent]) == ([1, 1], [2, 2])
+    for ranks in (straight + bent, bent + straight, [straight[0], bent[0], straight[1]]):
+        assert ranks[generic(ranks)].value == 2
+    found = [Rank.of(np.diag([1.0, 1e-7])), Rank.of(np.diag([1.0, 0.0]))]
+    assert [rank.value for rank in found] == [2, 1]
+    assert generic(found) == generic(found[::-1]) + 1 == 1
 
 
 @pytest.mark.slow
