@@ -110,7 +110,7 @@ def solved_by(kind: object, way: object = None) -> str:
 
 def directions(machine: Machine, real: str, folder: Path) -> list[Direction]:
     """The problems of a machine's code that take a guess."""
-    library, _ = built(machine, real, folder)
+    library = built(machine, real, folder)
     options = Options(real, home=machine.home, given=machine.given, find=machine.find)  # type: ignore[arg-type]
     lines = Lines(machine.mechanism, options)
     kind = lines.kind
