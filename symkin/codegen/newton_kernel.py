@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from symkin.closure.snapping import snapped_expression
+from symkin.computed_once import cached_property
 from symkin.model.joint import Coordinate
 from symkin.numeric.system import System, incidence_of
 from symkin.spatial.backend import dot
@@ -104,8 +105,14 @@ class Kernel:
 
     def matrix(self, state: np.ndarray, known: np.ndarray, geometry: np.ndarray) -> np.ndarray:
         """J at a point, by CasADi."""
-        _, shared = self.row_function()(state, known, geometry)
-        return np.asarray(ca.DM(self.jacobian_function()(state, known, geometry, shared)).full())
+        rows, jacobian = self._sampled
+        _, shared = rows(state, known, geometry)
+        return np.asarray(ca.DM(jacobian(state, known, geometry, shared)).full())
+
+    @cached_property
+    def _sampled(self) -> tuple[ca.Function, ca.Function]:
+        """The functions of rows and of J that `matrix` asks at every sample."""
+        return self.row_function(), self.jacobian_function()
 
 
 def system_kernel(name: str, system: System, known: Sequence[Coordinate], geometry: ca.SX) -> Kernel:

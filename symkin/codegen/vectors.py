@@ -255,6 +255,8 @@ def _serial(arm: SerialArm) -> _Found:
     jacobians: list[np.ndarray] = []
     branches = _branches(arm)
     for (q, _), firm in zip(arm.samples, _decided(arm, branches), strict=True):
+        if len(rows) == COUNT:
+            break
         given = rounded_to(real, q)
         pose = _canonical(arm.forward_at(given))
         target = rounded_to(real, _tidy(pose, _pose_scales(size)))
@@ -264,8 +266,10 @@ def _serial(arm: SerialArm) -> _Found:
         away = _AWAY if branches is None else min(_AWAY, _AWAY_SHARE * np.sqrt(_least_square(branches, given, target)))
         beside = units * np.round((given + away * rng.uniform(-1, 1, len(q)) * _scales(arm)) / units, 6)
         guess = rounded_to(real, _within(beside, arm.actuated))
+        if condition > (60.0 if arm.is_redundant else 300.0) or not firm:
+            continue
         end = _followed(arm, guess, unit, branches)
-        if condition > (60.0 if arm.is_redundant else 300.0) or len(rows) == COUNT or end is None or not firm:
+        if end is None:
             continue
         if not arm.is_redundant and np.max(np.abs(end - given) / _scales(arm)) > 1e-6:
             continue
