@@ -19,22 +19,13 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112192 add, 163647 mul, 5697 div, 3658 sqrt
+ *   direct: 400 iterations, 112192 add, 163243 mul, 5697 div, 3658 sqrt
  *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 300 iterations, 44852 add, 60873 mul, 2265 div, 1740 sqrt
+ *   inverse: 300 iterations, 44852 add, 60772 mul, 2265 div, 1740 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt
  *   torques: 160 add, 227 mul, 4 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 17707 inputs, seed 1): instructions, bytes of stack with
- *     callees, bytes of code with callees but without those of libm:
- *   direct: 76350 instructions, 608 stack, 7684 code
- *   track: 1080 instructions, 184 stack, 3464 code
- *   inverse: 81280 instructions, 608 stack, 10648 code
- *   track_inverse: 1010 instructions, 192 stack, 4804 code
- *   jacobian: 765 instructions, 216 stack, 2864 code
- *   rates: 870 instructions, 264 stack, 3048 code
- *   torques: 870 instructions, 264 stack, 3048 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

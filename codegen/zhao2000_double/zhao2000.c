@@ -1310,9 +1310,9 @@ static bool zhao2000_line_keeps(zhao2000_direct_work *w, const zhao2000_real cha
     const zhao2000_real a1 = w->left[1] - 2.7;
     const zhao2000_real b1 = w->guard[1] - 2.7;
     const zhao2000_real lesser1 = (a1 < b1) ? a1 : b1;
-    static const zhao2000_real plain1_0[3] = { 214000000000000.0, 345000000000000.0,
-        1540000000000000.0 };
-    static const zhao2000_real plain1_3[3] = { 568000000000.0, 960000000000.0, 2530000000000.0 };
+    static const zhao2000_real plain1_0[3] = { 259000000000000.0, 421000000000000.0,
+        1750000000000000.0 };
+    static const zhao2000_real plain1_3[3] = { 3410000000.0, 5050000000.0, 11600000000.0 };
     const zhao2000_real per1 = 1.0 / sqrt(under0);
     const zhao2000_real bend1 = plain1_0[w->reach] * sum0 + plain1_3[w->reach] * change[3]
         + per1 * (2.24e+16 * sum0 + per1 * per1 * (2.38e+20 * sum0));

@@ -110,7 +110,7 @@ static void solve_all(void)
             expect(zhao2000_jacobian(&pose, jacobian) == ZHAO2000_OK, "jacobian", k);
             for (int i = 0; i < ZHAO2000_JOINTS * 6; ++i) {
                 const double wanted = (double)zhao2000_vector_jacobians[k][i];
-                const double scale = fmax((double)ZHAO2000_SIZE, 1.0) * (1.0 + fabs(wanted));
+                const double scale = 240.0 * (1.0 + fabs(wanted));
                 expect(fabs((double)jacobian[i] - wanted) <= 1e-8 * scale, "jacobian's entry", i);
             }
         }

@@ -84,14 +84,12 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             const @{real} reach = size * w->spread;
             far = (reach > @{size2}) ? ((reach > @{ten} * @{size2}) ? 2U : 1U) : 0U;
         } else {
+            /* the last step that judges, also one that is rounding, tells how long the next part is */
+            @{set_quick}
             limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
-        if (accepted && (taken == 1U) && (aim < @{one})) {
-            /* of every second step, also of one that is rounding: the next part is as long as this one tells */
-            @{set_quick}
-        }
         if (accepted) {
             if (aim >= @{one}) {
                 /* accepted at the end of the line: predict the error, decide on new factors */
