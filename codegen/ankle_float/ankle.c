@@ -659,7 +659,7 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether a step was far shorter than it had to be */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
      * very long */
@@ -738,10 +738,13 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
             const ankle_real reach = size * w->spread;
             far = (reach > 68650.0f) ? ((reach > 10.0f * 68650.0f) ? 2U : 1U) : 0U;
         } else {
-            /* the last step that judges, also one that is rounding, tells how long the next part
-             * is */
-            quick = (size * 100.0f <= before);
-            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
+            int later = was_fresh ? 1 : 2;
+            if (taken == 1U) {
+                /* every second step, also one that is rounding, tells how long the next part is */
+                quick = (size * 100.0f <= before);
+                later = 0;
+            }
+            limit = ratio2[far][later] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= still2));
         if (accepted && (taken == 1U) && ((aim - done) * (aim
@@ -1658,8 +1661,8 @@ static ANKLE_SHARED ankle_status ankle_state_of_joints(const ankle_real values[2
 }
 
 /* Whether the joints lead from the reference configuration to the guess, which then has nowhere to
- * go, though the found alone lead elsewhere: sets the numbers y of that configuration, and where
- * its known values are. */
+ * go, though the found alone lead elsewhere: sets the numbers y of a configuration on this way, and
+ * where its known values are. */
 static ANKLE_COLD bool ankle_direct_stands(const ankle_real joints[2], const ankle_real guess[2],
     ankle_real y[8], ankle_real at[2])
 {
@@ -1668,15 +1671,15 @@ static ANKLE_COLD bool ankle_direct_stands(const ankle_real joints[2], const ank
     if (ankle_state_of_joints(joints, y, other) != ANKLE_OK) {
         return false;
     }
-    for (int i = 0; i < 2; ++i) {
-        at[i] = joints[i];
-    }
     const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
         1000.0f) - guess[0]);
     away2 += way0 * way0;
     const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
         1000.0f) - guess[1]);
     away2 += way1 * way1;
+    for (int i = 0; i < 2; ++i) {
+        at[i] = joints[i];
+    }
     return away2 <= 0.0010229647f;
 }
 
@@ -1771,8 +1774,8 @@ ankle_status ankle_track(const ankle_real joints[2], ankle_real found[2], ankle_
 }
 
 /* Whether the found lead from the reference configuration to the guess, which then has nowhere to
- * go, though the joints alone lead elsewhere: sets the numbers y of that configuration, and where
- * its known values are. */
+ * go, though the joints alone lead elsewhere: sets the numbers y of a configuration on this way,
+ * and where its known values are. */
 static ANKLE_COLD bool ankle_inverse_stands(const ankle_real found[2], const ankle_real guess[2],
     ankle_real y[8], ankle_real at[2])
 {
@@ -1781,15 +1784,17 @@ static ANKLE_COLD bool ankle_inverse_stands(const ankle_real found[2], const ank
     if (ankle_state_of_found(found, y, other) != ANKLE_OK) {
         return false;
     }
-    for (int i = 0; i < 2; ++i) {
-        at[i] = found[i];
-    }
     const ankle_real way0 = 262.01144f * (ankle_turned(other[0], guess[0], -1000.0f,
         1000.0f) - guess[0]);
     away2 += way0 * way0;
     const ankle_real way1 = 262.01144f * (ankle_turned(other[1], guess[1], -1000.0f,
         1000.0f) - guess[1]);
     away2 += way1 * way1;
+    static const ankle_real home[2] = { 0.0f, 0.0f };
+    for (int i = 0; i < 2; ++i) {
+        at[i] = home[i];
+    }
+    (void)ankle_state_of_found(home, y, other);
     return away2 <= 0.0010229647f;
 }
 

@@ -21,7 +21,7 @@
  * iterations):
  *   direct: 400 iterations, 112192 add, 163243 mul, 5697 div, 3658 sqrt
  *   track: 170 add, 226 mul, 11 div, 4 sqrt
- *   inverse: 300 iterations, 44852 add, 60772 mul, 2265 div, 1740 sqrt
+ *   inverse: 300 iterations, 45024 add, 60982 mul, 2281 div, 1748 sqrt
  *   track_inverse: 279 add, 348 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 223 mul, 4 div, 1 sqrt
  *   rates: 160 add, 227 mul, 4 div, 1 sqrt

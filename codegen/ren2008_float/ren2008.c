@@ -723,7 +723,7 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether a step was far shorter than it had to be */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
      * very long */
@@ -776,10 +776,13 @@ static ren2008_status ren2008_direct_newton(ren2008_direct_work *w, const ren200
             const ren2008_real reach = size * w->spread;
             far = (reach > 2.8566623f) ? ((reach > 10.0f * 2.8566623f) ? 2U : 1U) : 0U;
         } else {
-            /* the last step that judges, also one that is rounding, tells how long the next part
-             * is */
-            quick = (size * 100.0f <= before);
-            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
+            int later = was_fresh ? 1 : 2;
+            if (taken == 1U) {
+                /* every second step, also one that is rounding, tells how long the next part is */
+                quick = (size * 100.0f <= before);
+                later = 0;
+            }
+            limit = ratio2[far][later] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1569907e-11f));
         if (accepted) {

@@ -741,7 +741,7 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
     unsigned int taken = 0U; /* steps towards the aim: each is judged by the next */
     bool fresh = true; /* whether this step needs new factors */
     bool was_fresh = false; /* whether the step before had new factors */
-    bool quick = false; /* whether a step was far shorter than it had to be */
+    bool quick = false; /* whether the second step was far shorter than it had to be */
     bool kept = false; /* whether the factors are those of the part that is done */
     /* 1: the first step is long beside the way to a singularity, as the least pivot tells it; 2:
      * very long */
@@ -794,10 +794,13 @@ static zhang2009_status zhang2009_direct_newton(zhang2009_direct_work *w,
             const zhang2009_real reach = size * w->spread;
             far = (reach > 282236.34f) ? ((reach > 10.0f * 282236.34f) ? 2U : 1U) : 0U;
         } else {
-            /* the last step that judges, also one that is rounding, tells how long the next part
-             * is */
-            quick = (size * 100.0f <= before);
-            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
+            int later = was_fresh ? 1 : 2;
+            if (taken == 1U) {
+                /* every second step, also one that is rounding, tells how long the next part is */
+                quick = (size * 100.0f <= before);
+                later = 0;
+            }
+            limit = ratio2[far][later] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= 4.1070793e-06f));
         if (accepted) {

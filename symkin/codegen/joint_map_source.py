@@ -360,6 +360,17 @@ class JointMapSource:
             for i, (w, text) in enumerate(zip(weights, others, strict=True))
             for line in (f"const {kind} way{i} = {literal(w)} * ({text} - guess[{i}]);", f"away2 += way{i} * way{i};")
         ]
+        # formulas tell an answer anywhere, so that the line to it begins at the reference
+        stand_at = [f"for (int i = 0; i < {n}; ++i) {{", f"    at[i] = {values}[i];", "}"]
+        if closed is not None:
+            home = ", ".join(literal(float(v)) for v in self.made.reference_of(known))
+            stand_at = [
+                f"static const {kind} home[{n}] = {{ {home} }};",
+                f"for (int i = 0; i < {n}; ++i) {{",
+                "    at[i] = home[i];",
+                "}",
+                f"(void){name}_state_of_{values}(home, y, other);",
+            ]
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * self.made.size
         which = "direct" if direction.name == "direct" else "inverse"
         return self._passive_text(direction) + fill("map_direction.c", self._common | {
@@ -371,7 +382,7 @@ class JointMapSource:
             "results": results("guess"), "track_results": results(out), "store": indent([f"{out}[{i}] = result[{i}];" for i in range(n)], 3),
             "blame_values": f"        {name}_blame(info, joints);" if values == "joints" else "",
             "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
-            "change": indent(change, 2), "away": indent(away), "stands2": literal(stands**2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
+            "change": indent(change, 2), "away": indent(away), "stand_at": indent(stand_at), "stands2": literal(stands**2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
         })  # fmt: skip
 
     def _passive_call(self, direction: Direction) -> str:

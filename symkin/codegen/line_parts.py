@@ -78,7 +78,7 @@ class LineParts:
         nearer = f"aim = done + {literal(0.375)} * (aim - done);"
         if not self.measured:
             return {
-                "quick_variable": "bool quick = false; /* whether a step was far shorter than it had to be */",
+                "quick_variable": "bool quick = false; /* whether the second step was far shorter than it had to be */",
                 "set_quick": f"quick = (size * {literal(100.0)} <= before);", "nearer": indent([nearer], 3),
             }  # fmt: skip
         root = self.real.call("sqrt")

@@ -124,7 +124,7 @@ def test_no_library_symbol_no_data_no_bss(real, tmp_path):
 
 
 def test_float_code_is_small(tmp_path):
-    """Direct, inverse and track linked alone, without libraries, at -O2: code and constants within 5,600 bytes, of which 40 let a line that is rounding stand still."""
+    """Direct, inverse and track linked alone, without libraries, at -O2: code and constants within 5,610 bytes, of which 40 let a line that is rounding stand still and 20 let parts of a line grow after such steps."""
     arm = tools.compiler("arm-none-eabi-gcc")
     roots = ["-Wl,--gc-sections", "-Wl,-e,zhang2009_direct", "-Wl,-u,zhang2009_inverse", "-Wl,-u,zhang2009_track"]
     source = [str(tools.folder("zhang2009_float") / "zhang2009.c"), "-nostdlib", "-ffunction-sections", "-fdata-sections"]
@@ -133,5 +133,5 @@ def test_float_code_is_small(tmp_path):
         ["arm-none-eabi-size", "z.elf"], cwd=tmp_path, check=True, capture_output=True, text=True
     ).stdout.splitlines()
     text, data, bss = (int(number) for number in sizes[1].split()[:3])
-    assert text <= 5600
+    assert text <= 5610
     assert (data, bss) == (0, 0)

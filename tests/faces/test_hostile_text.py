@@ -49,7 +49,7 @@ TITLE = (
     r"""*/ __attribute__((constructor)) static void """
     r"""injected(void) { __builtin_abort(); } /* ??/ */ // \ """
     r'''""" + injected() + """ \N{BULLET} \x \u12 #{x} $(shell injected) '''
-    r'''`injected` ${injected} $x^$ \input{injected} % & ~ ^ _ '''
+    r"""`injected` ${injected} $x^$ \input{injected} % & ~ ^ _ """
     r"""<script>injected()</script> <!-- -- --> [injected](http://x) ![i](x) | """
     r"""**b** __i__ [red]injected[/red] @{p} %s {0} &amp; é θ 中 ??/"""
 )

@@ -77,9 +77,7 @@ sqrt(1, 2)|sqrt(x=4)|__import__('os')|().__class__|pi.real|(1).real|[1]|1, 2|
 (x := 1)|1 +|(|)|1 2||   |sin|sin 30|cos[0]|*[1]|f'{1}'|1;2|
 print(1)|exp(1)|sqrt(*[4])|π|1e|0x|0x10|0b1|
 1e1_0|PI|Sqrt(4)|sqrt(2,)|(1,)|007|1.2.3|1 .5|1. 5|1#2|2^|2^*3|
-infinity|-inf|+nan|2pi|pi2|2(3)|(2)(3)|sqrt4|1if 1else 2""".replace(
-    "\n", ""
-).split("|")
+infinity|-inf|+nan|2pi|pi2|2(3)|(2)(3)|sqrt4|1if 1else 2""".replace("\n", "").split("|")
 
 
 OTHER_SCRIPTS = ["\u0661", "\uff11", "1e\u0661", "\uff50\uff49", "\U0001d429\U0001d422"]

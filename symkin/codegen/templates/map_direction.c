@@ -1,5 +1,5 @@
 /* Whether the @{values} lead from the reference configuration to the guess, which then has nowhere to go, though the @{out} alone lead
- * elsewhere: sets the numbers y of that configuration, and where its known values are. */
+ * elsewhere: sets the numbers y of a configuration on this way, and where its known values are. */
 static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} guess[@{nout}], @{real} y[@{ny}], @{real} at[@{nto}])
 {
     @{real} other[@{nout}];
@@ -7,10 +7,8 @@ static @{COLD} bool @{f}_stands(const @{real} @{values}[@{nto}], const @{real} g
     if (@{p}_state_of_@{values}(@{values}, y, other) != @{P}_OK) {
         return false;
     }
-    for (int i = 0; i < @{nto}; ++i) {
-        at[i] = @{values}[i];
-    }
 @{away}
+@{stand_at}
     return away2 <= @{stands2};
 }
 

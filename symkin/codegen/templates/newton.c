@@ -84,9 +84,13 @@ static @{p}_status @{k}_newton(@{gp}@{k}_work *w, const @{real} to[@{nto}], cons
             const @{real} reach = size * w->spread;
             far = (reach > @{size2}) ? ((reach > @{ten} * @{size2}) ? 2U : 1U) : 0U;
         } else {
-            /* the last step that judges, also one that is rounding, tells how long the next part is */
-            @{set_quick}
-            limit = ratio2[far][(taken == 1U) ? 0 : (was_fresh ? 1 : 2)] * before;
+            int later = was_fresh ? 1 : 2;
+            if (taken == 1U) {
+                /* every second step, also one that is rounding, tells how long the next part is */
+                @{set_quick}
+                later = 0;
+            }
+            limit = ratio2[far][later] * before;
         }
         bool accepted = (size <= limit) || ((taken > 0U) && (size <= @{still2}));
 @{check_middle}
