@@ -218,7 +218,7 @@ BAD = {
     "loop of no type": (TREE + FORMS["loop"].replace('"revolute"', '"snap"'), "type of closure = 'snap' is unknown; allowed: "),
     "one closing": (TREE + FIXED.format(name="closing_d_1", parent="rod", at="0 0 0"), "'closing_d_2', is missing"),
     "lost link": (TREE + '<link name="u"/>', "<link name='u'>: neither joints nor closures join it to the root link 'ground'"),
-    "macro": (TREE + '<xacro:include filename="x"/>', "line 8: xacro: not XML: unbound prefix"),
+    "macro": (TREE + '<xacro:include filename="x"/>', f"line {TREE.count(chr(10)) + 1}: xacro: not XML: unbound prefix"),
     "unknown": (TREE + '<rope><link name="rod"/></rope>', "<rope> is unknown, and it names links"),
     "empty": ("", "no <link> is found"),
     "within a link": (
