@@ -387,7 +387,7 @@ def report_size(lines: Lines, seed: int, rows: int) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--part", choices=["exact", "noise", "designs", "outliers", "parallel", "time", "size"])

@@ -83,7 +83,7 @@ def judge(options: argparse.Namespace, counts: dict[str, list[int]]) -> None:
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--points", type=int, default=1_000_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--cases", default="", help="parts of names, separated by commas; default: all")

@@ -48,7 +48,7 @@ def commands(path: Path) -> dict[str, tuple[float, float]]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--limbs", type=int, default=6)
     parser.add_argument("--open", type=float, default=0.0)
     options = parser.parse_args()

@@ -28,7 +28,7 @@ from timing import Figure, in_turn
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--starts", type=int, default=2000)
     parser.add_argument("--loop-starts", type=int, default=200, help="starts of the slower loop a repeat")

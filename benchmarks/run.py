@@ -51,7 +51,7 @@ class Known:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the parts that are asked for and print what is worse than allowed."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--parts", default=",".join(PARTS))
     parser.add_argument("--seed", type=int, default=0)

@@ -27,7 +27,7 @@ COMMANDS = {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--repeats", type=int, default=9)
     for name, times in measured(parser.parse_args().repeats).items():
         print(f"{name:24} median {statistics.median(times):.3f} s   min {min(times):.3f}   max {max(times):.3f}")

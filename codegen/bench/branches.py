@@ -148,7 +148,7 @@ def report(names: list[str], count: int, reals: list[str], seed: int, legs: int,
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(STUDIED))
     parser.add_argument("--range", metavar="PART,TURN", help="how far goals lie from home: a part of the size, and rad; or a word of " + ", ".join(RANGES))  # fmt: skip
     parser.add_argument("--count", type=int, default=2000, help="goals a leg (default: 2000)")

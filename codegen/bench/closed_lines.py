@@ -171,7 +171,7 @@ def _poses(reference: Reference, unknown: np.ndarray, given: np.ndarray) -> np.n
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(STUDIED))
     parser.add_argument("--range", metavar="PART,TURN", default="0.3,1.5", help="how far goals lie: a part of the size, and rad")
     parser.add_argument("--count", type=int, default=20000)

@@ -67,7 +67,7 @@ def report(names: list[str], reals: list[RealName], count: int, seed: int) -> st
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(SYSTEMS))
     parser.add_argument("--count", type=int, default=2000, help="random goals for each system (default: 2000)")
     parser.add_argument("--real", choices=("double", "float"), action="append", help="types that are counted (default: double)")

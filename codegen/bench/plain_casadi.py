@@ -135,7 +135,7 @@ class PlainCasadi:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0] if __doc__ else "")
     parser.add_argument("names", nargs="*", default=list(SYSTEMS))
     parser.add_argument("--real", choices=("float", "double"), default="double")
     parser.add_argument("-o", default="casadi_c", metavar="DIR", help="where to write (default: casadi_c)")

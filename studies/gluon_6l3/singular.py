@@ -175,7 +175,7 @@ def draw(arm: symkin.Mechanism, loci: Loci):
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--random", type=int, default=1000, help="random joint values compared (default: 1000)")
     options = parser.parse_args()
     arm = symkin.load("gluon_6l3")

@@ -291,7 +291,7 @@ def report_outside(report: Report) -> None:
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--poses", type=int, default=200, help="random poses compared (default: 200)")
     parser.add_argument("--points", type=int, default=25, help="guesses along each side of the picture (default: 25)")
     options = parser.parse_args()

@@ -213,7 +213,7 @@ def draw(found: list[tuple[Problem, dict[str, Trial], list[Guess]]]):
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0], SEED)
+    parser = options_parser(__doc__.split("\n\n")[0], SEED)
     parser.add_argument("--scale", type=float, default=1.0, help="multiplies all numbers of starts (default: 1)")
     options = parser.parse_args()
     report, found = Report("coverage", "What multistart misses", options.seed), []

@@ -333,7 +333,7 @@ def draw(loci: Loci, loop: Loop):
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     options = parser.parse_args()
     platform = mechanism()
     report = Report("cusp_3rrr", "Planar 3-RRR: cusps of the type 2 locus and a mode-changing path", SEED)

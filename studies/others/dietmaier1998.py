@@ -87,7 +87,7 @@ def report_rounded(report: Report, machine: symkin.Mechanism) -> None:
 
 
 def main() -> None:
-    options = options_parser(__doc__.splitlines()[0]).parse_args()
+    options = options_parser(__doc__.split("\n\n")[0]).parse_args()
     machine = platform()
     report = Report("dietmaier1998", "Stewart-Gough platform with 40 real modes (Dietmaier 1998)")
     found = report_modes(report, machine)

@@ -159,7 +159,7 @@ def caption(mode: Solution) -> str:
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0], SEED)
+    parser = options_parser(__doc__.split("\n\n")[0], SEED)
     parser.add_argument("--arms", choices=("few", "all"), default="few", help="all: random arms too, up to half a minute each")
     parser.add_argument("--poses", type=int, default=20, help="random poses of each arm (default: 20)")
     options = parser.parse_args()

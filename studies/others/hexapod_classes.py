@@ -280,7 +280,7 @@ def draw(counts: dict[IncidenceClass, Count], planar: dict[str, Count]):
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0], SEED)
+    parser = options_parser(__doc__.split("\n\n")[0], SEED)
     parser.add_argument("--geometries", type=int, default=1, help="random geometries of each class (default: 1)")
     parser.add_argument("--named", action="store_true", help="only the seven lists that the names of types stand for")
     options = parser.parse_args()

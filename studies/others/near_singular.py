@@ -234,7 +234,7 @@ def draw_counts(axes, near: list[Step], beyond: list[Step]) -> None:
 
 
 def main() -> None:
-    options = options_parser(__doc__.splitlines()[0], SEED).parse_args()
+    options = options_parser(__doc__.split("\n\n")[0], SEED).parse_args()
     rng = np.random.default_rng(options.seed)
     platform = Platform.random(rng)
     mechanism = platform.mechanism()

@@ -142,7 +142,7 @@ def draw(known: dict[str, int], trials: dict[tuple[str, str], Trial]):
 
 
 def main() -> None:
-    folder = folder_from_arguments(__doc__.splitlines()[0])
+    folder = folder_from_arguments(__doc__.split("\n\n")[0])
     report = Report("solvers", "Multistart with four inner solvers", SEED)
     known, trials = run(report)
     report.finish(draw(known, trials), folder)

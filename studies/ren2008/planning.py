@@ -179,7 +179,7 @@ def draw(at: Chosen, trials: Trials, table: np.ndarray):
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--trials", type=int, default=100, help="experiments at the 24 planned postures (default: 100)")
     arguments = parser.parse_args()
     case = Case(symkin.load("ren2008"), symkin.load("ren2008_true"), SEED)

@@ -108,7 +108,7 @@ def report_suits(report: Report, case: Case) -> None:
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--trials", type=int, default=9, help="experiments of each kind (default: 9)")
     parser.add_argument("--points", type=int, default=31, help="guesses along each side of the picture (default: 31)")
     options = parser.parse_args()

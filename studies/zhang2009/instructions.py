@@ -210,7 +210,7 @@ def committed() -> Counts:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--write", action="store_true", help=f"keep the counts in {COMMITTED.name}")
     measured = counts()
     print(json.dumps(measured, indent=1))

@@ -184,7 +184,7 @@ def draw(platform: symkin.Mechanism, loci: Loci, counts: np.ndarray):
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--grid", type=int, default=40, help="points per side of the grid (default: 40)")
     parser.add_argument("--starts", type=int, default=200, help="random starts of the loci (default: 200)")
     parser.add_argument(

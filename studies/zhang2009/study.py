@@ -294,7 +294,7 @@ def report_outside(report: Report) -> None:
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--guesses", type=int, default=200, help="random guesses for each search (default: 200)")
     parser.add_argument("--points", type=int, default=31, help="guesses along each side of the picture (default: 31)")
     options = parser.parse_args()

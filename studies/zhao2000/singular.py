@@ -268,7 +268,7 @@ def draw(over_pose: Loci, loci: Loci, counts: np.ndarray):
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--grid", type=int, default=20, help="inputs per side that are enumerated (default: 20)")
     parser.add_argument("--starts", type=int, default=200, help="random starts of the loci (default: 200)")
     options = parser.parse_args()

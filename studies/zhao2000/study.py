@@ -277,7 +277,7 @@ def report_outside(report: Report) -> None:
 
 
 def main() -> None:
-    parser = options_parser(__doc__.splitlines()[0])
+    parser = options_parser(__doc__.split("\n\n")[0])
     parser.add_argument("--guesses", type=int, default=300, help="random guesses for each solver (default: 300)")
     parser.add_argument("--points", type=int, default=41, help="guesses along each side of the picture (default: 41)")
     options = parser.parse_args()

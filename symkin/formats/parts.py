@@ -155,7 +155,8 @@ def parts_from(text: str, where: str) -> Parts:
 
 def _entry(*values: object) -> str:
     """Names and numbers with strokes between them."""
-    return " | ".join(value if isinstance(value, str) else repr(float(value) + 0.0) for value in values)  # type: ignore[arg-type]
+    texts = [v if isinstance(v, str) else repr(float(v) + 0.0) for v in values]  # type: ignore[arg-type]
+    return " | ".join(texts)
 
 
 def _points(entries: Sequence[str], where: str) -> Iterator[LinkPoint]:

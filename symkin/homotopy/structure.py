@@ -205,7 +205,8 @@ def _system(kinds: tuple[str, ...], terms: Terms) -> AlgebraicSystem:
     count = 1 + max(number for row in terms for _, number, _ in row)
     k, phi = ca.SX.sym("k", count), _products(z, kinds)
     rows = [sum((sign * k[number] * phi[m] for m, number, sign in row), ca.SX(0)) for row in terms]
-    unknowns = tuple(Coordinate(f"z{j}", kind, "passive", (0.0,)) for j, kind in enumerate(kinds, start=1))  # type: ignore[arg-type]
+    numbered = enumerate(kinds, start=1)
+    unknowns = tuple(Coordinate(f"z{j}", kind, "passive", (0.0,)) for j, kind in numbered)  # type: ignore[arg-type]
     return AlgebraicSystem(1.0, unknowns, z, k, ca.vertcat(*rows), ())
 
 

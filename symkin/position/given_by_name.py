@@ -41,7 +41,8 @@ def given_by_name(mechanism: Mechanism, values: Values) -> Given:
     clash = sorted(set(names) & set(POSE_CONDITIONS)) if whole is not None else []
     if clash:
         raise InputError(f"given: the whole pose and {', '.join(clash)} beside it; give one or the other")
-    echo: dict[str, Any] = {name: float(v) for name, v in values.items() if name != "pose" or whole is None}  # type: ignore[arg-type]
+    single = {name: v for name, v in values.items() if name != "pose" or whole is None}
+    echo: dict[str, Any] = {name: float(v) for name, v in single.items()}  # type: ignore[arg-type]
     if whole is not None:
         return replace(whole, kind="given", values=np.array(numbers), names=tuple(names), echo=whole.echo | echo)
     return Given("given", np.array(numbers), echo, tuple(names))
@@ -175,7 +176,8 @@ def has_columns(given: Any) -> bool:
 
 def _rows(given: Columns) -> list[dict[str, Any]]:
     """Values by name of each input; one value is that of all. Raises InputError for columns of different lengths."""
-    lengths = {name: len(value) for name, value in given.items() if np.ndim(value) > (name == "pose")}  # type: ignore[arg-type]
+    columns = {name: value for name, value in given.items() if np.ndim(value) > (name == "pose")}
+    lengths = {name: len(value) for name, value in columns.items()}  # type: ignore[arg-type]
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise InputError(f"given: the columns have different counts of values ({told}); each needs one an input")

@@ -444,7 +444,7 @@ def run(name: str, size: float, ways: Sequence[str], folder: Path) -> tuple[int,
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--machines", default=",".join(MACHINES))
     parser.add_argument("--sizes", default="1e-6,1,1e3")
     parser.add_argument("--ways", default="default,continuation,multistart")

@@ -37,7 +37,7 @@ _STATES = ("read", "open", "refused", "timed out", "crashed", "read otherwise")
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--modes", action="store_true", help="list the modes at the reference's actuated values, too")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all that is found into a file")

@@ -32,7 +32,7 @@ LIMBS = ("SPS", "uRR", "RUC", "hS", "pUS", "CU", "rRS", "RRrRR", "SUp")
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
