@@ -176,8 +176,8 @@ def has_columns(given: Any) -> bool:
 
 def _rows(given: Columns) -> list[dict[str, Any]]:
     """Values by name of each input; one value is that of all. Raises InputError for columns of different lengths."""
-    columns = {name: value for name, value in given.items() if np.ndim(value) > (name == "pose")}
-    lengths = {name: len(value) for name, value in columns.items()}  # type: ignore[arg-type]
+    several = {name: value for name, value in given.items() if np.ndim(value) > (name == "pose")}
+    lengths = {name: len(value) for name, value in several.items()}  # type: ignore[arg-type]
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{name} {length}" for name, length in lengths.items())
         raise InputError(f"given: the columns have different counts of values ({told}); each needs one an input")
