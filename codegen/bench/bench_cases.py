@@ -17,6 +17,7 @@ from symkin.spatial.rotation import multiply
 
 HOME = (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)
 """Home of the platform whose singular reference asks for one, as in generate.py."""
+HOMES = {"zhang2009": HOME}
 
 
 vectors_of = lru_cache(maxsize=8)(build_vectors)

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from asked import STATUSES
-from bench_cases import HOME
+from bench_cases import HOMES
 from goals import MIDDLE, SMALL, WIDEST, Reach
 from lines import Lines, Outcome
 from readme import written
@@ -36,7 +36,6 @@ SHIPPED = ("zhang2009", "ren2008", "zhao2000", "zhao2000_links", "delta")
 STUDIED = (*SHIPPED, *(str(_MACHINES / f"{name}.toml") for name in (
     "five_bar", "three_rrr", "three_rpr", "three_rps", "linear_delta", "orthoglide", "six_rss", "hexaglide",
 )))  # fmt: skip
-HOMES = {"zhang2009": HOME}
 RANGES = {"small": SMALL, "middle": MIDDLE, "widest": WIDEST}
 _BATCH = 4096
 LETTERS = "OMSNRW"

@@ -26,6 +26,7 @@ import numpy as np
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 
 import symkin
+from bench_cases import HOMES
 from campaigns.random_files import random_file, to_toml
 from campaigns.random_graphs import Drawing
 from oracle import plain_graph
@@ -54,7 +55,6 @@ LOOPS = {
     "goldberg": (("input", "q_pin"), ("output", "p4_pin", "w_pin")),
 }
 """Loops of a graph that are written as two limbs: which joints each has, from the base on."""
-HOMES = {"zhang2009": (0.0, 0.0, 420.0, 1.0, 0.0, 0.0, 0.0)}
 CLOSES = {"float": 4e-5, "double": 4e-6}
 """Largest closure error of an OK, over the size: 1e-6, or 64 roundings, of each row, a few of which add up in rows written otherwise."""
 OWN_TEST = "own test fails"

@@ -9,7 +9,7 @@ import argparse
 import subprocess
 from pathlib import Path
 
-from bench_cases import HOME
+from bench_cases import HOMES
 from harness import Harness, harness_of
 from processors import BOARDS, COMMON, measure
 from readme import written
@@ -34,7 +34,7 @@ def report() -> str:
     """Lines of the table."""
     lines = ["| float, M4F | bytes of all functions, -O2 | -Os | instructions at -O2, mean |", "|---|---|---|---|"]
     for source in MACHINES:
-        home = HOME if source == "zhang2009" else None
+        home = HOMES.get(source)
         for compact in (False, True):
             title = Path(source).stem + (", `--compact`" if compact else "")
             try:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bench_cases import HOME
+from bench_cases import HOMES
 from branches import LETTERS, RANGES, statuses
 from lines import Lines
 from symkin.codegen.operation_bound import Bound
@@ -70,9 +70,8 @@ class Figures:
 def found(machine: str, real: str) -> Figures:
     """The figures of one machine's C as it is written now; maps between joints have no lines to ask for."""
     given, find = _MAPS.get(machine, ((), ()))
-    home = HOME if machine == "zhang2009" else None
     source = machine if machine not in _BENCH else str(BENCH / "machines" / f"{machine}.toml")
-    lines = Lines(load(source), Options(real, home=home, given=given, find=find))  # type: ignore[arg-type]
+    lines = Lines(load(source), Options(real, home=HOMES.get(machine), given=given, find=find))  # type: ignore[arg-type]
     ranges = {} if given else RANGES
     return Figures(
         {function: _row(bound) for function, bound in lines.asked.program.worst.usual.items()},

@@ -26,7 +26,7 @@ import casadi as ca
 import numpy as np
 
 import symkin
-from bench_cases import HOME
+from bench_cases import HOMES
 from symkin.codegen.options import Options
 from symkin.codegen.program import Program, build_program
 from symkin.formats.load import load
@@ -36,7 +36,6 @@ from symkin.position.problem import Problem, build_problem
 
 RealName = Literal["float", "double"]
 SYSTEMS = ("zhang2009", "ren2008", "zhao2000", "gluon_6l3", "yao2020")
-HOMES = {"zhang2009": HOME}
 MAX_STEPS = 100
 """As many as symkin's C takes at most; CasADi's default is 1000."""
 

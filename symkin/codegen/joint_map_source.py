@@ -328,11 +328,7 @@ class JointMapSource:
         k, kind, name = f"{self.name}_{direction.name}", self.real.type, self.name
         wanted = self._wanted(direction)
         known, n, literal = direction.known, len(direction.known), self.real.literal
-        begin = [
-            f"w.at[{i}] = {self.numbers.turned(c, at, near) if c.kind == 'angle' else at};"
-            for i, c in enumerate(known)
-            for at, near in [(f"at[{i}]", f"{values}[{i}]")]
-        ]
+        begin = [f"w.at[{i}] = {self._nearest(c, f'at[{i}]', f'{values}[{i}]')};" for i, c in enumerate(known)]
         copies = self.numbers.copies("w.x", direction.unknown)
         closed = self._closed.get(direction.name)
         if closed is None:
@@ -351,24 +347,19 @@ class JointMapSource:
             f"change2 += {literal(w * w)} * (result[{i}] - {out}[{i}]) * (result[{i}] - {out}[{i}]);"
             for i, w in enumerate(weights)
         ]
-        others = [
-            self.numbers.turned(c, f"other[{i}]", f"guess[{i}]") if c.kind == "angle" else f"other[{i}]"
-            for i, c in enumerate(wanted)
-        ]
-        away = [
-            line
-            for i, (w, text) in enumerate(zip(weights, others, strict=True))
-            for line in (f"const {kind} way{i} = {literal(w)} * ({text} - guess[{i}]);", f"away2 += way{i} * way{i};")
-        ]
-        # formulas tell an answer anywhere, so that the line to it begins at the reference
-        stand_at = [f"for (int i = 0; i < {n}; ++i) {{", f"    at[i] = {values}[i];", "}"]
+        away = []
+        for i, (w, c) in enumerate(zip(weights, wanted, strict=True)):
+            away += [
+                f"const {kind} way{i} = {literal(w)} * ({self._nearest(c, f'other[{i}]', f'guess[{i}]')} - guess[{i}]);",
+                f"away2 += way{i} * way{i};",
+            ]
+        stand_at = [f"for (int i = 0; i < {n}; ++i) {{", f"    at[i] = {values if closed is None else 'home'}[i];", "}"]
         if closed is not None:
+            # formulas tell an answer anywhere, so that the line to it begins at the reference
             home = ", ".join(literal(float(v)) for v in self.made.reference_of(known))
             stand_at = [
                 f"static const {kind} home[{n}] = {{ {home} }};",
-                f"for (int i = 0; i < {n}; ++i) {{",
-                "    at[i] = home[i];",
-                "}",
+                *stand_at,
                 f"(void){name}_state_of_{values}(home, y, other);",
             ]
         stands = max(_GUESSED, _GUESS_ROUNDINGS * self.real.epsilon) * self.made.size
@@ -384,6 +375,10 @@ class JointMapSource:
             "blame_result": indent([f"if (status == {name.upper()}_OUT_OF_RANGE) {{", f"    {name}_blame(info, result);", "}"], 2) if out == "joints" else "",
             "change": indent(change, 2), "away": indent(away), "stand_at": indent(stand_at), "stands2": literal(stands**2), "track2": literal((self.made.size / _TRACKED) ** 2), **self._step(direction),
         })  # fmt: skip
+
+    def _nearest(self, c: Coordinate, value: str, near: str) -> str:
+        """C of a value; of an angle's, the one of its whole turns that is nearest to another value."""
+        return self.numbers.turned(c, value, near) if c.kind == "angle" else value
 
     def _passive_call(self, direction: Direction) -> str:
         """Statements that hold passive joints of an answer against their limits."""

@@ -278,9 +278,7 @@ class LimbPlatform:
         if not self.samples:
             raise InputError(f"{self.name}: no closed configurations were found near the reference; nothing to generate")
         for sample in self.samples[:_CHECKED]:
-            matrix = self.direct_kernel.matrix(*self.direct_state(sample.values), self.geometry.values)
-            singular = np.linalg.svd(matrix, compute_uv=False)
-            if matrix.shape[0] < matrix.shape[1] or singular[-1] < _SINGULAR * singular[0]:
+            if self.direct_kernel.is_wide or self._is_singular(sample.values):
                 raise InputError(
                     f"{self.name}: locking the actuated joints does not fix the platform near the reference "
                     "(`symkin show` prints mobility and rank); nothing to generate"
@@ -292,13 +290,17 @@ class LimbPlatform:
         """Raises InputError where the direct problem is singular at the reference, from which vectors and home begin."""
         values, problem = self.closure.reference, self.direct
         gap = problem.system.residual(*(values[places] for places in (problem.unknown_places, problem.known_places)))
-        matrix = self.direct_kernel.matrix(*self.direct_state(values), self.geometry.values)
-        singular = np.linalg.svd(matrix, compute_uv=False)
-        if gap <= CLOSURE_TOLERANCE * self.closure.characteristic_length and singular[-1] < _SINGULAR * singular[0]:
+        if gap <= CLOSURE_TOLERANCE * self.closure.characteristic_length and self._is_singular(values):
             raise InputError(
                 f"{self.name}: the reference configuration is singular for the joints {', '.join(c.name for c in self.actuated)}: "
                 "locked there, they do not hold the platform; give the file another reference"
             )
+
+    def _is_singular(self, values: np.ndarray) -> bool:
+        """Whether locked actuated joints leave the platform free at a configuration."""
+        matrix = self.direct_kernel.matrix(*self.direct_state(values), self.geometry.values)
+        singular = np.linalg.svd(matrix, compute_uv=False)
+        return bool(singular[-1] < _SINGULAR * singular[0])
 
     def _check_independent_joints(self) -> None:
         """Raises InputError where actuated joints are more than the freedoms that they move."""

@@ -30,11 +30,12 @@ Work = Callable[[Any, Callable[[Any], None]], None]
 @dataclass
 class Ended:
     """A task with what its process sent, and why the process came to no end of its own (None where
-    it did)."""
+    it did); `late` where that is its limit."""
 
     task: Any
     sent: list[Any] = field(default_factory=list)
     fault: str | None = None
+    late: bool = False
 
 
 class _Child:
@@ -67,7 +68,8 @@ class _Child:
         self.process.join()
         self.pipe.close()
         code = self.process.exitcode
-        if late or code in (-signal.SIGXCPU, -signal.SIGKILL):
+        self.ended.late = late or code in (-signal.SIGXCPU, -signal.SIGKILL)
+        if self.ended.late:
             self.ended.fault = f"no end within {self.limit_s:g} s of processor time"
         elif code:
             self.ended.fault = f"the process ended with {code}"

@@ -13,28 +13,24 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
-import multiprocessing
 import os
-import resource
-import signal
 import sys
 import tempfile
 import time
 import traceback
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import asdict
-from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from campaigns.children import Ended, Work, run_each
+
 KINDS = ("traceback", "lost mode", "wrong answer", "timeout", "crash")
 COMPILED_SHARE, SWEPT_SHARE = 10, 12
 """One mechanism in so many has its C compiled, or is swept."""
-WALL = 30
-"""A process that takes so many times its CPU limit by the clock is ended."""
 NOTHING: dict[str, Any] = {"statuses": {}, "times": {}, "refusals": [], "compared": 0, "sampled": 0}
 """What a mechanism without an answer adds to the counts."""
 
@@ -65,17 +61,12 @@ def run_all(
     wanted = [i for i in (range(count) if only is None else only) if i not in kept]
 
     found = dict(kept)
-    running: list[Child] = []
-    while wanted or running:
-        while wanted and len(running) < max(1, workers):
-            running.append(Child(folder, seed, wanted.pop(0), limit))
-        for child in ended(running):
-            running.remove(child)
-            result = child.result()
-            (folder / f"result_{seed}_{child.index}.json").write_text(json.dumps(result))
-            found[child.index] = result
-            for finding in result["findings"]:
-                print(f"{finding['kind']}: {finding['text']}\n    {finding['command']}", flush=True)
+    for ended in run_each(wanted, _work(folder, seed), max(1, workers), limit):
+        result = _result(ended, limit)
+        (folder / f"result_{seed}_{ended.task}.json").write_text(json.dumps(result))
+        found[ended.task] = result
+        for finding in result["findings"]:
+            print(f"{finding['kind']}: {finding['text']}\n    {finding['command']}", flush=True)
     return [found[i] for i in sorted(found) if only is not None or i < count]
 
 
@@ -94,83 +85,38 @@ def kept_results(folder: Path, seed: int) -> dict[int, dict[str, Any]]:
     return {r["index"]: r for r in results}
 
 
-class Child:
-    """The process of one mechanism, which the system ends after `limit` seconds of CPU."""
-
-    def __init__(self, folder: Path, seed: int, index: int, limit: float) -> None:
-        self.index, self.limit = index, limit
-        self.stage, self.answer = "making the file", None
-        context = multiprocessing.get_context("fork")
-        self.pipe, theirs = context.Pipe(duplex=False)
-        self.process = context.Process(target=_child, args=(theirs, folder, seed, index, limit))
-        self.process.start()
-        theirs.close()
-        self.stop = time.perf_counter() + WALL * limit
-
-    def read(self) -> None:
-        """Take what the process has sent: the command that it runs, or its answer."""
-        try:
-            while self.answer is None and self.pipe.poll():
-                message = self.pipe.recv()
-                if isinstance(message, str):
-                    self.stage = message
-                else:
-                    self.answer = message
-        except EOFError:
-            pass
-
-    def result(self) -> dict[str, Any]:
-        """Its answer, or that it has none."""
-        stuck = self.answer is None and self.process.is_alive()
-        if stuck:
-            self.process.kill()
-        self.process.join()
-        self.pipe.close()
-        if self.answer is not None:
-            return self.answer | {"index": self.index}
-        late = stuck or self.process.exitcode == -signal.SIGXCPU
-        text = f"no end within {self.limit:g} s of CPU" if late else f"the process ended with {self.process.exitcode}"
-        finding = {"kind": "timeout" if late else "crash", "text": text, "command": self.stage}
-        return NOTHING | {"findings": [finding], "seconds": self.limit, "index": self.index}
-
-
-def ended(running: list[Child]) -> list[Child]:
-    """Processes that have answered, ended, or are past their time; waits until there may be one."""
-    wait([part for child in running for part in (child.pipe, child.process.sentinel)], timeout=5.0)
-    for child in running:
-        child.read()
-    return [c for c in running if c.answer is not None or not c.process.is_alive() or time.perf_counter() > c.stop]
-
-
-def _child(pipe: Any, folder: Path, seed: int, index: int, limit: float) -> None:
-    resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(limit), math.ceil(limit) + 5))
+def _work(folder: Path, seed: int) -> Work:
+    """What a process does with the mechanism of an index: it sends the command that it runs, then its answer."""
     import numpy as np
 
     from campaigns.random_files import random_file
     from oracle.mechanism_checks import Checks
 
-    file = folder / f"m_{seed}_{index}.toml"
-    checks = None
-    try:
-        data = random_file(np.random.default_rng([seed, index]))
-        checks = Checks(
-            file,
-            data,
-            (seed, index, 1),
-            index % COMPILED_SHARE == 0,
-            index % SWEPT_SHARE == 0,
-            stage=lambda text: pipe.send(text),
-        )
-        checks.all()
-        findings = [asdict(f) for f in checks.findings]
-    except BaseException:
-        findings = [asdict(f) for f in checks.findings] if checks else []
-        findings.append({"kind": "crash", "text": "the benchmark: " + traceback.format_exc()[-900:], "command": str(file)})
-    about = {"statuses": {}, "times": {}, "refusals": [], "compared": 0, "sampled": 0}
-    if checks is not None:
-        about = {key: getattr(checks, key) for key in about}
-    pipe.send({"findings": findings, **about, "seconds": time.process_time()})
-    pipe.close()
+    def work(index: int, send: Callable[[Any], None]) -> None:
+        file = folder / f"m_{seed}_{index}.toml"
+        checks = None
+        try:
+            data = random_file(np.random.default_rng([seed, index]))
+            numbers = (seed, index, 1)
+            checks = Checks(file, data, numbers, index % COMPILED_SHARE == 0, index % SWEPT_SHARE == 0, stage=send)
+            checks.all()
+            findings = [asdict(f) for f in checks.findings]
+        except BaseException:
+            findings = [asdict(f) for f in checks.findings] if checks else []
+            findings.append({"kind": "crash", "text": "the benchmark: " + traceback.format_exc()[-900:], "command": str(file)})
+        about = NOTHING if checks is None else {key: getattr(checks, key) for key in NOTHING}
+        send({"findings": findings, **about, "seconds": time.process_time()})
+
+    return work
+
+
+def _result(ended: Ended, limit: float) -> dict[str, Any]:
+    """The answer of a process, or that it has none."""
+    last = ended.sent[-1] if ended.sent else "making the file"
+    if isinstance(last, dict):
+        return last | {"index": ended.task}
+    finding = {"kind": "timeout" if ended.late else "crash", "text": str(ended.fault), "command": last}
+    return NOTHING | {"findings": [finding], "seconds": limit, "index": ended.task}
 
 
 def report(results: list[dict[str, Any]], seed: int, folder: Path, *, refusals: bool = False) -> str:

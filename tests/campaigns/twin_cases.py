@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from twin_oracle import (
+
+from campaigns.twin_oracle import (
     FAMILIES,
     ROOT,
     SMALL,

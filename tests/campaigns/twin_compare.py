@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from twin_oracle import rotation
+
+from campaigns.twin_oracle import rotation
 
 REGULAR_MODE, MULTIPLE_MODE = 1e-8, 1e-4
 """Differences of features (of the size, or rad) below which two modes are one: regular ones, and

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from twin_compare import Difference, slack
-from twin_oracle import CLOSED, REGULAR, SAME, Oracle, numbers_only, oracle_of
+
+from campaigns.twin_compare import Difference, slack
+from campaigns.twin_oracle import CLOSED, REGULAR, SAME, Oracle, numbers_only, oracle_of
 
 STARTS = 600
 STRENGTH = {"proved": 3, "probability one": 2, "incomplete": 1, "sampled": 0}
@@ -241,7 +242,7 @@ def _judge_mobility(difference: Difference, oracle: Oracle) -> Verdict:
 
 
 def _judge_rank(difference: Difference, oracle: Oracle) -> Verdict:
-    from twin_rank import rank_of
+    from campaigns.twin_rank import rank_of
 
     case = difference.case or {}
     names = [side["parameters"] for side in (difference.old, difference.new)]

@@ -8,26 +8,21 @@ machines that are made by them.
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
+from campaigns.random_files import random_file, to_toml
+from campaigns.random_graphs import FAMILIES, SMALL, Drawing, chosen_values
+from helpers.random_graphs import random_graph
+from oracle import plain_graph as graphs
+from oracle import plain_search as search
+from oracle.plain_closure import PlainMechanism, matrix_quaternion, quaternion_matrix
+from oracle.plain_graph_file import Reader, number
+
 ROOT = Path(__file__).resolve().parents[2]
-_FOLDERS = ("benchmarks", "tests/oracle", "tests/campaigns", "tests")
-"""Where the independent closures and the random machines may stand."""
-sys.path[:0] = [str(ROOT / folder) for folder in _FOLDERS]
-
-import plain_graph as graphs  # noqa: E402
-import plain_search as search  # noqa: E402
-from plain_closure import PlainMechanism, matrix_quaternion, quaternion_matrix  # noqa: E402
-from plain_graph_file import Reader, number  # noqa: E402
-from random_files import random_file, to_toml  # noqa: E402
-from random_graphs import FAMILIES, SMALL, Drawing, chosen_values  # noqa: E402
-
-from helpers.random_graphs import random_graph  # noqa: E402
 
 __all__ = [
     "FAMILIES",

@@ -13,7 +13,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from twin_oracle import Limbs, Links, graphs, numbers_only, oracle_of, rotation
+
+from campaigns.twin_oracle import Limbs, Links, graphs, numbers_only, oracle_of, rotation
 
 STEP = 1e-5
 """Step of the differences, of the size for lengths and in rad for angles and directions."""

@@ -31,6 +31,7 @@ from typing import Any
 FORMAT = 1
 HERE = Path(__file__).resolve()
 ROOT = HERE.parents[2]
+sys.path.insert(0, str(HERE.parents[1]))
 PRINTED = 2
 """Differences of one machine that are printed of each kind and verdict; of more, their number."""
 LIMIT_S = 40.0
@@ -73,8 +74,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def write(options: argparse.Namespace) -> int:
     """Ask all machines and write the file, sorted by name."""
-    from children import run_each
-    from twin_answers import answers
+    from campaigns.children import run_each
+    from campaigns.twin_answers import answers
 
     begin = time.monotonic()
     preload(options.package)
@@ -122,7 +123,7 @@ def machine_names(options: argparse.Namespace) -> list[str]:
     if options.like:
         names = list(json.loads(options.like.read_text(encoding="utf-8"))["machines"])
     else:
-        from twin_cases import random_name, shipped
+        from campaigns.twin_cases import random_name, shipped
 
         names = [*shipped(), *(random_name(options.seed, k) for k in range(options.count))]
     return chosen(names, options.only)
@@ -134,7 +135,7 @@ def chosen(names: Sequence[str], only: Sequence[str]) -> list[str]:
 
 
 def _asked_of(seed: int) -> Any:
-    from twin_cases import make_case, text_of
+    from campaigns.twin_cases import make_case, text_of
 
     return lambda name: make_case(name, text_of(name), seed)
 
@@ -174,8 +175,8 @@ class Journal:
 
 def compare(old: Path, new: Path, only: Sequence[str] = ()) -> int:
     """Print the differences of two files, each with who is right; 1 where there are some."""
-    from twin_compare import differences
-    from twin_judge import judged
+    from campaigns.twin_compare import differences
+    from campaigns.twin_judge import judged
 
     files = [json.loads(path.read_text(encoding="utf-8"))["machines"] for path in (old, new)]
     verdicts: Counter[str] = Counter()

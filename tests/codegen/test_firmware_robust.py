@@ -118,7 +118,12 @@ def test_all_near_goals_are_ok():
     tools.compiler("gcc")
     branches = tools.bench_module("branches")
     near = branches.study(
-        load("zhang2009"), Options("float", home=branches.HOME), 200, branches.Reach(60.0 / 531.2592, 0.25), seed=5, folds=False
+        load("zhang2009"),
+        Options("float", home=branches.HOMES["zhang2009"]),
+        200,
+        branches.Reach(60.0 / 531.2592, 0.25),
+        seed=5,
+        folds=False,
     )
     assert near.ok == 200
     assert near.wrong == 0

@@ -1,11 +1,6 @@
 """The file of ratios knows every part, and a ratio that is worse than allowed is told in a sentence."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
 
 import run
 from run import Known, ratios_text, read_ratios, report

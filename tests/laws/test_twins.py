@@ -1,19 +1,15 @@
 """Twins find what differs between two checkouts, and the third method says who is right; a child that hangs or crashes ends alone."""
 
 import copy
-import sys
-from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).resolve().parents[1] / "campaigns"))
-
-from children import run_each
-from twin_answers import answers
-from twin_cases import make_case, text_of
-from twin_compare import differences
-from twin_judge import judged
-from twin_oracle import numbers_only
+from campaigns.children import run_each
+from campaigns.twin_answers import answers
+from campaigns.twin_cases import make_case, text_of
+from campaigns.twin_compare import differences
+from campaigns.twin_judge import judged
+from campaigns.twin_oracle import numbers_only
 
 
 def work(task, send):
